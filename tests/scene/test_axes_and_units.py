@@ -51,6 +51,21 @@ def test_a_house_that_lies_on_its_side_is_put_upright(tmp_path: Path) -> None:
     np.testing.assert_allclose(lying.upper_m[2], 6)
 
 
+def test_land_that_lies_on_its_side_is_put_upright(tmp_path: Path) -> None:
+    """Hills have no floor: they are known as a sheet that faces up, along either axis."""
+    x, y = np.meshgrid(np.linspace(0.0, 200.0, 21), np.linspace(0.0, 200.0, 21))
+    hills = np.stack([x, 9.0 + 9.0 * np.sin(0.1 * x) * np.cos(0.07 * y), -y], axis=-1)
+    first = (21 * np.arange(20)[:, None] + np.arange(20)).ravel()
+    faces = np.concatenate(
+        [first[:, None] + [0, 1, 21], first[:, None] + [1, 22, 21]],
+    )
+    land = trimesh.Trimesh(hills.reshape(-1, 3), faces, process=False)
+    for matrix, up in ((AS_IT_IS, "y"), (Z_UP, "z")):
+        scene = load_scene(_write(tmp_path / "land.obj", land, matrix=matrix))
+        assert scene.placement.up == up
+        assert scene.upper_m[1] - scene.lower_m[1] == pytest.approx(18.0, abs=0.5)
+
+
 def test_a_room_open_to_its_front_stays_upright(tmp_path: Path) -> None:
     """A back wall is no floor where there is a floor: Cornell's box stands as it is."""
     box = trimesh.creation.box(bounds=[[0, 0, 0], [3, 3, 3]])

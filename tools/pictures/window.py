@@ -98,8 +98,8 @@ def pavilion(posed: PosedWindow) -> Image.Image:
     posed.window.show_dock("module clouds")
     posed.open(PAVILION)
     # Clouds are made on a thread, and drawn when they are there.
-    posed.until(lambda: posed.session.last(CloudsChanged) is not None)
-    posed.finish()
+    posed.until(lambda: (told := posed.session.last(CloudsChanged)) is not None and told.layers)
+    posed.finish(anew=True)
     return Image.fromarray(seen(posed.window))
 
 
