@@ -62,6 +62,7 @@ class ExportPanel(QWidget):
         self.day.clicked.connect(self._ask_for_day)
         self.cancel.clicked.connect(self.stop)
         self.light.clicked.connect(self._show_light_hours)
+        self.kind.currentTextChanged.connect(lambda _: self._show_kind())
         for field in (self.first, self.last):
             field.refused.connect(session.problem)
             field.time_typed.connect(lambda _: self._show_count())
@@ -126,7 +127,8 @@ class ExportPanel(QWidget):
         self.kind = Chooser()
         self.kind.setAccessibleName("kind of file of a day")
         self.kind.addItems(list(_KINDS))
-        self.day = QPushButton("Pictures of the day\N{HORIZONTAL ELLIPSIS}")
+        self.day = QPushButton()
+        self._show_kind()
         self.day.setToolTip(
             "Files that carry their hour in the name, or a film; the window goes on"
         )
@@ -183,12 +185,22 @@ class ExportPanel(QWidget):
 
     # --- files -------------------------------------------------------------------------------
 
+    @property
+    def _suffix(self) -> str:
+        return _KINDS[self.kind.currentText()]
+
+    def _show_kind(self) -> None:
+        made = "Film" if self._suffix in FILM_FORMATS else "Pictures"
+        self.day.setText(f"{made} of the day\N{HORIZONTAL ELLIPSIS}")
+
     def _ask_for_day(self) -> None:
-        day, suffix = self._scout.day, _KINDS[self.kind.currentText()]
+        day, suffix = self._scout.day, self._suffix
         if day is None:
             return
         name = f"{scene_and_place(self._session)} {day.start.astimezone(day.zone):%Y-%m-%d}"
-        path = self._new_name("Pictures of the day", name + suffix, f"Files (*{suffix})")
+        path = self._new_name(
+            self.day.text().rstrip("\N{HORIZONTAL ELLIPSIS}"), name + suffix, f"Files (*{suffix})"
+        )
         if path:
             self.start(path if Path(path).suffix else path + suffix)
 
