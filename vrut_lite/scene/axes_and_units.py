@@ -42,13 +42,14 @@ def guess_up(placed: list[PlacedMesh]) -> UpAxis:
 def _is_land(placed: list[PlacedMesh], extent: NDArray[np.float64]) -> bool:
     """Whether it is one low sheet over the plane of x and y, all of it facing the same way."""
     areas = []
-    for place in placed:
-        every = -(-len(place.mesh.faces) // _SAMPLED_FACES)
-        a, b, c = (place.mesh.vertices[corner] for corner in place.mesh.faces[::every].T)
-        (bx, by), (cx, cy) = (b - a).T[:2], (c - a).T[:2]
-        areas.append((bx * cy - by * cx) * every / 2)
-    across = np.concatenate(areas)
-    faces_up, covered = abs(across.sum()), np.abs(across).sum()
+    with np.errstate(over="ignore", invalid="ignore"):
+        for place in placed:
+            every = len(place.mesh.faces) // _SAMPLED_FACES + 1
+            a, b, c = (place.mesh.vertices[corner] for corner in place.mesh.faces[::every].T)
+            (bx, by), (cx, cy) = (b - a).T[:2], (c - a).T[:2]
+            areas.append((bx * cy - by * cx) * every / 2)
+        across = np.concatenate(areas)
+        faces_up, covered = abs(across.sum()), np.abs(across).sum()
     is_low = extent[2] <= _LOW * min(extent[:2])
     return bool(is_low and faces_up >= max(_ONE_WAY * covered, _LAND * extent[0] * extent[1]))
 
