@@ -55,19 +55,20 @@ class ExportPanel(QWidget):
         self._session, self._scout = session, scout
         self._open_workers = open_workers
         self.sequence: DaySequence | None = None
+        self._hours_typed = False
         self._make_parts()
         self._lay_out()
         self._show_running(False)
         self.picture.clicked.connect(self.ask_for_picture)
         self.day.clicked.connect(self._ask_for_day)
         self.cancel.clicked.connect(self.stop)
-        self.light.clicked.connect(self._show_light_hours)
+        self.light.clicked.connect(self._take_light_hours)
         self.kind.currentTextChanged.connect(lambda _: self._show_kind())
         for field in (self.first, self.last):
             field.refused.connect(session.problem)
-            field.time_typed.connect(lambda _: self._show_count())
+            field.time_typed.connect(lambda _: self._keep_hours())
         self.step_minutes.valueChanged.connect(lambda _: self._show_count())
-        scout.day_changed.connect(lambda _: self._show_light_hours())
+        scout.day_changed.connect(lambda _: self._show_day())
         session.ended.connect(self.stop)
 
     def export(self, path: str) -> None:
@@ -167,6 +168,21 @@ class ExportPanel(QWidget):
     def _instants(self, day: Day) -> list[datetime]:
         step = timedelta(minutes=self.step_minutes.value())
         return instants_of(day, step, _instant(day, self.first.time), _instant(day, self.last.time))
+
+    def _keep_hours(self) -> None:
+        """Hours that were typed hold for other days and places too."""
+        self._hours_typed = True
+        self._show_count()
+
+    def _take_light_hours(self) -> None:
+        self._hours_typed = False
+        self._show_light_hours()
+
+    def _show_day(self) -> None:
+        if self._hours_typed:
+            self._show_count()
+        else:
+            self._show_light_hours()
 
     def _show_light_hours(self) -> None:
         """From civil dawn to civil dusk, or the whole day where either is missing."""
