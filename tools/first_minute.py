@@ -57,10 +57,10 @@ def main() -> None:
     from vrut_lite.app.window.main_window import MainWindow
     from vrut_lite.daylight.light_map import SurfaceLightChanged
     from vrut_lite.daylight.scene import SceneOpened
-    from vrut_lite.project import load_project
+    from vrut_lite.project import project_of_path
 
     scenes = Path(__file__).resolve().parents[1] / "scenes"
-    project = load_project(sys.argv[1] if len(sys.argv) > 1 else scenes / "street.toml")
+    project = project_of_path(sys.argv[1] if len(sys.argv) > 1 else str(scenes / "street.toml"))
     watch.step("the window's code is imported")
     app = QApplication([])
     apply_theme(app)

@@ -51,6 +51,21 @@ def test_a_house_that_lies_on_its_side_is_put_upright(tmp_path: Path) -> None:
     np.testing.assert_allclose(lying.upper_m[2], 6)
 
 
+def test_land_that_lies_on_its_side_is_put_upright(tmp_path: Path) -> None:
+    """Hills have no floor: they are known as a sheet that faces up, along either axis."""
+    x, y = np.meshgrid(np.linspace(0.0, 200.0, 21), np.linspace(0.0, 200.0, 21))
+    hills = np.stack([x, 9.0 + 9.0 * np.sin(0.1 * x) * np.cos(0.07 * y), -y], axis=-1)
+    first = (21 * np.arange(20)[:, None] + np.arange(20)).ravel()
+    faces = np.concatenate(
+        [first[:, None] + [0, 1, 21], first[:, None] + [1, 22, 21]],
+    )
+    land = trimesh.Trimesh(hills.reshape(-1, 3), faces, process=False)
+    for matrix, up in ((AS_IT_IS, "y"), (Z_UP, "z")):
+        scene = load_scene(_write(tmp_path / "land.obj", land, matrix=matrix))
+        assert scene.placement.up == up
+        assert scene.upper_m[1] - scene.lower_m[1] == pytest.approx(18.0, abs=0.5)
+
+
 def test_a_room_open_to_its_front_stays_upright(tmp_path: Path) -> None:
     """A back wall is no floor where there is a floor: Cornell's box stands as it is."""
     box = trimesh.creation.box(bounds=[[0, 0, 0], [3, 3, 3]])
@@ -76,6 +91,18 @@ def test_a_house_that_is_too_high_in_metres(tmp_path: Path, units: float, name: 
         assert any(name in line for line in scene.notices)
     plain = load_scene(path, placement=Placement(metres_per_unit=1.0))
     np.testing.assert_allclose(plain.upper_m, np.array([10, 6, 12]) * units)
+
+
+def test_a_plot_does_not_hide_the_unit_of_its_house(tmp_path: Path) -> None:
+    """A house of 480 on a plot of 2,500 is in centimetres; land as high and wide is in metres."""
+    plot = _box((2500, 1, 2000), (-1200, -1, -1000))
+    house = load_scene(_write(tmp_path / "house.obj", plot, _box((900, 480, 600), (0, 0, 0))))
+    np.testing.assert_allclose(house.upper_m, [13, 4.8, 10])
+    assert any("centimetres" in line for line in house.notices)
+    land = trimesh.creation.cone(radius=1400, height=480)
+    land.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+    land = land.subdivide().subdivide().subdivide()
+    assert load_scene(_write(tmp_path / "land.obj", land)).upper_m[1] == pytest.approx(480)
 
 
 def test_terrain_and_towns_keep_their_metres(tmp_path: Path) -> None:
@@ -108,6 +135,11 @@ def test_paths_as_windows_writes_them(tmp_path: Path) -> None:
     scene = load_scene(tmp_path / "a.obj")
     sizes = [place.mesh.material.baseColorTexture.size for place in scene.meshes]
     assert sizes == [(8, 4), (8, 4)]
+    for path in (r"D:\job\maps\brick.png", r"D:\..\maps\brick.png", r"D:\job\brick.png"):
+        (tmp_path / "a.mtl").write_text(f"newmtl brick\nmap_Kd {path}\n")
+        scene = load_scene(tmp_path / "a.obj")
+        found = [place.mesh.material.baseColorTexture is not None for place in scene.meshes]
+        assert any(found) == ("maps" in path)
     (tmp_path / "a.mtl").write_text("newmtl brick\nmap_Kd ..\\..\\secret.png\n")
     with pytest.raises(UserError, match="leads out of the scene's folder"):
         load_scene(tmp_path / "a.obj")

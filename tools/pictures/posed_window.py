@@ -20,7 +20,7 @@ from vrut_lite.project import Project
 
 # Of the window alone.
 SIZE = (1280, 800)
-_REST_S, _LIMIT_S = 1.5, 600.0
+_REST_S, _LIMIT_S = 1.5, 3600.0
 
 Pixels = NDArray[np.uint8]
 
@@ -39,6 +39,8 @@ class PosedWindow:
             self.window.resize(*SIZE)
         else:
             self.window.setGeometry(place)
+        # How long a frame took says more of what else runs than of the window.
+        self.window.statusBar().facts.hide()  # type: ignore[attr-defined]
         self.window.show()
         self.session.start()
         self.open(first)
@@ -49,21 +51,22 @@ class PosedWindow:
 
     def open(self, project: Project) -> None:
         """Become a project's picture."""
-        self._shown = None
         self.window.files.open_project(project)
-        self.finish()
+        self.finish(anew=True)
 
     def move_to(self, instant: datetime) -> None:
         """Become the picture of another hour; of the same one none is drawn anew."""
         clock = self.session.last(ClockMoved)
         if clock is not None and clock.instant == instant:
             return
-        self._shown = None
         self.session.send(SetClock(instant=instant))
-        self.finish()
+        self.finish(anew=True)
 
-    def finish(self) -> None:
-        """Wait for a finished picture of the window's size, after which none comes for a while."""
+    def finish(self, anew: bool = False) -> None:
+        """Wait for a finished picture of the window's size, after which none comes for a while;
+        `anew` for one that is still to come."""
+        if anew:
+            self._shown = None
         self.rest()
         self.until(
             lambda: (

@@ -3,8 +3,7 @@
     xvfb-run -a -s "-screen 0 1920x1200x24" python -m tools.pictures.window FOLDER [NAME ...]
 
 Writes app_NAME.jpg of street, compare, traced, sundial, pavilion and panels, and the film
-app_day.webp, or those that are named. The status bar tells how long a frame took: let nothing else
-run.
+app_day.webp, or those that are named.
 """
 
 import argparse
@@ -23,6 +22,7 @@ from PySide6.QtWidgets import QApplication
 from tools.pictures.drawing import scene_project
 from tools.pictures.posed_window import SIZE, PosedWindow, seen
 from tools.pictures.window_panels import all_parts, sheet
+from vrut_lite.app.compare.compare_panel import ComparePanel
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.kernel.messages import SetSetting
@@ -60,7 +60,10 @@ def street(posed: PosedWindow) -> Image.Image:
 def compare(posed: PosedWindow) -> Image.Image:
     """Two skies beside the picture."""
     posed.open(STREET)
+    panel = posed.window.panels["compare"]
+    assert isinstance(panel, ComparePanel)
     posed.window.show_dock("compare")
+    posed.until(lambda: panel.plots is not None)
     posed.finish()
     picture = Image.fromarray(seen(posed.window))
     posed.window.docks["compare"].hide()
@@ -98,9 +101,14 @@ def pavilion(posed: PosedWindow) -> Image.Image:
     posed.window.show_dock("picture")
     posed.window.show_dock("module clouds")
     posed.open(PAVILION)
+
     # Clouds are made on a thread, and drawn when they are there.
-    posed.until(lambda: posed.session.last(CloudsChanged) is not None)
-    posed.finish()
+    def has_clouds() -> bool:
+        told = posed.session.last(CloudsChanged)
+        return told is not None and bool(told.layers)
+
+    posed.until(has_clouds)
+    posed.finish(anew=True)
     return Image.fromarray(seen(posed.window))
 
 

@@ -143,9 +143,9 @@ class Tour:
     def _section(self, name: str) -> None:
         action = self.window.actions_by_name["section"]
         self.posed.open(scene_project("pavilion.gltf", at=_NOON))
-        action.trigger()
         self.window.show_dock("module scene")
-        self.posed.finish()
+        action.trigger()
+        self.posed.finish(anew=True)
         self.see(name)
         action.trigger()
 

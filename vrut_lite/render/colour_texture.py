@@ -36,19 +36,20 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
     source: Any
 
     def _add_to_context(self) -> None:
-        # pyrender gets one texel: levels that it made of all would be replaced at once.
+        # pyrender sets up the sampler; of the picture it gets one texel, for we store it anew.
         whole = self.source
-        self.source = whole[:1, :1]
-        super()._add_to_context()
-        self.source = whole
+        self._source = whole[:1, :1]
+        try:
+            super()._add_to_context()
+        finally:
+            self._source = whole
         self._store(self._levels())
 
-    def _levels(self) -> list[NDArray[np.uint8]]:
-        """The texels; further levels if they are not means of these."""
+    def _levels(self) -> Iterable[NDArray[np.uint8]]:
         return [self.source]
 
     def _store(self, levels: Iterable[NDArray[np.uint8]]) -> None:
-        """Replace pyrender's texels, turned upside down; of one level all others are made."""
+        """Store texels turned upside down; of one level all others are made."""
         # Not before the environment for EGL is prepared.
         from OpenGL import GL
 
@@ -74,7 +75,7 @@ class CutOutTexture(ColourTexture):
 
     cut_off = 0.5
 
-    def _levels(self) -> list[NDArray[np.uint8]]:
+    def _levels(self) -> Iterable[NDArray[np.uint8]]:
         return cut_out_levels(self.source, self.cut_off)
 
 

@@ -15,22 +15,43 @@ _LEVEL_COSINE = 0.95
 # The share of its footprint that a floor covers, and at most that of a wall taken for one.
 _FLOOR, _NO_FLOOR = 0.5, 0.1
 _FLAT = 0.03
-# Nothing on Earth stands so high: the tallest building has 830 m. Whoever is both higher than this
-# and this share of its width is no terrain and no town.
-_TOO_HIGH, _STEEP = 250.0, 0.2
+# Land is a sheet so low beside its width, that covers so much of its footprint and faces one way.
+_LOW, _LAND, _ONE_WAY = 0.5, 0.8, 0.98
+_SAMPLED_FACES = 20_000
+# Nothing on Earth stands so high: the tallest building has 830 m. What is higher than this, than
+# the first share of the width of all that stands on the ground, and than the second one of the
+# ground's, is no terrain and no town.
+_TOO_HIGH, _STEEP, _WIDE = 250.0, 0.2, 0.1
 _CENTIMETRES_HIGH = 5000.0
 
 
 def guess_up(placed: list[PlacedMesh]) -> UpAxis:
     """The axis along which the scene stands on something: +Y unless only +Z has a floor.
 
-    A floor is made of faces across the axis at its lower end that cover half of the footprint. What
-    is flat along Z, as a wall is, says nothing.
+    A floor is made of faces across the axis at its lower end that cover half of the footprint, or
+    of land without an underside. What is flat along Z, as a wall is, says nothing.
     """
     lower, extent = _bounds(placed)
+    if extent[2] <= _FLAT * max(extent):
+        return "y"
     floors = _floor_shares(placed, lower, extent)
-    lies = floors[2] >= _FLOOR and floors[1] <= _NO_FLOOR and extent[2] > _FLAT * max(extent)
+    lies = floors[1] <= _NO_FLOOR and (floors[2] >= _FLOOR or _is_land(placed, extent))
     return "z" if lies else "y"
+
+
+def _is_land(placed: list[PlacedMesh], extent: NDArray[np.float64]) -> bool:
+    """Whether it is one low sheet over the plane of x and y, all of it facing the same way."""
+    areas = []
+    with np.errstate(over="ignore", invalid="ignore"):
+        for place in placed:
+            every = len(place.mesh.faces) // _SAMPLED_FACES + 1
+            a, b, c = (place.mesh.vertices[corner] for corner in place.mesh.faces[::every].T)
+            (bx, by), (cx, cy) = (b - a).T[:2], (c - a).T[:2]
+            areas.append((bx * cy - by * cx) * every / 2)
+        across = np.concatenate(areas)
+        faces_up, covered = abs(across.sum()), np.abs(across).sum()
+    is_low = extent[2] <= _LOW * min(extent[:2])
+    return bool(is_low and faces_up >= max(_ONE_WAY * covered, _LAND * extent[0] * extent[1]))
 
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -59,9 +80,20 @@ def _floor_shares(
     return areas / footprints
 
 
-def guess_metres_per_unit(extent: NDArray[np.float64]) -> float:
-    """The unit's length by the extent (3,) in units, +Y up: metres, centimetres or millimetres."""
+def guess_metres_per_unit(
+    extent: NDArray[np.float64], standing: NDArray[np.float64] | None = None
+) -> float:
+    """The unit's length by the extent (3,) in units, +Y up: metres, centimetres or millimetres.
+
+    `standing` (3,) is the extent of what stands higher than a ground, where that is known.
+    """
     height, width = extent[1], max(extent[0], extent[2])
-    if height <= _TOO_HIGH or height <= _STEEP * width:
+    stands = width if standing is None else max(standing[0], standing[2])
+    if height <= _TOO_HIGH or height <= _STEEP * stands or height <= _WIDE * width:
         return 1.0
     return 0.01 if height <= _CENTIMETRES_HIGH else 0.001
+
+
+def ground_top(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> float:
+    """The height below which a scene's parts may be its ground, +Y up."""
+    return float(lower[1] + _BOTTOM * (upper[1] - lower[1]))

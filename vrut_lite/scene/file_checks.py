@@ -75,6 +75,13 @@ class SceneFolder:
             )
         return path
 
+    def has(self, name: str) -> bool:
+        """Whether a file in the folder has this name; not of one that leads out of it."""
+        try:
+            return self.locate(name).is_file()
+        except (SceneFileError, OSError):
+            return False
+
     def get(self, name: str) -> bytes:
         """The bytes of a file in the folder.
 

@@ -15,7 +15,7 @@ from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.errors import UserError
-from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
+from vrut_lite.scene.axes_and_units import ground_top, guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.choices import chosen_camera, chosen_variant
 from vrut_lite.scene.file_checks import SceneFolder
@@ -193,7 +193,7 @@ def _filled(asked: Placement, file: SceneFile) -> Placement:
     unit = asked.metres_per_unit or file.says.metres_per_unit
     if unit is None:
         upright = msgspec.structs.replace(asked, up=up, metres_per_unit=1.0, heading_deg=0.0)
-        unit = guess_metres_per_unit(_extent(file.placed, upright.world_from_file()))
+        unit = guess_metres_per_unit(*_extents(file.placed, upright.world_from_file()))
     return msgspec.structs.replace(asked, up=up, metres_per_unit=unit)
 
 
@@ -202,15 +202,13 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
     lines = []
     if asked.up is None and file.says.up is None and filled.up != "y":
         lines.append(
-            "taken to stand along +Z, where it has a floor: if that is wrong, --up y, or Up in the "
-            "Scene panel"
+            "taken to stand along +Z, where it has a floor (else --up y, or Up in the Scene panel)"
         )
     unit = filled.metres_per_unit
     if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
         name = _UNIT_NAMES[unit or 1.0]
         lines.append(
-            f"taken to be in {name}, for it is too high in metres: if that is wrong, "
-            "--metres-per-unit 1, or Unit in the Scene panel"
+            f"taken to be in {name} (else --metres-per-unit 1, or Unit in the Scene panel)"
         )
     return lines
 
@@ -252,8 +250,8 @@ def _told_height(stood: list[_Stood], extent_m: NDArray[np.float64]) -> list[str
     if not all(one.says_unit for one in stood) or guess_metres_per_unit(extent_m) == 1.0:
         return []
     return [
-        f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
-        "--metres-per-unit 0.01, or Unit in the Scene panel"
+        f"{extent_m[1]:,.0f} m high, by the file's own unit (else "
+        "--metres-per-unit 0.01, or Unit in the Scene panel)"
     ]
 
 
@@ -272,7 +270,7 @@ def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[Place
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     with np.errstate(over="ignore", invalid="ignore"):
-        corners = [_corners(place, place.world_from_model) for place in placed]
+        corners = [box_of(_moved(place, place.world_from_model)) for place in placed]
     lower_m = np.min([pair[0] for pair in corners], axis=0)
     upper_m = np.max([pair[1] for pair in corners], axis=0)
     reach_m = np.max(np.abs([lower_m, upper_m]))
@@ -284,15 +282,24 @@ def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.f
     return lower_m, upper_m
 
 
-def _extent(placed: list[PlacedMesh], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The size (3,) of meshes under a further matrix."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        corners = [_corners(place, matrix @ place.world_from_model) for place in placed]
-    low, high = (np.stack(values) for values in zip(*corners, strict=True))
-    return np.asarray(high.max(axis=0) - low.min(axis=0))
-
-
-def _corners(
-    place: PlacedMesh, matrix: NDArray[np.float64]
+def _extents(
+    placed: list[PlacedMesh], matrix: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return box_of(place.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])
+    """The size (3,) of meshes under a further matrix, and that of what stands on their ground."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved = [_moved(place, matrix @ place.world_from_model) for place in placed]
+        lower, upper = _box_of_all(moved)
+        above = [points[points[:, 1] > ground_top(lower, upper)] for points in moved]
+        low, high = _box_of_all([points for points in above if len(points)] or moved)
+        return upper - lower, high - low
+
+
+def _box_of_all(
+    parts: list[NDArray[np.float64]],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    lows, highs = zip(*(box_of(points) for points in parts), strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def _moved(place: PlacedMesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(place.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])

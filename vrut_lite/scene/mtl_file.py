@@ -24,6 +24,8 @@ _OPTION_WORDS = {
 }
 _MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
+# Of a full path, folders that may stand beside the scene.
+_MOST_FOLDERS = 8
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 # Memory of a statement and of each of its words, as Python objects.
 _STATEMENT_BYTES, _WORD_BYTES = 512, 64
@@ -45,7 +47,7 @@ class MtlMaterials:
         self._pictures: dict[Hashable, Image.Image] = {}
         self._statements = _read(data, folder)
         self._images = {
-            name: self._picture(_file_name(statements["map_kd"]))
+            name: self._picture(_file_name(statements["map_kd"], folder))
             for name, statements in self._statements.items()
             if "map_kd" in statements
         }
@@ -105,20 +107,22 @@ def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
             statements = materials[" ".join(words[1:])] = {}
             continue
         if _is_map(kind):
-            folder.locate(_file_name(words[1:]))
+            folder.locate(_file_name(words[1:], folder))
         statements[kind] = words[1:]
     return materials
 
 
-def portable_name(name: str) -> str:
+def portable_name(name: str, folder: SceneFolder) -> str:
     """A file name of an OBJ or MTL as other systems write it: with slashes, without a drive.
 
     Programs on Windows write `maps\\brick.png`, and often a full path of the machine that they ran
-    on; the file is then looked for beside the scene, under its own name.
+    on: of that, the longest end that is a file beside the scene, or else its last part.
     """
-    if _DRIVE.match(name):
-        return re.split(r"[\\/]", name)[-1]
-    return name.replace("\\", "/")
+    if not _DRIVE.match(name):
+        return name.replace("\\", "/")
+    parts = [part for part in re.split(r"[\\/]+", name)[1:] if part not in (".", "..")]
+    ends = ["/".join(parts[first:]) for first in range(len(parts))][-_MOST_FOLDERS:]
+    return next((end for end in ends if folder.has(end)), parts[-1] if parts else "")
 
 
 def _is_map(kind: str) -> bool:
@@ -135,7 +139,7 @@ def _lines(data: bytes) -> Iterator[str]:
         yield from line.decode("utf-8", errors="replace").splitlines()
 
 
-def _file_name(words: list[str]) -> str:
+def _file_name(words: list[str], folder: SceneFolder) -> str:
     """The file that a map statement names, its options dropped."""
     at = 0
     while at < len(words) - 1 and words[at].lower() in _OPTION_WORDS:
@@ -144,4 +148,4 @@ def _file_name(words: list[str]) -> str:
         end = min(at + most, len(words) - 1)
         while at < end and (most == 1 or _NUMBER.fullmatch(words[at])):
             at += 1
-    return portable_name(" ".join(words[at:]))
+    return portable_name(" ".join(words[at:]), folder)

@@ -73,7 +73,7 @@ def _library(obj: ObjFile, folder: SceneFolder, notices: Notices) -> bytes:
     if obj.library is None:
         return b""
     try:
-        return folder.get(portable_name(obj.library))
+        return folder.get(portable_name(obj.library, folder))
     except MissingFile:
         notices.tell(f"material library {obj.library}", "missing, grey instead")
         return b""

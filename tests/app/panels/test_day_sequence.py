@@ -105,12 +105,15 @@ def test_the_day_goes_from_first_to_last_light(shared_headless_window):
 
 
 def test_hours_and_steps_are_chosen(panel, tmp_path, qtbot):
-    """Pictures from 8:00 to 9:30 every half hour are written as JPEG in the chosen size."""
+    """Pictures from 8:00 to 9:30 every half hour are written as JPEG in the chosen size; what was
+    typed holds for another day too."""
     for field, text in ((panel.first, "8"), (panel.last, "9:30")):
         field.selectAll()
         qtbot.keyClicks(field, text)
         qtbot.keyClick(field, Qt.Key.Key_Return)
     panel.step_minutes.setValue(30)
+    scout = panel.driver.window.desk.scout
+    scout.day_changed.emit(scout.day)
     assert panel.count.text() == "4 pictures"
     panel.chosen_size.choose(320, 200)
     panel.start(str(tmp_path / "day.jpg"))

@@ -40,7 +40,8 @@ def test_names_say_scene_place_and_time(panel):
     panel.ask_for_picture()
     panel.kind.setCurrentText("film, MP4")
     panel.day.click()
-    (_, picture, kinds), (_, film, _) = panel.asked
+    (_, picture, kinds), (title, film, _) = panel.asked
+    assert title == "Film of the day"
     assert picture.endswith("/sundial Prague 2026-06-21 13.00.00.png")
     assert all(suffix in kinds for suffix in ("*.png", "*.jpg", "*.exr"))
     assert film.endswith("/sundial Prague 2026-06-21.mp4")

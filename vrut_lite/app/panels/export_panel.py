@@ -55,18 +55,20 @@ class ExportPanel(QWidget):
         self._session, self._scout = session, scout
         self._open_workers = open_workers
         self.sequence: DaySequence | None = None
+        self._hours_typed = False
         self._make_parts()
         self._lay_out()
         self._show_running(False)
         self.picture.clicked.connect(self.ask_for_picture)
         self.day.clicked.connect(self._ask_for_day)
         self.cancel.clicked.connect(self.stop)
-        self.light.clicked.connect(self._show_light_hours)
+        self.light.clicked.connect(self._take_light_hours)
+        self.kind.currentTextChanged.connect(lambda _: self._show_kind())
         for field in (self.first, self.last):
             field.refused.connect(session.problem)
-            field.time_typed.connect(lambda _: self._show_count())
+            field.time_typed.connect(lambda _: self._keep_hours())
         self.step_minutes.valueChanged.connect(lambda _: self._show_count())
-        scout.day_changed.connect(lambda _: self._show_light_hours())
+        scout.day_changed.connect(lambda _: self._show_day())
         session.ended.connect(self.stop)
 
     def export(self, path: str) -> None:
@@ -126,7 +128,8 @@ class ExportPanel(QWidget):
         self.kind = Chooser()
         self.kind.setAccessibleName("kind of file of a day")
         self.kind.addItems(list(_KINDS))
-        self.day = QPushButton("Pictures of the day\N{HORIZONTAL ELLIPSIS}")
+        self.day = QPushButton()
+        self._show_kind()
         self.day.setToolTip(
             "Files that carry their hour in the name, or a film; the window goes on"
         )
@@ -166,6 +169,21 @@ class ExportPanel(QWidget):
         step = timedelta(minutes=self.step_minutes.value())
         return instants_of(day, step, _instant(day, self.first.time), _instant(day, self.last.time))
 
+    def _keep_hours(self) -> None:
+        """Hours that were typed hold for other days and places too."""
+        self._hours_typed = True
+        self._show_count()
+
+    def _take_light_hours(self) -> None:
+        self._hours_typed = False
+        self._show_light_hours()
+
+    def _show_day(self) -> None:
+        if self._hours_typed:
+            self._show_count()
+        else:
+            self._show_light_hours()
+
     def _show_light_hours(self) -> None:
         """From civil dawn to civil dusk, or the whole day where either is missing."""
         day = self._scout.day
@@ -183,12 +201,22 @@ class ExportPanel(QWidget):
 
     # --- files -------------------------------------------------------------------------------
 
+    @property
+    def _suffix(self) -> str:
+        return _KINDS[self.kind.currentText()]
+
+    def _show_kind(self) -> None:
+        made = "Film" if self._suffix in FILM_FORMATS else "Pictures"
+        self.day.setText(f"{made} of the day\N{HORIZONTAL ELLIPSIS}")
+
     def _ask_for_day(self) -> None:
-        day, suffix = self._scout.day, _KINDS[self.kind.currentText()]
+        day, suffix = self._scout.day, self._suffix
         if day is None:
             return
         name = f"{scene_and_place(self._session)} {day.start.astimezone(day.zone):%Y-%m-%d}"
-        path = self._new_name("Pictures of the day", name + suffix, f"Files (*{suffix})")
+        path = self._new_name(
+            self.day.text().rstrip("\N{HORIZONTAL ELLIPSIS}"), name + suffix, f"Files (*{suffix})"
+        )
         if path:
             self.start(path if Path(path).suffix else path + suffix)
 

@@ -251,4 +251,5 @@ def _sign_button(name: str, tip: str) -> QToolButton:
     button = QToolButton()
     put_sign(button, name)
     button.setToolTip(tip)
+    button.setAccessibleName(tip.partition(" (")[0])
     return button

@@ -152,7 +152,7 @@ def lines_of(profile: Profile, frame_ms: float, gap_ms: float, frame_gap_ms: flo
         taken = "one sample, taken over" if choices.takes_over else "finished samples"
         lines += [
             Line("Drawn by", choices.name, heading=True),
-            Line("trial, a pixel", f"{trial_ns:.2g} ns"),
+            Line("trial, a pixel", f"{trial_ns:.0f} ns"),
             Line("while something moves", taken),
         ]
     skipped = sorted(profile.skipped.items(), key=lambda item: -item[1])[:_MOST_LINES]
