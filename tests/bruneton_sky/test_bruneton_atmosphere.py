@@ -134,6 +134,16 @@ def test_a_types_air_lies_in_two_layers() -> None:
     high = [kind.extinction[0] * np.exp(-12_000.0 / kind.scale_height_m) for kind in (low, aloft)]
     assert high[1] > 5.0 * high[0]
     above = raise_ground(air, 3000.0)
+    one = air.in_one_layer(1000.0)
+    depths = [
+        sum(
+            kind.extinction[0] * -kind.scale_height_m * np.expm1(-60_000.0 / kind.scale_height_m)
+            for kind in a.scatterers()[1:]
+        )
+        for a in (air, one)
+    ]
+    assert len(one.scatterers()) == 2
+    assert depths[1] == pytest.approx(depths[0])
     shares = [a.aloft_extinction[0] / a.mie_extinction[0] for a in (air, above)]
     assert shares[1] > 2.0 * shares[0]
 

@@ -79,14 +79,14 @@ def scattered_share(change, nu=0.9):
 @pytest.mark.parametrize(
     ("name", "error"),
     [
-        ("ozone", 11.9),
-        ("sun-distance", 12.0),
-        ("orders", 11.9),
-        ("aerosol-albedo", 12.4),
-        ("aerosol-phase", 16.2),
+        ("ozone", 12.2),
+        ("sun-distance", 12.3),
+        ("orders", 12.0),
+        ("aerosol-albedo", 12.2),
+        ("aerosol-phase", 16.3),
     ],
 )
 @pytest.mark.long
 def test_what_changes_do_to_the_measured_error(measured_skies, name, error):
-    """None of them lowers the 11.5 that the atmosphere of that day has."""
+    """None of them lowers the 11.7 that the atmosphere of that day has."""
     assert error_mw(CHANGES[name].sky(), measured_skies) == pytest.approx(error, abs=0.1)

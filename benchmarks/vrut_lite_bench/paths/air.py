@@ -8,7 +8,6 @@ import numpy as np
 from bruneton_sky.air_volume import AirSizes, air_volume
 from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.geometry import altitude_along
-from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.reference.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
@@ -182,8 +181,7 @@ def _along(condition: Condition, view: FloatArray) -> FloatArray:
     atmosphere, sun = _solved().atmosphere, condition.sun
     nu = float(np.clip(view @ sun, -1.0, 1.0))
     light = light_before(_solved(), condition.height_m, float(view[1]), float(sun[1]), nu, _WALLS_M)
-    total = light.molecules * rayleigh_phase(nu) + light.more
-    total = total + light.aerosol * mie_phase(atmosphere, nu)
+    total = light.once + light.more
     white = np.asarray(atmosphere.solar_irradiance)
     through = rgb_from_spectrum(white * light.transmittance, atmosphere.wavelength_nm)
     share = through / rgb_from_spectrum(white, atmosphere.wavelength_nm)

@@ -88,7 +88,7 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
     rows = np.stack([radius, above, rays.mu, np.zeros_like(radius)], axis=-1)
     suns = np.stack([rays.mu_s, rays.nu], axis=-1)
     angles = _angles(field, matter.grid.observer_altitude_m)
-    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns)), (7, _floats(angles))
+    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns)), (7, angles)
 
 
 # Kept while sun and observer move: neither made nor uploaded again.
@@ -113,7 +113,9 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
     )
 
 
-def _angles(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
+# One while the sun moves: not uploaded again.
+@lru_cache(maxsize=1)
+def _angles(field: SourceField, altitude_m: float) -> Array:
     """The shader's `Phases` (n, 16)."""
     phases = channel_phases(field, altitude_m)
     spare = _KINDS * LANES - phases.lanes.shape[2]
@@ -121,7 +123,7 @@ def _angles(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
         np.pad(phases.lanes[0], ((0, 0), (0, spare))),
         np.pad(phases.channels, ((0, 0), (0, 1))),
     )
-    return np.concatenate(padded, axis=1)
+    return Array(np.concatenate(padded, axis=1).astype(np.float32))
 
 
 def _or_one(table: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -27,7 +27,7 @@ def test_fluxes_sum_to_one():
     """Where nothing absorbs, on a planet that is nearly flat, what comes in leaves: upward
     through the top or into the black ground, to 1e-3, dust of depth 0.3 and molecules together.
     """
-    air = air_of("desert", 0.3)
+    air = air_of("desert", 0.3).in_one_layer(2000.0)
     none = (0.0,) * len(SKYLIGHT_NM)
     air = replace(
         air,
