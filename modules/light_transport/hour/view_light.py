@@ -7,6 +7,7 @@ that pixels see have their own rays, which end on the map's patches.
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import uniform_filter
 
 from light_transport.bake import Bake
 from light_transport.giving_up import GoOn
@@ -31,6 +32,9 @@ _LEAST_FREE = 0.4
 _REACH, _APART = 2, (1, 2, 4)
 # Mean room tells little of what is near: farther points count within less of it.
 _SHARE_OF_ROOM = (0.3, 0.03, 0.03)
+# Points differ by so many times the noise about them: one that missed a window by chance seems to
+# have none of its own.
+_NOISES, _AROUND = 2.0, 5
 
 
 class ViewLight(NamedTuple):
@@ -96,12 +100,13 @@ def view_light(
     room, error = np.zeros((2, len(towards)), np.float32)
     room[seen], error[seen] = found.room_m[kept] / radius_m, found.error[kept]
     shape = (rows, columns)
-    room, error = room.reshape(shape), error.reshape(shape)
+    room = room.reshape(shape)
+    noise2 = _NOISES**2 * uniform_filter(error.reshape(shape) ** 2, _AROUND)
     smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
     places = (place - eye).astype(np.float32).reshape(*shape, 3)
     for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
         go_on()
-        smoothed = _smoothed(smoothed, planes, places, room, error, apart, share)
+        smoothed = _smoothed(smoothed, planes, places, room, noise2, apart, share)
     return ViewLight(smoothed, planes)
 
 
@@ -137,8 +142,8 @@ def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _smoothed(light, plane, place, room, error, apart, share):  # type: ignore[no-untyped-def]
-    """Means of light (H, W, 4) over neighbours on one plane, by room (H, W) and error (H, W)."""
+def _smoothed(light, plane, place, room, noise2, apart, share):  # type: ignore[no-untyped-def]
+    """Means of light (H, W, 4) over neighbours on one plane, by room and squared noise (H, W)."""
     height, width = room.shape
     out = np.zeros_like(light)
     for y in range(height):
@@ -163,8 +168,8 @@ def _smoothed(light, plane, place, room, error, apart, share):  # type: ignore[n
                     apart_by = np.float32(0.2126) * (light[r, c, 0] - light[y, x, 0])
                     apart_by += np.float32(0.7152) * (light[r, c, 1] - light[y, x, 1])
                     apart_by += np.float32(0.0722) * (light[r, c, 2] - light[y, x, 2])
-                    noise2 = error[r, c] ** 2 + error[y, x] ** 2
-                    same = np.float32(1.0) - apart_by**2 / max(noise2, np.float32(1e-30))
+                    both = noise2[r, c] + noise2[y, x]
+                    same = np.float32(1.0) - apart_by**2 / max(both, np.float32(1e-30))
                     weight *= weight * max(same, np.float32(0.0))
                     total += weight
                     for k in range(4):
