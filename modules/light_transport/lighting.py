@@ -7,7 +7,7 @@ from light_transport.finished import Finished, as_map, smoothed
 from light_transport.hour.exchange import direct_sky, radiosity
 from light_transport.hour.gather import patches_gathered, sky_gathered
 from light_transport.hour.hour import Hour, HourLight
-from light_transport.hour.key_lattice import directions_around, shares_of_colours
+from light_transport.hour.key_lattice import directions_around
 from light_transport.hour.key_light import free_rays, lit_shares, patch_means
 from light_transport.hour.mirror_light import cubes, texel_radiance
 from light_transport.hour.openness import open_luminance
@@ -69,22 +69,14 @@ def key_shares(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
     if not np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
         return share
     shadows, towards = finished.key_shadows, np.asarray(hour.key_direction, np.float64)
-    rays = shadows.rays
+    ray = shadows.rays.ray
 
-    def cast(directions: FloatArray, colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def cast(directions: FloatArray) -> NDArray[np.uint8]:
         reached = np.empty((len(directions), scene.rows), np.uint8)
         scene.over_rows(
             scene.rows,
             lambda a, b: free_rays(
-                scene.tree,
-                scene.receivers,
-                (rays.ray, rays.colour),
-                directions,
-                colours,
-                scratch(),
-                a,
-                b,
-                reached,
+                scene.tree, scene.receivers, ray, directions, scratch(), a, b, reached
             ),
         )
         return reached
@@ -93,9 +85,7 @@ def key_shares(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
     around = tuple(shadows.towards(numbers, cast))
     scene.over_rows(
         scene.rows,
-        lambda a, b: lit_shares(
-            scene.receivers, towards, around, weights, rays.colour, scratch(), a, b, share
-        ),
+        lambda a, b: lit_shares(scene.receivers, towards, around, weights, scratch(), a, b, share),
     )
     return share
 
@@ -125,9 +115,7 @@ def _bounce(
     patches = scene.patches
     direct = np.empty((len(patches.area), 3), np.float32)
     direct_sky(patches, scene.table.valid, sky_light, direct)
-    means = patch_means(
-        patches, finished.key_shadows.rays, shares, shares_of_colours(hour.key_direction)
-    )
+    means = patch_means(patches, finished.key_shadows.rays, shares)
     direct += means[:, None] * np.asarray(hour.key_irradiance_rgb, np.float32)
     if finished.lamps_on_patches is not None:
         direct += finished.lamps_on_patches
@@ -169,7 +157,7 @@ def _as_cubes(
         (scene.surfaces.reflectance_rgb, scene.surfaces.emitted_rgb),
         scene.colour_of,
         (light, np.where(shown == len(shown), -1, shown)),
-        (shares, finished.key_shadows.rays.of_all, scene.links),
+        (shares, finished.key_shadows.rays.ray, scene.links),
         np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
         radiance,
     )

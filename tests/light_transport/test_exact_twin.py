@@ -3,7 +3,6 @@
 import numpy as np
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
-from light_transport.hour.key_lattice import shares_of_colours
 from light_transport.hour.key_light import patch_means
 from light_transport.hour.smoothing import STEPS
 from light_transport.lighting import key_shares
@@ -56,9 +55,7 @@ def test_kernels_agree_with_matrices_in_double_precision():
     now = hour(2.0, irradiance=30.0, key=(0.4, 0.8, 0.1))
     finished = bake.finished
     rays, share = finished.key_shadows.rays, key_shares(bake, finished, now)
-    colours = shares_of_colours(now.key_direction)
-    sunlit = patch_means(bake.patches, rays, share, colours)
-    expected = smoothed(bake, plain_hour(bake, now, sunlit))
+    expected = smoothed(bake, plain_hour(bake, now, patch_means(bake.patches, rays, share)))
     column, row = bake.texels.pixel.T
     good = bake.finished.good[: len(column)]
     found = bake.light(now).texels[row, column, :3]

@@ -20,7 +20,7 @@ from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import HOURS, YearLight
 from light_transport.giving_up import GoOn, always
 from light_transport.hour.exchange import radiosity
-from light_transport.hour.key_light import ALL, free_rays, lit_shares, patch_means
+from light_transport.hour.key_light import free_rays, lit_shares, patch_means
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.ray_table import columns_and_rays
 from light_transport.rays.sky_nodes import GROUND_NODE, NODES
@@ -199,13 +199,13 @@ def _sunlit(bake: Bake, direction: FloatArray) -> Float32Array:
     shadows = bake.finished.key_shadows.rays
     reached = np.empty((1, bake.rows), np.uint8)
     share = np.zeros(bake.rows, np.float32)
-    towards, rows = np.asarray(direction, float), bake.rows
-    alike, colours = np.full(rows, ALL, np.uint8), np.zeros(1, np.uint8)
-    asked = shadows.ray, alike
-    free_rays(bake.tree, bake.receivers, asked, towards[None], colours, scratch(), 0, rows, reached)
+    towards = np.asarray(direction, float)
+    free_rays(
+        bake.tree, bake.receivers, shadows.ray, towards[None], scratch(), 0, bake.rows, reached
+    )
     around, weights = (reached[0],) * 3, np.array([1.0, 0.0, 0.0])
-    lit_shares(bake.receivers, towards, around, weights, alike, scratch(), 0, rows, share)
-    return patch_means(bake.patches, shadows, share, np.full(3, 1.0 / 3.0))
+    lit_shares(bake.receivers, towards, around, weights, scratch(), 0, bake.rows, share)
+    return patch_means(bake.patches, shadows, share)
 
 
 def _solved_suns(light: YearLight) -> tuple[IntArray, FloatArray, IntArray]:

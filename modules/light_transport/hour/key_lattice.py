@@ -5,8 +5,6 @@ while time plays. Between three fixed directions its light changes linearly, and
 each other mostly share them. Shadows have edges as soft as if the sun were three times as wide:
 less than a texel where it matters.
 
-The three around a direction have three colours.
-
 The directions are the crossings of a lattice on the square of Shirley and Chiu's map
 (`sky_nodes`), each of whose cells is cut into two triangles.
 """
@@ -53,20 +51,6 @@ def direction_of(number: int) -> FloatArray:
     across = radius * math.sqrt(2.0 - radius * radius)
     up = 1.0 - radius * radius
     return np.array([across * math.cos(angle), up, across * math.sin(angle)])
-
-
-def shares_of_colours(direction: Vector) -> FloatArray:
-    """The weights (3,) of `directions_around` by their directions' colours."""
-    numbers, weights = directions_around(direction)
-    shares = np.empty(3)
-    shares[[colour_of(number) for number in numbers]] = weights
-    return shares
-
-
-def colour_of(number: int) -> int:
-    """0, 1 or 2, another for each corner of a triangle."""
-    column, row = divmod(number, _EDGE + 1)
-    return (column - row) % 3
 
 
 def _on_square(x: float, y: float, z: float) -> tuple[float, float]:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.hour.key_lattice import FARTHEST, colour_of, direction_of
+from light_transport.hour.key_lattice import FARTHEST, direction_of
 from light_transport.kernels import dot, hot
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import begin, shift
@@ -15,12 +15,10 @@ from light_transport.rays.trace import MISS, blocker, mixed
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Shadow rays of a patch: at least so many, and from all rows where a third of its view is patches.
-_FEWEST = 6
+_FEWEST = 4
 _ALL_ASKED = 1.0 / 3.0
 # A group has no other rows whose rays are averaged with its own.
 _RAYS_OF_A_GROUP = 8
-# Of rows that ask the directions of all three colours.
-ALL = 3
 # Directions whose shadows are kept: three for an hour, and those around it.
 _MOST_KEPT = 6
 
@@ -28,23 +26,12 @@ _MOST_KEPT = 6
 class KeyRays(NamedTuple):
     """Rows with a shadow ray towards the key light, and their weights in patches.
 
-    Three directions around the key light are asked. Where a patch has rows enough each asks one
-    of them, by its `colour` (N,) uint8; rows of the colour ALL ask all three.
-
     `ray` (N,) uint8: a ray of each row that begins outside bodies, or TRIED for rows without a
-    shadow ray; `weight` (K,) float32: of patches' members, 1 in the sum over those of one `group`
-    (K,) uint8 in a patch: a colour, or ALL, which no patch has beside the others.
+    shadow ray; `weight` (K,) float32: of patches' members, 1 in the sum over a patch.
     """
 
     ray: NDArray[np.uint8]
-    colour: NDArray[np.uint8]
     weight: Float32Array
-    group: NDArray[np.uint8]
-
-    @property
-    def of_all(self) -> NDArray[np.uint8]:
-        """`ray`, of the rows alone that ask all directions."""
-        return np.where(self.colour == ALL, self.ray, np.uint8(TRIED))
 
 
 def key_rays_of(
@@ -69,33 +56,18 @@ def key_rays_of(
     # The wanted number, spread evenly over the patch's rows.
     asked = number * wanted // sizes[patch] != (number - 1) * wanted // sizes[patch]
     asked &= free[patches.member] < TRIED
-    # Colours take turns among a patch's rows that are asked.
-    before = np.cumsum(asked) - asked
-    turn = before - before[np.minimum(patches.start[:-1], max(len(before) - 1, 0))][patch]
-    group = np.where(np.bincount(patch, asked, len(sizes))[patch] >= _FEWEST, turn % ALL, ALL)
     weight = np.where(asked, patches.weight, 0.0)
-    kind = patch * (ALL + 1) + group
-    total = np.bincount(kind, weight, len(sizes) * (ALL + 1))
-    ray, colour = np.full(len(free), TRIED, np.uint8), np.full(len(free), ALL, np.uint8)
-    colour[patches.member[asked]] = group[asked]
-    colour[also] = ALL
+    total = np.bincount(patch, weight, len(sizes))
+    ray = np.full(len(free), TRIED, np.uint8)
     for rows in (patches.member[asked], also):
         ray[rows] = free[rows]
-    weight = (weight / np.maximum(total, 1e-12)[kind]).astype(np.float32)
-    return KeyRays(ray, colour, weight, group.astype(np.uint8))
+    return KeyRays(ray, (weight / np.maximum(total, 1e-12)[patch]).astype(np.float32))
 
 
-def patch_means(
-    patches: Patches, rays: KeyRays, values: Float32Array, share_of: Float32Array
-) -> Float32Array:
-    """Means (M,) over patches of values (N,) of the rows with shadow rays.
-
-    `share_of` (3,): of the direction of each colour.
-    """
-    share = np.append(share_of, 1.0).astype(np.float32)[rays.group]
+def patch_means(patches: Patches, rays: KeyRays, values: Float32Array) -> Float32Array:
+    """Means (M,) over patches of values (N,) of the rows with shadow rays."""
     sums = np.add.reduceat(
-        np.append(rays.weight * share * values[patches.member], np.float32(0.0)),
-        patches.start[:-1],
+        np.append(rays.weight * values[patches.member], np.float32(0.0)), patches.start[:-1]
     )
     return np.where(np.diff(patches.start) > 0, sums, 0.0).astype(np.float32)
 
@@ -114,19 +86,17 @@ class KeyShadows:
     @property
     def memory_bytes(self) -> int:
         """Of all arrays."""
-        return sum(part.nbytes for part in (*self.rays, *self._kept.values()))
+        rays = self.rays.ray.nbytes + self.rays.weight.nbytes
+        return rays + sum(kept.nbytes for kept in self._kept.values())
 
     def towards(
-        self,
-        numbers: list[int],
-        cast: Callable[[FloatArray, NDArray[np.uint8]], NDArray[np.uint8]],
+        self, numbers: list[int], cast: Callable[[FloatArray], NDArray[np.uint8]]
     ) -> list[NDArray[np.uint8]]:
         """`free_rays` (N,) towards each of some fixed directions, cast together unless kept."""
         kept = self._kept
         missing = [number for number in numbers if number not in kept]
         if missing:
-            towards = np.array([direction_of(number) for number in missing])
-            found = cast(towards, np.array([colour_of(number) for number in missing], np.uint8))
+            found = cast(np.array([direction_of(number) for number in missing]))
             latest = list(kept.items())[len(missing) - _MOST_KEPT :]
             kept = {**dict(latest), **dict(zip(missing, found, strict=True))}
             self._kept = kept
@@ -134,17 +104,16 @@ class KeyShadows:
 
 
 @hot
-def free_rays(tree, receivers, asked, directions, colours, scratch, first, last, out):  # type: ignore[no-untyped-def]
+def free_rays(tree, receivers, free_start, directions, scratch, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[:, first:last] with the rays of rows, a bit each, that reach directions (D, 3).
 
     What is in the way towards one direction mostly is towards those beside it too. A texel has one
     ray, from anywhere in it: a patch has the mean of its texels. A group has _RAYS_OF_A_GROUP.
-    `asked`: `ray` and `colour` (N,) of `KeyRays`; `colours` (D,): of the directions. Rays that
-    would begin into their surface are laid along it, for the key light itself may stand above.
+    `free_start` (N,): see `KeyRays`. Rays that would begin into their surface are laid along it,
+    for the key light itself may stand above.
     """
     stack, _, _, shifts, weights, place, normal, face, towards = scratch
     geometry, texels, probes, groups = receivers
-    free_start, colour = asked
     first_probe = len(texels.pixel)
     first_group = first_probe + len(probes.place)
     likely = MISS
@@ -160,8 +129,6 @@ def free_rays(tree, receivers, asked, directions, colours, scratch, first, last,
                 geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
             )
             for d in range(len(directions)):
-                if colour[row] != ALL and colour[row] != colours[d]:
-                    continue
                 cosine = dot(face, directions[d])
                 if cosine < -FARTHEST:
                     continue
@@ -186,11 +153,10 @@ def free_rays(tree, receivers, asked, directions, colours, scratch, first, last,
 
 
 @hot
-def lit_shares(receivers, direction, around, share_of, colour, scratch, first, last, out):  # type: ignore[no-untyped-def]
+def lit_shares(receivers, direction, around, share_of, scratch, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[first:last] with visible share times cosine of a direction (3,), unit.
 
-    `around`: `free_rays` (N,) of three directions around it, which count by `share_of` (3,) in rows
-    of the `colour` (N,) ALL; others asked one.
+    `around`: `free_rays` (N,) of three directions around it, which count by `share_of` (3,).
     """
     _, _, _, shifts, weights, place, normal, face, _ = scratch
     geometry, texels, probes, groups = receivers
@@ -215,7 +181,6 @@ def lit_shares(receivers, direction, around, share_of, colour, scratch, first, l
             if cosine > 0.0:
                 seen = 0.0
                 for k in range(3):
-                    share = share_of[k] if colour[row] == ALL else 1.0
-                    seen += share * ((around[k][row] >> s) & 1)
+                    seen += share_of[k] * ((around[k][row] >> s) & 1)
                 total += seen * cosine
         out[row] = total / rays
