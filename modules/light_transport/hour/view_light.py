@@ -32,9 +32,9 @@ _LEAST_FREE = 0.4
 _REACH, _APART = 2, (1, 2, 4)
 # Mean room tells little of what is near: farther points count within less of it.
 _SHARE_OF_ROOM = (0.3, 0.03, 0.03)
-# Points differ by so many times the noise about them: one that missed a window by chance seems to
-# have none of its own.
-_NOISES, _AROUND = 2.0, 5
+# Points differ by so many times the noise about them. Where that is a large share of the light, a
+# few rays through a window bring most of it: room alone decides.
+_NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.15
 
 
 class ViewLight(NamedTuple):
@@ -101,7 +101,10 @@ def view_light(
     room[seen], error[seen] = found.room_m[kept] / radius_m, found.error[kept]
     shape = (rows, columns)
     room = room.reshape(shape)
-    noise2 = _NOISES**2 * uniform_filter(error.reshape(shape) ** 2, _AROUND)
+    noise2 = uniform_filter(error.reshape(shape) ** 2, _AROUND)
+    mean = uniform_filter(luminance(light[:, :3]).reshape(shape), _AROUND)
+    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
+    noise2 *= _NOISES**2 * (1.0 + share2**2)
     smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
     places = (place - eye).astype(np.float32).reshape(*shape, 3)
     for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
