@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from boxes import floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Look, Shine, Show, box_file
+from light_transport.bake import Bake
+from light_transport.hour.free_points import light_at
 
 from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.messages import Demand
@@ -59,3 +62,15 @@ def test_another_view_and_another_hour_have_light_of_their_own(stage):
     ratio = brighter.light.values[..., 1].astype(float).max() * brighter.radiance_scale
     ratio /= other.light.values[..., 1].astype(float).max() * other.radiance_scale
     assert ratio == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_sheet_without_a_back_hides_the_sky_of_what_is_below():
+    """Below its edge half of the sky is hidden, below its middle all, as it hides the sun."""
+    bake = Bake(*quads(floor(-2, 2, -2, 2), floor(-1, 0, -1, 1, y=0.01)))
+    bake.add_rays(32)
+    places = np.array([[-0.5, 1e-4, 0.0], [0.0, 1e-4, 0.0], [0.5, 1e-4, 0.0]])
+    up = np.tile([0.0, 1.0, 0.0], (3, 1))
+    found = light_at(bake, places, up, hour(1.0), rays=512)
+    assert found.irradiance_rgb[:, 1] / np.pi == pytest.approx([0.0, 0.5, 1.0], abs=0.02)
+    assert found.free[0] < 0.02
+    assert found.free[2] == 1.0

@@ -170,7 +170,8 @@ class Frame:
         quick = not still and state.shows == "picture" and self._choices.takes_over
         with self.measure("shadow"):
             always = not self._skips.shadow
-            shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always, quick)
+            finished = still and state.light_of_view is not None
+            shadows = self._shadow.update(self._meshes, scene, light, view, always, quick, finished)
         with self.measure("lamps"):
             self._lamps.update(self._meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
@@ -181,7 +182,6 @@ class Frame:
                 scene, seen, view, light, disc, shadows, reflection, air, state
             )
         targets = self._targets.get(state.size_px)
-        finished = still and state.light_of_view is not None
         shifts = _SHIFTS_PX if finished else _SHIFTS_PX[:1]
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
         self.ledger.did("picture", len(shifts))

@@ -86,7 +86,8 @@ class PyrenderScene:
         self._opened = opened
         lower_m, upper_m = np.asarray(opened.lower_m), np.asarray(opened.upper_m)
         self.centre_m = 0.5 * (lower_m + upper_m)
-        self.radius_m = max(0.5 * float(np.linalg.norm(upper_m - lower_m)), 1e-6)
+        self.half_extent_m = 0.5 * (upper_m - lower_m)
+        self.radius_m = max(float(np.linalg.norm(self.half_extent_m)), 1e-6)
         ground = opened.ground
         # Where the ground behind the scene lies, and the middle of its disc.
         self.ground_level_m = 0.0 if ground is None else ground.height_m

@@ -10,8 +10,9 @@ from light_transport.giving_up import GoOn, always
 from light_transport.hour.gather import patches_gathered, sky_gathered
 from light_transport.hour.hour import Hour
 from light_transport.rays.ray_starts import Probes
-from light_transport.rays.ray_table import empty_rows, slice_of, with_rays
+from light_transport.rays.ray_table import columns_and_rays, empty_rows, slice_of, with_rays
 from light_transport.rays.sky_nodes import NODES
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 _BLOCK = 1024
@@ -23,12 +24,14 @@ class PointLight(NamedTuple):
     Attributes:
         irradiance_rgb: (P, 3), W m^-2.
         sky: (P,), luminance of what of it the sky sends.
+        error: (P,), what the number of rays leaves of the luminance, rms, if they were random.
         room_m: (P,), harmonic mean distance of what is seen from there, infinite under open sky.
-        free: (P,), share of the rays that count: little in bodies.
+        free: (P,), share of the rays that meet no backs of bodies: little inside them.
     """
 
     irradiance_rgb: Float32Array
     sky: Float32Array
+    error: Float32Array
     room_m: Float32Array
     free: Float32Array
 
@@ -60,21 +63,29 @@ def light_at(
     column_of = np.concatenate([columns[: NODES + texels], nothing, after])
     receivers = bake.receivers._replace(probes=probes)
     column_light = bake.column_light(hour)
+    squares = np.zeros_like(column_light)
+    squares[:, 0] = luminance(column_light[:, :3]) ** 2
     rows = empty_rows(texels, len(places))
-    light = np.empty((len(places), 4), np.float32)
-    room, free = np.empty((2, len(places)), np.float32)
+    light, square = np.empty((2, len(places), 4), np.float32)
+    room, free, error = np.empty((3, len(places)), np.float32)
 
     def block(first: int) -> None:
         go_on()
         last = min(first + _BLOCK, len(places))
-        found = with_rays(bake.tree, receivers, slice_of(rows, first, last), column_of, 0, rays)
-        gathered = light[first:last]
-        sky_gathered(found, column_light, 0, last - first, gathered)
-        patches_gathered(found, column_light, 0, last - first, gathered)
+        here = slice_of(rows, first, last)
+        # Nobody looks at points inside bodies: backs are of sheets, and hide what is behind.
+        found = with_rays(bake.tree, receivers, here, column_of, 0, rays, NODES + texels)
+        for means, of in ((light[first:last], column_light), (square[first:last], squares)):
+            sky_gathered(found, of, 0, last - first, means)
+            patches_gathered(found, of, 0, last - first, means)
+        spread = np.maximum(square[first:last, 0] - luminance(light[first:last, :3]) ** 2, 0.0)
+        error[first:last] = np.sqrt(spread / np.maximum(found.valid, 1))
         with np.errstate(divide="ignore", invalid="ignore"):
             room[first:last] = found.valid / found.nearness * np.float32(surfaces.radius_m)
-        free[first:last] = found.valid / np.float32(rays)
+        column, number = columns_and_rays(found.entry)
+        dark = np.append(np.where(column == nothing[0], number, 0), 0)
+        free[first:last] = 1.0 - np.add.reduceat(dark, found.start[:-1]) / np.float32(rays)
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(block, range(0, len(places), _BLOCK)))
-    return PointLight(light[:, :3], light[:, 3], room, free)
+    return PointLight(light[:, :3], light[:, 3], error, room, free)

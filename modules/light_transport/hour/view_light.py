@@ -7,6 +7,7 @@ that pixels see have their own rays, which end on the map's patches.
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import uniform_filter
 
 from light_transport.bake import Bake
 from light_transport.giving_up import GoOn
@@ -27,10 +28,13 @@ _OFF = 1e-5
 _LEAST_FREE = 0.4
 # Noise is smoothed over so many points to each side, then over so many that lie farther apart
 # (Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly where
-# there is room.
+# there is room, and what differs by more than its noise is no noise.
 _REACH, _APART = 2, (1, 2, 4)
 # Mean room tells little of what is near: farther points count within less of it.
 _SHARE_OF_ROOM = (0.3, 0.03, 0.03)
+# Points differ by so many times the noise about them. Where that is a large share of the light, a
+# few rays through a window bring most of it: room alone decides.
+_NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.15
 
 
 class ViewLight(NamedTuple):
@@ -93,14 +97,19 @@ def view_light(
     shown = np.zeros((len(towards), 1), bool)
     shown[seen] = True
     plane = np.where(shown, np.concatenate([face, distance_m], axis=1), 0.0).astype(np.float32)
-    room = np.zeros(len(towards), np.float32)
-    room[seen] = found.room_m[kept] / radius_m
+    room, error = np.zeros((2, len(towards)), np.float32)
+    room[seen], error[seen] = found.room_m[kept] / radius_m, found.error[kept]
     shape = (rows, columns)
+    room = room.reshape(shape)
+    noise2 = uniform_filter(error.reshape(shape) ** 2, _AROUND)
+    mean = uniform_filter(luminance(light[:, :3]).reshape(shape), _AROUND)
+    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
+    noise2 *= _NOISES**2 * (1.0 + share2**2)
     smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
     places = (place - eye).astype(np.float32).reshape(*shape, 3)
     for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
         go_on()
-        smoothed = _smoothed(smoothed, planes, places, room.reshape(shape), apart, share)
+        smoothed = _smoothed(smoothed, planes, places, room, noise2, apart, share)
     return ViewLight(smoothed, planes)
 
 
@@ -136,8 +145,8 @@ def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _smoothed(light, plane, place, room, apart, share):  # type: ignore[no-untyped-def]
-    """Means of light (H, W, 4) over neighbours on one plane, by how much room both have."""
+def _smoothed(light, plane, place, room, noise2, apart, share):  # type: ignore[no-untyped-def]
+    """Means of light (H, W, 4) over neighbours on one plane, by room and squared noise (H, W)."""
     height, width = room.shape
     out = np.zeros_like(light)
     for y in range(height):
@@ -159,7 +168,12 @@ def _smoothed(light, plane, place, room, apart, share):  # type: ignore[no-untyp
                         continue
                     reach = np.float32(share) * min(room[y, x], room[r, c])
                     weight = min(np.float32(1.0), reach / max(away, np.float32(1e-9)))
-                    weight *= weight
+                    apart_by = np.float32(0.2126) * (light[r, c, 0] - light[y, x, 0])
+                    apart_by += np.float32(0.7152) * (light[r, c, 1] - light[y, x, 1])
+                    apart_by += np.float32(0.0722) * (light[r, c, 2] - light[y, x, 2])
+                    both = noise2[r, c] + noise2[y, x]
+                    same = np.float32(1.0) - apart_by**2 / max(both, np.float32(1e-30))
+                    weight *= weight * max(same, np.float32(0.0))
                     total += weight
                     for k in range(4):
                         out[y, x, k] += weight * light[r, c, k]

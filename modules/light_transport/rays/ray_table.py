@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import hot, inlined, kernel
+from light_transport.kernels import dot, hot, inlined, kernel
 from light_transport.rays.ray_starts import Receivers, aim, begin, scratch, shift
 from light_transport.rays.sky_nodes import NODES, node_of
 from light_transport.rays.trace import MISS, mixed, nearest_along
@@ -18,7 +18,7 @@ from light_transport.surfaces.groups import NO_GROUP
 from light_transport.surfaces.map_texels import NOBODY, ground_pixel
 from vrut_lite.numeric_types import Float32Array, IntArray
 
-_DROPPED = -1
+_DROPPED, _BACK = -1, -2
 # So many first rays of a row may begin inside a body before the row is held to have no free one.
 TRIED = 8
 # So many bits of an entry, of 16 or 32, are its column; those above are its rays less one.
@@ -98,14 +98,17 @@ def with_rays(
     column_of: NDArray[np.int32],
     first: int,
     count: int,
+    backs: int = _DROPPED,
 ) -> Rows:
     """These rows with rays `first` to `first + count` added.
 
-    `column_of` (NODES + row count,): the column for the node or row that a ray met.
+    `column_of` (NODES + row count,): the column for the node or row that a ray met; `backs`: the
+    node or row that stands for backs of bodies, where rays that meet them are not dropped.
     """
     targets = np.empty((len(rows.valid), count), np.int32)
     distances = np.zeros(targets.shape, np.float32)
     _trace(tree, receivers, rows.first, first, scratch(), targets, distances)
+    targets[targets == _BACK] = backs
     columns = int(column_of.max(initial=0)) + 1
     made = _counted(rows, column_of, targets, distances, columns, _no_entries(columns))
     return Rows(rows.first, *made)
@@ -156,7 +159,7 @@ def rays_at(entry, e):  # type: ignore[no-untyped-def]
 def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # type: ignore[no-untyped-def]
     """Fill in the targets of rays (rows, count) and their distances, at least half a texel.
 
-    They end at a node, at NODES + a row, or are _DROPPED.
+    They end at a node, at NODES + a row, at a body's _BACK, or are _DROPPED.
     """
     geometry, texels, probes, groups = receivers
     stack, far_stack, pixel, shifts, weights, place, normal, face, ray = scratch
@@ -190,6 +193,8 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
                 geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray, pixel
             )
             targets[i, s] = NODES + met if met >= 0 else _DROPPED
+            if met < 0 and dot(geometry.faces[tree.order[hit]], ray) > 0.0:
+                targets[i, s] = _BACK
             if met >= first_group and height < least:
                 t = tree.order[hit]
                 if groups.front[t] != met - first_group:

@@ -1,10 +1,11 @@
-"""The sun's shadow maps: orthographic depth from the sun, of the scene and of the eye's vicinity.
+"""The sun's shadow maps: orthographic depth from the sun, of the scene, and finer of a part of it.
 
 Each holds all the scene's depth, so that penumbras are as wide as their casters are far away.
 
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
-A second map then covers the eye's surroundings. Each is drawn when scene, sun
-or place have changed, in quick pictures with a quarter of the texels.
+A second map then covers the eye's surroundings. In smaller ones it covers what a finished still
+shows, if that is less than half of the scene. Each is drawn when scene, sun or place have changed,
+in quick pictures with a quarter of the texels.
 """
 
 import math
@@ -17,6 +18,8 @@ from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Light, Shadow, Shadows
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.shadow_ranges import ShadowRanges
+from vrut_lite.render.passes.shadows_on_mesh import NEAR_RIM
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
 
 SHADOW_SIZE, QUICK_SIZE = 4096, 2048
@@ -26,6 +29,9 @@ NEAR_RADIUS_M = 400.0
 _LARGE_RADII = 4.0
 # The near map follows the eye in steps of this share of its radius. Its rim fades over more.
 _STEP = 1.0 / 64.0
+# What a still shows has a map of its own up to this share of the scene.
+_SHOWN_SHARE = 0.5
+_GRID = 9
 
 
 class ShadowMap:
@@ -74,7 +80,7 @@ class ShadowMap:
             spread=math.tan(light.sun_radius_rad) * 2.0 * depth_m / texel_m,
             aspect=radius_m / depth_m,
         )
-        now = _content(scene, light, centre_m)
+        now = _content(scene, light, centre_m, radius_m)
         if not always and not any(light.sun_irradiance):
             self._ledger.skip(f"{self._name}: no sun to cast one")
         elif not always and self._drawn == now:
@@ -93,9 +99,11 @@ class ShadowMap:
             self._ledger.did(self._name)
         return shadow
 
-    def shows(self, scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64]) -> bool:
+    def shows(
+        self, scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64], radius_m: float
+    ) -> bool:
         """Whether it was drawn for this scene, sun and place."""
-        return self._drawn == _content(scene, light, centre_m)
+        return self._drawn == _content(scene, light, centre_m, radius_m)
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
@@ -133,25 +141,34 @@ class ShadowMaps:
         meshes: MeshRenderer,
         scene: PyrenderScene,
         light: Light,
-        eye_m: NDArray[np.float64],
+        view: View,
         always: bool,
         quick: bool = False,
+        finished: bool = False,
     ) -> Shadows:
-        """The shadows that an eye (3,) sees; `always` draws them also when nothing changed."""
+        """The shadows that a view shows; `always` draws them also when nothing changed."""
 
         def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
             # A fine map is not made only to be asked: the first picture would wait for it.
             fine = self._maps.get((name, SHADOW_SIZE))
-            is_fine = not quick or (fine is not None and fine.shows(scene, light, centre_m))
+            is_fine = not quick or (
+                fine is not None and fine.shows(scene, light, centre_m, radius_m)
+            )
             size = SHADOW_SIZE if is_fine else QUICK_SIZE
             return self._map(name, size).update(meshes, scene, light, centre_m, radius_m, always)
 
         bounds = scene.centre_m, scene.radius_m
         whole = shadow("shadow map", *bounds)
-        centre_m = near_centre_m(eye_m, light.sun_direction, *bounds)
+        centre_m, radius_m = near_centre_m(view.eye_m, light.sun_direction, *bounds), NEAR_RADIUS_M
+        if centre_m is None and finished:
+            centre_m, radius_m = shown_cylinder_m(
+                view, light.sun_direction, scene.centre_m, scene.half_extent_m
+            )
+            if radius_m > _SHOWN_SHARE * scene.radius_m:
+                centre_m = None
         if centre_m is None:
             return Shadows(whole, None)
-        return Shadows(whole, shadow("near shadow map", centre_m, NEAR_RADIUS_M))
+        return Shadows(whole, shadow("near shadow map", centre_m, radius_m))
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
@@ -165,10 +182,10 @@ class ShadowMaps:
 
 
 def _content(
-    scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64]
+    scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64], radius_m: float
 ) -> tuple[PyrenderScene, Any, tuple[float, ...]]:
     """What a map is drawn of."""
-    return scene, light.sun_direction, tuple(centre_m)
+    return scene, light.sun_direction, (*centre_m, radius_m)
 
 
 def light_matrix(direction: ArrayLike, radius_m: float, depth_m: float) -> NDArray[np.float64]:
@@ -197,6 +214,32 @@ def near_centre_m(
         return None
     axes, step_m = _light_axes(direction), _STEP * NEAR_RADIUS_M
     return np.add(scene_centre_m, step_m * np.round(axes @ away_m / step_m) @ axes)
+
+
+def shown_cylinder_m(
+    view: View, direction: ArrayLike, centre_m: NDArray[np.float64], half_m: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Centre (3,) and radius, along the sun, of what a view shows of a box, with the rim.
+
+    Of an even grid of rays, so a little less at corners; infinite where nothing is shown.
+    """
+    across, up, _, depth = view.clip_from_eye[:, :3]
+    a, b = np.meshgrid(np.linspace(-1.0, 1.0, _GRID), np.linspace(-1.0, 1.0, _GRID))
+    rays = np.cross(across - a[..., None] * depth, up - b[..., None] * depth).reshape(-1, 3)
+    rays *= np.sign(rays @ depth)[:, None]
+    from_eye = centre_m - view.eye_m
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sides = np.sort([(from_eye - half_m) / rays, (from_eye + half_m) / rays], axis=0)
+    first, last = np.maximum(np.nanmax(sides[0], axis=1), 0.0), np.nanmin(sides[1], axis=1)
+    met = first < last
+    if not met.any():
+        return centre_m, math.inf
+    ends = [rays[met] * reach[met, None] for reach in (first, last)]
+    axes = _light_axes(direction)
+    seen = np.concatenate(ends) @ axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    radius_m = 0.5 * float(np.max(high - low, where=[True, True, False], initial=0.0))
+    return view.eye_m + 0.5 * (low + high) @ axes, radius_m / (1.0 - NEAR_RIM)
 
 
 def _light_axes(direction: ArrayLike) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from vrut_lite.render.shader_files import Defines
 SHADOW_UNIT, _NEAR_SHADOW_UNIT, _GLASS_SHADOW_UNIT = 9, 15, 23
 _RANGES_UNIT, _NEAR_RANGES_UNIT = 29, 30
 # As sun_shadow.glsl has it: of the near map's half width, where it goes over into the other.
-_NEAR_RIM = 0.25
+NEAR_RIM = 0.25
 
 
 def bind_shadows(shadows: Shadows) -> None:
@@ -44,7 +44,7 @@ def shadows_on(
         radius = placed.radius_m * float(np.linalg.norm(near.matrix[0, :3]))
         # The receiver is moved off its surface by a few texels.
         radius += 5.0 * near.texel_m * float(np.linalg.norm(near.matrix[0, :3]))
-        if np.max(np.abs(off)) + radius <= 1.0 - _NEAR_RIM:
+        if np.max(np.abs(off)) + radius <= 1.0 - NEAR_RIM:
             return (), _uniforms("shadow", near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
         if np.max(np.abs(off)) - radius <= 1.0:
             return _all_maps(shadows, view)
