@@ -26,6 +26,8 @@ from vrut_lite.numeric_types import FloatArray
 MEAN_COSINE = 0.74
 # Resistance of a cloud's surface; thickness over the mean free path between clouds.
 _SURFACE, _FREE_PATHS = 1.5, 1.5
+# Depths of cells: of what counts as solid, and the weight of clear air.
+_SOLID, _CLEAR = 4.0, 1e-3
 # Of over-relaxation by columns.
 _SWEEPS, _AHEAD = 16, 1.6
 # 3/2 (1 - g) and 3/2 g: halves, of half a cell on each side of a face.
@@ -58,8 +60,10 @@ def diffuse_light(
     cells = (edges_m, step_m, free_per_m, sun[0], sun[2])
     _link(cells, extinction, sunlit, drives, links, source)
     _relax(links, source, fluence)
-    out = np.zeros((heights + 1, columns, columns, 4), np.float32)
-    _at_edges(cells, extinction, sunlit, drives, links, fluence, out)
+    at_edges = np.zeros((heights + 1, columns, columns, 4), np.float32)
+    _at_edges(cells, extinction, sunlit, drives, links, fluence, at_edges)
+    out = at_edges.copy()
+    _reach_out(extinction * np.float32(step_m), at_edges, out)
     return out
 
 
@@ -255,3 +259,36 @@ def _at_edges(cells, extinction, sunlit, drives, links, fluence, out):  # type: 
                             )  # fmt: skip
                             there = fluence[ja, ia, level] - fluence[jb, ib, level] + drive
                             out[k, j, i, 1 + 2 * axis] += 0.5 * there / resists / (high - low + 1)
+
+
+@compiled
+def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
+    """Let the light of clouds reach into the clear air beside them.
+
+    What is seen of a cloud is its rim, which the grid does not resolve: there the light is that
+    of the cloud, not of the air before it. `depths`: of cells, (columns, columns, heights).
+    """
+    columns, heights = depths.shape[0], depths.shape[2]
+    total = np.empty(4)
+    for k in range(heights + 1):
+        for j in range(columns):
+            for i in range(columns):
+                here = 0.5 * (depths[j, i, max(k - 1, 0)] + depths[j, i, min(k, heights - 1)])
+                if here > _SOLID:
+                    continue
+                weights = _CLEAR
+                for c in range(4):
+                    total[c] = _CLEAR * light[k, j, i, c]
+                for b in range(max(j - 1, 0), min(j + 2, columns)):
+                    for a in range(max(i - 1, 0), min(i + 2, columns)):
+                        for n in range(max(k - 1, 0), min(k + 2, heights + 1)):
+                            weight = 0.5 * (
+                                depths[b, a, max(n - 1, 0)] + depths[b, a, min(n, heights - 1)]
+                            )
+                            if weight > 0.0:
+                                weights += weight
+                                for c in range(4):
+                                    total[c] += weight * light[n, b, a, c]
+                share = math.exp(-here)
+                for c in range(4):
+                    out[k, j, i, c] += share * (total[c] / weights - light[k, j, i, c])

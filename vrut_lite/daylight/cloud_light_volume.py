@@ -1,5 +1,5 @@
-"""Light in a `CloudLayer` on a grid around an eye, compiled: optical depths towards the sun, away
-from it, up and down, and sunlight that is scattered again and again (`cloud_diffusion`). What
+"""Light in a `CloudLayer` on a grid around an eye, compiled: optical depths towards the sun,
+up and down, and sunlight that is scattered again and again (`cloud_diffusion`). What
 lights a place in a cloud is looked up there, not marched.
 
 Columns stand denser near the eye (`cloud_grid`); heights are even. Frame and CPU use the same
@@ -31,13 +31,15 @@ from vrut_lite.daylight.cloud_grid import (
 from vrut_lite.numeric_types import FloatArray
 
 _COLUMNS, _HEIGHTS = 256, 16
+# Depth at which no sunlight is left, within the range of float32.
+_DARKEST = 80.0
 
 
 class LightVolume(NamedTuple):
-    """Arrays (heights + 1, columns z, columns x, 4) float32, at the edges between heights.
+    """Arrays (heights + 1, columns z, columns x, n) float32, at the edges between heights.
 
     Attributes:
-        depths: to the sun, away from it, up, down.
+        depths: to the sun, up, down.
         diffuse: fluence of scattered light, and its flux along world x, up and z, of a sun of
             irradiance 1.
         near_m: of the grid, see `cloud_grid`.
@@ -62,13 +64,14 @@ def light_volume(field, sun: FloatArray, diffused: float) -> LightVolume:  # typ
     columns = places_m, widths_m, near_m
     density = np.empty((_HEIGHTS, _COLUMNS, _COLUMNS), np.float32)
     _fill(field, columns, density)
-    depths = np.zeros((_HEIGHTS + 1, _COLUMNS, _COLUMNS, 4), np.float32)
+    depths = np.zeros((_HEIGHTS + 1, _COLUMNS, _COLUMNS, 3), np.float32)
     step_m = field.thickness_m / _HEIGHTS
     sine = max(float(sun[1]), LEAST_SINE)
     slope = np.array([sun[0], sun[2]]) / sine * step_m
     per_m = float(field.extinction_per_m)
-    _sum_along(columns, density, depths, 0, slope, per_m * step_m / sine)
-    _sum_along(columns, density, depths, 2, np.zeros(2), per_m * step_m)
+    _sum_to_sun(columns, density, depths, slope, per_m * step_m / sine, diffused)
+    depths[-2::-1, ..., 1] = np.cumsum(density[::-1], axis=0) * (per_m * step_m)
+    depths[1:, ..., 2] = np.cumsum(density, axis=0) * (per_m * step_m)
     towards = np.array([sun[0], sine, sun[2]])
     diffuse = diffuse_light(density, depths, towards, step_m, near_m, diffused * per_m, diffused)
     return LightVolume(depths, diffuse, near_m)
@@ -110,39 +113,40 @@ def _flat(level, row, column):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _sum_along(columns, density, depths, part, slope_m, depth_of_step):  # type: ignore[no-untyped-def]
-    """Depths along a direction into `part`, against it into the next.
+def _sum_to_sun(columns, density, depths, slope_m, depth_of_step, diffused):  # type: ignore[no-untyped-def]
+    """Depths towards the sun, from the top down.
 
-    `slope_m` (2,): how far the direction goes along x and z while it rises by a voxel.
+    `slope_m` (2,): how far the way goes along x and z while it rises by a cell. Between columns
+    light is interpolated, not depth: a bright gap beside a cloud keeps its light.
     """
     places_m, widths_m, near_m = columns
     heights, size = density.shape[0], places_m.size
     length_m = math.hypot(slope_m[0], slope_m[1])
-    for way in range(2):
-        sign = 1.0 if way == 0 else -1.0
-        for n in range(heights):
-            k = heights - 1 - n if way == 0 else n
-            here, before = (k, k + 1) if way == 0 else (k + 1, k)
-            for j in range(size):
-                for i in range(size):
-                    x, z = places_m[i], places_m[j]
-                    texel_m = max(widths_m[i], widths_m[j])
-                    steps = min(max(math.ceil(length_m / texel_m), 1), SUB_STEPS)
-                    total = 0.0
-                    for m in range(steps):
-                        share = sign * (m + 0.5) / steps
-                        row = _texel_of(z + slope_m[1] * share, size, near_m)
-                        column = _texel_of(x + slope_m[0] * share, size, near_m)
-                        total += _flat(density[k], row, column)
-                    row = _texel_of(z + sign * slope_m[1], size, near_m)
-                    column = _texel_of(x + sign * slope_m[0], size, near_m)
-                    beyond = _flat(depths[before, :, :, part + way], row, column)
-                    depths[here, j, i, part + way] = beyond + total * depth_of_step / steps
+    passed = np.ones((size, size), np.float32)
+    for k in range(heights - 1, -1, -1):
+        for j in range(size):
+            for i in range(size):
+                x, z = places_m[i], places_m[j]
+                texel_m = max(widths_m[i], widths_m[j])
+                steps = min(max(math.ceil(length_m / texel_m), 1), SUB_STEPS)
+                total = 0.0
+                for m in range(steps):
+                    share = (m + 0.5) / steps
+                    row = _texel_of(z + slope_m[1] * share, size, near_m)
+                    column = _texel_of(x + slope_m[0] * share, size, near_m)
+                    total += _flat(density[k], row, column)
+                row = _texel_of(z + slope_m[1], size, near_m)
+                column = _texel_of(x + slope_m[0], size, near_m)
+                beyond = -math.log(_flat(passed, row, column)) / diffused
+                depths[k, j, i, 0] = beyond + total * depth_of_step / steps
+        for j in range(size):
+            for i in range(size):
+                passed[j, i] = math.exp(-min(diffused * depths[k, j, i, 0], _DARKEST))
 
 
 @compiled
 def volume_at(volume, near_m, height, x, z, out):  # type: ignore[no-untyped-def]
-    """A volume's four numbers at a place, into `out` (4,); its height is a share of the whole."""
+    """A volume's numbers at a place, into `out`; its height is a share of the whole."""
     heights, columns = volume.shape[0] - 1, volume.shape[1]
     place = min(max(height, 0.0), 1.0) * heights
     k = min(int(place), heights - 1)
@@ -150,7 +154,7 @@ def volume_at(volume, near_m, height, x, z, out):  # type: ignore[no-untyped-def
     row, column = _texel_of(z, columns, near_m), _texel_of(x, columns, near_m)
     j, i = min(int(row), columns - 2), min(int(column), columns - 2)
     t, s = row - j, column - i
-    for c in range(4):
+    for c in range(volume.shape[3]):
         value = 0.0
         for dk in range(2):
             level = volume[k + dk]

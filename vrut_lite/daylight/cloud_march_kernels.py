@@ -143,13 +143,13 @@ def _add_source(  # type: ignore[no-untyped-def]
     depths = work[4:8]
     volume_at(lights.volume.depths, lights.volume.near_m, ahead, ahead_x, ahead_z, depths)
     to_sun = near + depths[0]
-    upright = depths[2] + depths[3]
+    upright = depths[1] + depths[2]
     lit, unscattered = math.exp(-diffused * to_sun), math.exp(-to_sun)
     sine = sun[1] + (x * sun[0] + z * sun[2]) / PLANET_RADIUS_M
     # Light in the plane layer of these depths, by the tables, and how much more or less of it there
     # is than in that layer, by diffusion.
     low = min(max(sine, LEAST_SINE), 1.0)
-    over = min(max(depths[2] + near * max(sun[1], 0.0), 0.0), upright)
+    over = min(max(depths[1] + near * max(sun[1], 0.0), 0.0), upright)
     above, below = diffused * over, diffused * (upright - over)
     diffuse = sun_source(lights.source, above, below, low, rise, nu, work)
     level, flux = plane_light(max(above, _LEAST_DEPTH), max(below, _LEAST_DEPTH), low)
