@@ -7,10 +7,9 @@ extinction that diffuses, E what is left of the sun and d the way it goes,
     div F = s E,    grad G = 3 g s E d - 3 (1 - g) s F.
 
 Cells exchange flux as resistors do, along lines between their middles. At base and top nothing
-comes in: G = 2 F (Marshak). Between clouds light goes straight, which is no diffusion: there a mean
-free path as long as a share of the layer's thickness stands for the distance to the next cloud, and
-the surface of a cloud for a part of Marshak's resistance. Both were chosen beside the Monte Carlo.
-Importing this module imports numba.
+comes in: G = 2 F (Marshak). Between clouds light goes straight, which is no diffusion: on level
+ways some extinction is added, and the surface of a cloud has a part of Marshak's resistance. Both
+were chosen beside the Monte Carlo; a plane layer has neither. Importing this module imports numba.
 """
 
 import math
@@ -24,10 +23,11 @@ from vrut_lite.numeric_types import FloatArray
 
 # Mean cosine of droplets' phase function after delta-M.
 MEAN_COSINE = 0.74
-# Resistance of a cloud's surface; thickness over the mean free path between clouds.
-_SURFACE, _FREE_PATHS = 1.5, 1.5
+# Resistance of a cloud's surface; free paths in a layer's thickness, on level ways.
+_SURFACE, _FREE_PATHS = 1.5, 8.0
 # Depths of cells: of what counts as solid, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
+_LEAST_RESISTANCE = 1e-3
 # Of over-relaxation by columns.
 _SWEEPS, _AHEAD = 16, 1.6
 # 3/2 (1 - g) and 3/2 g: halves, of half a cell on each side of a face.
@@ -61,7 +61,7 @@ def diffuse_light(
     _link(cells, extinction, sunlit, drives, links, source)
     _relax(links, source, fluence)
     at_edges = np.zeros((heights + 1, columns, columns, 4), np.float32)
-    _at_edges(cells, extinction, sunlit, drives, links, fluence, at_edges)
+    _at_edges(cells, extinction, sunlit, drives, fluence, at_edges)
     out = at_edges.copy()
     _reach_out(extinction * np.float32(step_m), at_edges, out)
     return out
@@ -129,15 +129,15 @@ def _across(a, b, light_a, light_b, width_a, width_b, free_per_m, step_m, slope)
 
 
 @compiled
-def _upward(extinction, k, step_m, free_per_m):  # type: ignore[no-untyped-def]
+def _upward(extinction, k, step_m):  # type: ignore[no-untyped-def]
     """Resistance through the lower face of the cell k of a column."""
     heights = extinction.size
-    half = step_m * (_HINDERS * extinction[min(k, heights - 1)] + 1.5 * free_per_m)
+    half = step_m * _HINDERS * extinction[min(k, heights - 1)]
     if k in (0, heights):
         return half + 2.0
-    below = step_m * (_HINDERS * extinction[k - 1] + 1.5 * free_per_m)
+    below = step_m * _HINDERS * extinction[k - 1]
     surface = math.exp(-extinction[k] * step_m) - math.exp(-extinction[k - 1] * step_m)
-    return half + below + _SURFACE * abs(surface)
+    return max(half + below + _SURFACE * abs(surface), _LEAST_RESISTANCE)
 
 
 @compiled
@@ -169,7 +169,7 @@ def _link(cells, extinction, sunlit, drives, links, source):  # type: ignore[no-
                     source[j, i, k] -= drive * links[j, i, k, 1]
                     source[j + 1, i, k] += drive * links[j, i, k, 1]
             for k in range(heights + 1):
-                link = dx * dz / _upward(extinction[j, i], k, step_m, free_per_m)
+                link = dx * dz / _upward(extinction[j, i], k, step_m)
                 links[j, i, k, 2] = link
                 if k > 0:
                     source[j, i, k - 1] -= drives[j, i, k - 1, 1] * link
@@ -220,14 +220,14 @@ def _relax(links, source, fluence):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _at_edges(cells, extinction, sunlit, drives, links, fluence, out):  # type: ignore[no-untyped-def]
+def _at_edges(cells, extinction, sunlit, drives, fluence, out):  # type: ignore[no-untyped-def]
     """Fluence and flux between heights, at base and at top."""
     edges_m, step_m, free_per_m, sun_x, sun_z = cells
     columns, heights = extinction.shape[0], extinction.shape[2]
     for j in range(columns):
         for i in range(columns):
             for k in range(heights + 1):
-                resists = _upward(extinction[j, i], k, step_m, free_per_m)
+                resists = _upward(extinction[j, i], k, step_m)
                 low, high = max(k - 1, 0), min(k, heights - 1)
                 drive = (drives[j, i, low, 1] if k else 0.0) + (
                     drives[j, i, high, 0] if k < heights else 0.0
@@ -240,7 +240,7 @@ def _at_edges(cells, extinction, sunlit, drives, links, fluence, out):  # type: 
                 elif k == heights:
                     value = 2.0 * flux
                 else:
-                    half = step_m * (_HINDERS * extinction[j, i, low] + 1.5 * free_per_m)
+                    half = step_m * _HINDERS * extinction[j, i, low]
                     value = under + drives[j, i, low, 1] - half * flux
                 out[k, j, i, 0] = max(value, 0.0)
                 out[k, j, i, 2] = flux

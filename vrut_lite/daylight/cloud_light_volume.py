@@ -30,7 +30,7 @@ from vrut_lite.daylight.cloud_grid import (
 )
 from vrut_lite.numeric_types import FloatArray
 
-_COLUMNS, _HEIGHTS = 256, 16
+_HEIGHTS = 16
 # Depth at which no sunlight is left, within the range of float32.
 _DARKEST = 80.0
 
@@ -50,26 +50,27 @@ class LightVolume(NamedTuple):
     near_m: float
 
 
-def light_volume(field, sun: FloatArray, diffused: float) -> LightVolume:  # type: ignore[no-untyped-def]
+def light_volume(  # type: ignore[no-untyped-def]
+    field, sun: FloatArray, diffused: float, columns: int = 256
+) -> LightVolume:
     """The light in a layer; a sun below `LEAST_SINE` counts as there.
 
-    `diffused`: share of the extinction that diffuses (`scatterer`).
+    `diffused`: share of the extinction that diffuses (`scatterer`); `columns`: along each axis.
     """
     near_m = volume_near_m(field.thickness_m)
     growth = growth_of(near_m)
-    places_m = np.array(
-        [place_of(u, near_m) for u in (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 - 1]
-    )
-    widths_m = 2.0 * near_m / _COLUMNS * (1.0 + growth * np.abs(places_m) / near_m) ** 2
-    columns = places_m, widths_m, near_m
-    density = np.empty((_HEIGHTS, _COLUMNS, _COLUMNS), np.float32)
-    _fill(field, columns, density)
-    depths = np.zeros((_HEIGHTS + 1, _COLUMNS, _COLUMNS, 3), np.float32)
+    middles = (2.0 * np.arange(columns) + 1.0) / columns - 1.0
+    places_m = np.array([place_of(u, near_m) for u in middles])
+    widths_m = 2.0 * near_m / columns * (1.0 + growth * np.abs(places_m) / near_m) ** 2
+    grid = places_m, widths_m, near_m
+    density = np.empty((_HEIGHTS, columns, columns), np.float32)
+    _fill(field, grid, density)
+    depths = np.zeros((_HEIGHTS + 1, columns, columns, 3), np.float32)
     step_m = field.thickness_m / _HEIGHTS
     sine = max(float(sun[1]), LEAST_SINE)
     slope = np.array([sun[0], sun[2]]) / sine * step_m
     per_m = float(field.extinction_per_m)
-    _sum_to_sun(columns, density, depths, slope, per_m * step_m / sine, diffused)
+    _sum_to_sun(grid, density, depths, slope, per_m * step_m / sine, diffused)
     depths[-2::-1, ..., 1] = np.cumsum(density[::-1], axis=0) * (per_m * step_m)
     depths[1:, ..., 2] = np.cumsum(density, axis=0) * (per_m * step_m)
     towards = np.array([sun[0], sine, sun[2]])
@@ -86,8 +87,8 @@ def _texel_of(x_m, size, near_m):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _fill(field, columns, density):  # type: ignore[no-untyped-def]
-    places_m, widths_m, _ = columns
+def _fill(field, grid, density):  # type: ignore[no-untyped-def]
+    places_m, widths_m, _ = grid
     heights = density.shape[0]
     for j in range(places_m.size):
         for i in range(places_m.size):
@@ -113,13 +114,13 @@ def _flat(level, row, column):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _sum_to_sun(columns, density, depths, slope_m, depth_of_step, diffused):  # type: ignore[no-untyped-def]
+def _sum_to_sun(grid, density, depths, slope_m, depth_of_step, diffused):  # type: ignore[no-untyped-def]
     """Depths towards the sun, from the top down.
 
     `slope_m` (2,): how far the way goes along x and z while it rises by a cell. Between columns
     light is interpolated, not depth: a bright gap beside a cloud keeps its light.
     """
-    places_m, widths_m, near_m = columns
+    places_m, widths_m, near_m = grid
     heights, size = density.shape[0], places_m.size
     length_m = math.hypot(slope_m[0], slope_m[1])
     passed = np.ones((size, size), np.float32)
