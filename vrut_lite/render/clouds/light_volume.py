@@ -10,7 +10,7 @@ from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
 
 # As cloud_light.glsl binds them.
-_VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT, _DIFFUSE_UNIT = 5, 6, 7, 23
+_VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT, _DIFFUSE_UNIT = 5, 6, 7, 28
 # Fewer than the CPU's pictures have: a moved sun needs them anew.
 _COLUMNS = 160
 _MOST = 6e4  # of 16 bits
@@ -30,6 +30,7 @@ class CloudLightVolume:
         self._phase = context.texture(nodes, 3, dtype="f4", alignment=1)
         for texture in (self._source, self._phase):
             _smooth(context, texture)
+        self._source.repeat_z = False
         # Depths and diffuse light.
         self._volumes: list[Any] = []
 
@@ -52,6 +53,7 @@ class CloudLightVolume:
             ]
             for texture in self._volumes:
                 _smooth(self._context, texture)
+                texture.repeat_z = False
         for texture, part in zip(self._volumes, texels, strict=True):
             texture.write(part.astype(np.float16).tobytes(), alignment=1)
 
@@ -72,5 +74,3 @@ class CloudLightVolume:
 def _smooth(context: Any, texture: Any) -> None:
     texture.filter = (context.LINEAR, context.LINEAR)
     texture.repeat_x = texture.repeat_y = False
-    if texture.__class__.__name__ == "Texture3D":
-        texture.repeat_z = False

@@ -2,7 +2,7 @@
 
 layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and top, by its height
 layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
-layout(binding = 23) uniform sampler3D light_diffuse;  // fluence; flux along x, up and z
+layout(binding = 28) uniform sampler3D light_diffuse;  // fluence; flux along x, up and z
 layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
 layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: wide, peak
 
