@@ -250,14 +250,15 @@ def _at_edges(cells, extinction, sunlit, drives, fluence, out):  # type: ignore[
                         for first in range(max(m - 1, 0), min(m + 1, columns - 1)):
                             ja, ia = (j, first) if axis == 0 else (first, i)
                             jb, ib = (j, first + 1) if axis == 0 else (first + 1, i)
-                            resists, drive = _across(
+                            # The sun's own drive on level ways is in the plane layer's light.
+                            resists, _ = _across(
                                 extinction[ja, ia, level], extinction[jb, ib, level],
                                 sunlit[ja, ia, level], sunlit[jb, ib, level],
                                 edges_m[first + 1] - edges_m[first],
                                 edges_m[first + 2] - edges_m[first + 1],
                                 free_per_m, step_m, sun_x if axis == 0 else sun_z,
                             )  # fmt: skip
-                            there = fluence[ja, ia, level] - fluence[jb, ib, level] + drive
+                            there = fluence[ja, ia, level] - fluence[jb, ib, level]
                             out[k, j, i, 1 + 2 * axis] += 0.5 * there / resists / (high - low + 1)
 
 
