@@ -23,7 +23,6 @@ def slab(**changes):
         "threshold": -1.0,
         "column_density": 0.985,
         "drift_m": (0.0, 0.0),
-        "phase": (0.85, -0.3, 0.9),
         "weather": Array(np.full((8, 8), 65535, np.uint16)),
         "shape": Array(np.full((8, 8, 8), 255, np.uint8)),
         "detail": Array(np.zeros((8, 8, 8), np.uint8)),

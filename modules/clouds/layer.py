@@ -18,8 +18,6 @@ from vrut_lite.daylight.cloud_density import (
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
-# Two Henyey-Greenstein lobes for a droplet's phase function; their mean cosine is 0.74.
-PHASE = (0.85, -0.3, 0.9)
 # Samples for the coverage: columns along each side, and heights.
 _COLUMNS, _HEIGHTS = 96, 24
 _HALVINGS = 12
@@ -73,7 +71,6 @@ def cloud_layer(layer: Layer, seed: int) -> CloudLayer:
         threshold=_LOWEST,
         column_density=0.0,
         drift_m=(0.0, 0.0),
-        phase=PHASE,
         weather=Array(weather_map(own_seed, genus.pattern)),
         shape=Array(shape_volume(seed)),
         detail=Array(detail_volume(seed)),

@@ -74,7 +74,7 @@ UP, NOON = (0.0, 1.0, 0.0), datetime(2026, 6, 21, 12, tzinfo=UTC)
 AIR = small_air(np.ones((3, 2, 4, 2, 3), np.float16)).volume
 CLOUDS = CloudLayer(
     base_m=1000.0, thickness_m=800.0, extinction_per_m=0.05, coverage=0.5, threshold=0.4,
-    column_density=0.2, drift_m=(0.0, 10.0), phase=(0.8, -0.2, 0.7),
+    column_density=0.2, drift_m=(0.0, 10.0),
     weather=Array(np.zeros((4, 4), np.uint16)), shape=Array(np.zeros((4, 4, 4), np.uint8)),
     detail=Array(np.zeros((2, 2, 2), np.uint8)),
 )  # fmt: skip

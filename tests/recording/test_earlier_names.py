@@ -34,10 +34,11 @@ def test_settings_that_were_not_recorded_are_what_they_were():
 
 
 def test_one_layer_of_clouds_is_a_list_of_one():
-    """Clouds had one layer of droplets, or none."""
+    """Clouds had one layer of droplets, or none, and two lobes that scattered."""
     one, none = (
         in_todays_words("CloudsChanged", {"layer": layer, "source": "clouds"})[1]
-        for layer in ({"base_m": 900.0}, None)
+        for layer in ({"base_m": 900.0, "phase": [0.8, -0.2, 0.7]}, None)
     )
     assert (one["layers"][0]["base_m"], one["layers"][0]["particles"]) == (900.0, "droplets")
+    assert "phase" not in one["layers"][0]
     assert none == {"layers": [], "source": "clouds"}

@@ -1,8 +1,9 @@
-"""Optical depths of a `CloudLayer` on a grid around an eye, compiled: towards the sun, away from
-it, up and down. What lights a place in a cloud is looked up there, not marched.
+"""Light in a `CloudLayer` on a grid around an eye, compiled: optical depths towards the sun,
+up and down, and sunlight that is scattered again and again (`cloud_diffusion`). What
+lights a place in a cloud is looked up there, not marched.
 
-Columns stand denser near the eye: x = near u / (1 - growth |u|), u in [-1, 1] along each axis;
-heights are even. cloud_volume.comp is the twin. Importing this module imports numba.
+Columns stand denser near the eye (`cloud_grid`); heights are even. Frame and CPU use the same
+numbers. Importing this module imports numba.
 """
 
 import math
@@ -18,58 +19,81 @@ from vrut_lite.daylight.cloud_density_kernels import (
     envelope_in,
     narrowed,
 )
-from vrut_lite.daylight.cloud_grid import FARTHEST_M, GROWTH, LEAST_SINE, NEAR_M, SUB_STEPS
+from vrut_lite.daylight.cloud_diffusion import diffuse_light
+from vrut_lite.daylight.cloud_grid import (
+    FARTHEST_M,
+    LEAST_SINE,
+    SUB_STEPS,
+    growth_of,
+    place_of,
+    volume_near_m,
+)
 from vrut_lite.numeric_types import FloatArray
 
-_COLUMNS, _HEIGHTS = 128, 16
+_HEIGHTS = 16
+# Depth at which no sunlight is left, within the range of float32.
+_DARKEST = 80.0
 
 
 class LightVolume(NamedTuple):
-    """Depths (heights + 1, columns z, columns x, 4) float32: to the sun, away from it, up, down.
+    """Arrays (heights + 1, columns z, columns x, n) float32, at the edges between heights.
 
-    They are those at the edges between heights, so that they are 0 where the layer ends.
+    Attributes:
+        depths: to the sun, up, down.
+        diffuse: fluence of scattered light, and its flux along world x, up and z, of a sun of
+            irradiance 1.
+        near_m: of the grid, see `cloud_grid`.
     """
 
     depths: NDArray[np.float32]
+    diffuse: NDArray[np.float32]
+    near_m: float
 
 
-def light_volume(field, sun: FloatArray) -> LightVolume:  # type: ignore[no-untyped-def]
-    """The depths of a layer for a sun; below `LEAST_SINE` it counts as there."""
-    density = np.empty((_HEIGHTS, _COLUMNS, _COLUMNS), np.float32)
-    _fill(field, density)
-    depths = np.zeros((_HEIGHTS + 1, _COLUMNS, _COLUMNS, 4), np.float32)
+def light_volume(  # type: ignore[no-untyped-def]
+    field, sun: FloatArray, diffused: float, columns: int = 256
+) -> LightVolume:
+    """The light in a layer; a sun below `LEAST_SINE` counts as there.
+
+    `diffused`: share of the extinction that diffuses (`scatterer`); `columns`: along each axis.
+    """
+    near_m = volume_near_m(field.thickness_m)
+    growth = growth_of(near_m)
+    middles = (2.0 * np.arange(columns) + 1.0) / columns - 1.0
+    places_m = np.array([place_of(u, near_m) for u in middles])
+    widths_m = 2.0 * near_m / columns * (1.0 + growth * np.abs(places_m) / near_m) ** 2
+    grid = places_m, widths_m, near_m
+    density = np.empty((_HEIGHTS, columns, columns), np.float32)
+    _fill(field, grid, density)
+    depths = np.zeros((_HEIGHTS + 1, columns, columns, 3), np.float32)
     step_m = field.thickness_m / _HEIGHTS
     sine = max(float(sun[1]), LEAST_SINE)
     slope = np.array([sun[0], sun[2]]) / sine * step_m
-    _sum_along(density, depths, 0, slope, field.extinction_per_m * step_m / sine)
-    _sum_along(density, depths, 2, np.zeros(2), field.extinction_per_m * step_m)
-    return LightVolume(depths)
+    per_m = float(field.extinction_per_m)
+    _sum_to_sun(grid, density, depths, slope, per_m * step_m / sine, diffused)
+    depths[-2::-1, ..., 1] = np.cumsum(density[::-1], axis=0) * (per_m * step_m)
+    depths[1:, ..., 2] = np.cumsum(density, axis=0) * (per_m * step_m)
+    towards = np.array([sun[0], sine, sun[2]])
+    diffuse = diffuse_light(density, depths, towards, step_m, near_m, diffused * per_m, diffused)
+    return LightVolume(depths, diffuse, near_m)
 
 
 @compiled
-def place_of(u):  # type: ignore[no-untyped-def]
-    """Distance from the eye along an axis, m, of a coordinate in [-1, 1]."""
-    return NEAR_M * u / (1.0 - GROWTH * abs(u))
-
-
-@compiled
-def _texel_of(x_m, size):  # type: ignore[no-untyped-def]
+def _texel_of(x_m, size, near_m):  # type: ignore[no-untyped-def]
     """Columns, of which the first has its middle at 0."""
     x = min(max(x_m, -FARTHEST_M), FARTHEST_M)
-    u = x / (NEAR_M + GROWTH * abs(x))
+    u = x / (near_m + (1.0 - near_m / FARTHEST_M) * abs(x))
     return min(max((0.5 * u + 0.5) * size - 0.5, 0.0), size - 1.0)
 
 
 @compiled
-def _fill(field, density):  # type: ignore[no-untyped-def]
-    heights, columns = density.shape[0], density.shape[1]
-    for j in range(columns):
-        z = place_of((2.0 * j + 1.0) / columns - 1.0)
-        for i in range(columns):
-            x = place_of((2.0 * i + 1.0) / columns - 1.0)
-            far = max(abs(x), abs(z))
-            stretch = (1.0 + GROWTH * far / NEAR_M) ** 2
-            log_width = narrowed(2.0 * NEAR_M / columns * stretch)
+def _fill(field, grid, density):  # type: ignore[no-untyped-def]
+    places_m, widths_m, _ = grid
+    heights = density.shape[0]
+    for j in range(places_m.size):
+        for i in range(places_m.size):
+            x, z = places_m[i], places_m[j]
+            log_width = narrowed(max(widths_m[i], widths_m[j]))
             side, top = column_in(field, x, z, log_width)
             for k in range(heights):
                 height = (k + 0.5) / heights
@@ -90,51 +114,51 @@ def _flat(level, row, column):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _sum_along(density, depths, part, slope_m, depth_of_step):  # type: ignore[no-untyped-def]
-    """Depths along a direction into `part`, against it into the next.
+def _sum_to_sun(grid, density, depths, slope_m, depth_of_step, diffused):  # type: ignore[no-untyped-def]
+    """Depths towards the sun, from the top down.
 
-    `slope_m` (2,): how far the direction goes along x and z while it rises by a voxel.
+    `slope_m` (2,): how far the way goes along x and z while it rises by a cell. Between columns
+    light is interpolated, not depth: a bright gap beside a cloud keeps its light.
     """
-    heights, columns = density.shape[0], density.shape[1]
+    places_m, widths_m, near_m = grid
+    heights, size = density.shape[0], places_m.size
     length_m = math.hypot(slope_m[0], slope_m[1])
-    for way in range(2):
-        sign = 1.0 if way == 0 else -1.0
-        for n in range(heights):
-            k = heights - 1 - n if way == 0 else n
-            here, before = (k, k + 1) if way == 0 else (k + 1, k)
-            for j in range(columns):
-                z = place_of((2.0 * j + 1.0) / columns - 1.0)
-                for i in range(columns):
-                    x = place_of((2.0 * i + 1.0) / columns - 1.0)
-                    far = max(abs(x), abs(z))
-                    texel_m = 2.0 * NEAR_M / columns * (1.0 + GROWTH * far / NEAR_M) ** 2
-                    steps = min(max(math.ceil(length_m / texel_m), 1), SUB_STEPS)
-                    total = 0.0
-                    for m in range(steps):
-                        share = sign * (m + 0.5) / steps
-                        row = _texel_of(z + slope_m[1] * share, columns)
-                        column = _texel_of(x + slope_m[0] * share, columns)
-                        total += _flat(density[k], row, column)
-                    row = _texel_of(z + sign * slope_m[1], columns)
-                    column = _texel_of(x + sign * slope_m[0], columns)
-                    beyond = _flat(depths[before, :, :, part + way], row, column)
-                    depths[here, j, i, part + way] = beyond + total * depth_of_step / steps
+    passed = np.ones((size, size), np.float32)
+    for k in range(heights - 1, -1, -1):
+        for j in range(size):
+            for i in range(size):
+                x, z = places_m[i], places_m[j]
+                texel_m = max(widths_m[i], widths_m[j])
+                steps = min(max(math.ceil(length_m / texel_m), 1), SUB_STEPS)
+                total = 0.0
+                for m in range(steps):
+                    share = (m + 0.5) / steps
+                    row = _texel_of(z + slope_m[1] * share, size, near_m)
+                    column = _texel_of(x + slope_m[0] * share, size, near_m)
+                    total += _flat(density[k], row, column)
+                row = _texel_of(z + slope_m[1], size, near_m)
+                column = _texel_of(x + slope_m[0], size, near_m)
+                beyond = -math.log(_flat(passed, row, column)) / diffused
+                depths[k, j, i, 0] = beyond + total * depth_of_step / steps
+        for j in range(size):
+            for i in range(size):
+                passed[j, i] = math.exp(-min(diffused * depths[k, j, i, 0], _DARKEST))
 
 
 @compiled
-def depths_at(depths, height, x, z, out):  # type: ignore[no-untyped-def]
-    """The four depths at a place, into `out` (4,); its height is a share of the thickness."""
-    heights, columns = depths.shape[0] - 1, depths.shape[1]
+def volume_at(volume, near_m, height, x, z, out):  # type: ignore[no-untyped-def]
+    """A volume's numbers at a place, into `out`; its height is a share of the whole."""
+    heights, columns = volume.shape[0] - 1, volume.shape[1]
     place = min(max(height, 0.0), 1.0) * heights
     k = min(int(place), heights - 1)
     r = place - k
-    row, column = _texel_of(z, columns), _texel_of(x, columns)
+    row, column = _texel_of(z, columns, near_m), _texel_of(x, columns, near_m)
     j, i = min(int(row), columns - 2), min(int(column), columns - 2)
     t, s = row - j, column - i
-    for c in range(4):
+    for c in range(volume.shape[3]):
         value = 0.0
         for dk in range(2):
-            level = depths[k + dk]
+            level = volume[k + dk]
             near = level[j, i, c] * (1.0 - s) + level[j, i + 1, c] * s
             far = level[j + 1, i, c] * (1.0 - s) + level[j + 1, i + 1, c] * s
             value += (r if dk else 1.0 - r) * (near * (1.0 - t) + far * t)

@@ -20,8 +20,9 @@ from vrut_lite.daylight.cloud_density_kernels import (
     narrowed,
     place_on_ray,
 )
+from vrut_lite.daylight.cloud_diffusion import MEAN_COSINE, plane_light
 from vrut_lite.daylight.cloud_grid import LEAST_SINE
-from vrut_lite.daylight.cloud_light_volume import depths_at
+from vrut_lite.daylight.cloud_light_volume import LightVolume, volume_at
 from vrut_lite.daylight.cloud_transport import (
     DEPTH_SCALE,
     LOWEST_RAD,
@@ -33,7 +34,8 @@ from vrut_lite.daylight.cloud_transport import (
 from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
-_NEAR_REACH, _AT_SURFACE = 0.07, 0.1
+_NEAR_REACH = 0.07
+_LEAST_DEPTH, _LEAST_SHARE, _LEAST_DIFFUSE = 0.02, 0.1, 0.2
 LOWEST_SUN = -0.1
 _MOST_STEPS, _STEPS_TO_COARSE, _SURFACE_HALVINGS = 256, 8, 4
 _FINE, _FINE_OF_DISTANCE, _COARSE = 0.02, 0.004, 3.0
@@ -47,6 +49,7 @@ _OF_VIEW = (NODE_VIEWS.size - 1.0) / math.pi
 _SINE_NODES = NODE_SINES.size - 1.0
 _SINE_RANGE_RAD = 0.5 * math.pi - LOWEST_RAD
 _LEVEL = 1e-6
+_SPHERE = 4.0 * math.pi
 
 
 class Lights(NamedTuple):
@@ -54,7 +57,7 @@ class Lights(NamedTuple):
 
     Attributes:
         phase: (2, nodes, 3) of the droplets, uniform in sin(theta / 2): without the peak, and it.
-        volume: (heights + 1, n, n, 4) optical depths, see cloud_light_volume.py.
+        volume: see cloud_light_volume.py.
         source: (sines, below, above, views, 4), see cloud_transport.py.
         diffused: share of extinction that counts, after delta-M.
     """
@@ -64,7 +67,7 @@ class Lights(NamedTuple):
     from_above: FloatArray
     from_below: FloatArray
     phase: FloatArray
-    volume: NDArray[np.float32]
+    volume: LightVolume
     source: NDArray[np.float32]
     diffused: float
 
@@ -118,7 +121,7 @@ def sun_source(source, above, below, sine, view, nu, out):  # type: ignore[no-un
 
 @compiled
 def _add_source(  # type: ignore[no-untyped-def]
-    field, lights, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
+    field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
 ):
     """Add `seen` times the radiance per optical depth that a place in the cloud sends.
 
@@ -138,31 +141,29 @@ def _add_source(  # type: ignore[no-untyped-def]
     ahead_x, ahead_z = x + sun[0] * reach_m, z + sun[2] * reach_m
     ahead = (over_base_m + sun[1] * reach_m) / field.thickness_m
     depths = work[4:8]
-    depths_at(lights.volume, ahead, ahead_x, ahead_z, depths)
+    volume_at(lights.volume.depths, lights.volume.near_m, ahead, ahead_x, ahead_z, depths)
     to_sun = near + depths[0]
-    along_sun = max(depths[0] + depths[1], to_sun)
-    upright = depths[2] + depths[3]
+    upright = depths[1] + depths[2]
     lit, unscattered = math.exp(-diffused * to_sun), math.exp(-to_sun)
     sine = sun[1] + (x * sun[0] + z * sun[2]) / PLANET_RADIUS_M
-    # The plane layer that stands for the cloud faces the way by which light comes in: upwards, or
-    # to the sun where that is nearer. Out it leaves likewise. A plane layer stays itself.
+    # Light in the plane layer of these depths, by the tables, and how much more or less of it there
+    # is than in that layer, by diffusion.
     low = min(max(sine, LEAST_SINE), 1.0)
-    over = min(max(depths[2] + near * max(sun[1], 0.0), 0.0), upright)
-    behind = along_sun - to_sun
-    evenly = min(max(upright / max(along_sun, 1e-9), low), 1.0)
-    facing = min(max((over + _AT_SURFACE * evenly) / (to_sun + _AT_SURFACE), low), 1.0)
-    upward = math.sqrt((1.0 - facing * facing) / max(1.0 - low * low, _LEVEL))
-    upward = min(upward, 1.0)
-    view = upward * rise + (facing - upward * low) * nu
-    above = diffused * facing * to_sun
-    below = diffused * min(max(upright - over, low * behind), behind)
-    diffuse = sun_source(lights.source, above, below, facing, view, nu, work)
+    over = min(max(depths[1] + near * max(sun[1], 0.0), 0.0), upright)
+    above, below = diffused * over, diffused * (upright - over)
+    diffuse = sun_source(lights.source, above, below, low, rise, nu, work)
+    level, flux = plane_light(max(above, _LEAST_DEPTH), max(below, _LEAST_DEPTH), low)
+    height = over_base_m / field.thickness_m
+    volume_at(lights.volume.diffuse, lights.volume.near_m, height, x, z, depths)
+    along = -(depths[1] * d[0] + depths[2] * rise + depths[3] * d[2])
+    here = max(depths[0] + 3.0 * MEAN_COSINE * along, _LEAST_SHARE * depths[0])
+    plane = max(level + 3.0 * MEAN_COSINE * flux * rise, _LEAST_SHARE * level)
+    diffuse = max(diffuse + (here - plane) / _SPHERE, _LEAST_DIFFUSE * here / _SPHERE)
     _look_up(
         lights.source[0], _depth_node(diffused * (upright - over)), _depth_node(diffused * over),
         _view_node(rise), 3, 1, work,
     )  # fmt: skip
     even = work[3]
-    height = over_base_m / field.thickness_m
     last = lights.suns.shape[1] - 1
     row = math.sqrt(min(max((sine - LOWEST_SUN) / (1.0 - LOWEST_SUN), 0.0), 1.0)) * last
     i = min(int(row), last - 1)
@@ -254,7 +255,9 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             seen = out[3] * (1.0 - kept)
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
             rise = d[1] + at_m / PLANET_RADIUS_M
-            _add_source(field, lights, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out)
+            _add_source(
+                field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out
+            )  # fmt: skip
             out[4] += seen * at_m
             out[5] += seen
             out[3] *= kept

@@ -108,7 +108,7 @@ def _lights(layer: CloudLayer, light: ClearLight, field: Field, pixel_rad: float
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=_phase_seen(layer.particles, pixel_rad),
-        volume=light_volume(field, sun).depths,
+        volume=light_volume(field, sun, scatterer(layer.particles).diffused),
         source=tables.source,
         diffused=scatterer(layer.particles).diffused,
     )

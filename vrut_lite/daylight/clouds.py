@@ -87,7 +87,6 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
         particles: what scatters in it.
         form: how its weather and noise become clouds.
         drift_m: how far the wind has carried the pattern, along world x and z.
-        phase: two lobes of Henyey and Greenstein: g forward, g backward, share of the first.
         weather: (n, n) uint16, where clouds stand; periodic.
         shape: (n, n, n) uint8 (y, z, x), their billows; periodic.
         detail: (n, n, n) uint8 (y, z, x), noise at their edges; periodic.
@@ -100,7 +99,6 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
     threshold: float
     column_density: float
     drift_m: tuple[float, float]
-    phase: tuple[float, float, float]
     weather: Array
     shape: Array
     detail: Array
@@ -130,7 +128,6 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
         checks.number(self, "threshold")
         checks.number(self, "column_density", 0.0)
         checks.numbers(self, "drift_m", 2)
-        checks.numbers(self, "phase", 3)
         map_edge, volume_edge = -LARGEST_EDGE, -LARGEST_VOLUME
         checks.array(self, "weather", (map_edge,) * 2, ("<u2",))
         checks.array(self, "shape", (volume_edge,) * 3, ("|u1",))

@@ -77,6 +77,12 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
         of_today = [{**layer, "particles": "droplets", "form": UNKNOWN}] if layer else []
         message = {field: told for field, told in message.items() if field != "layer"}
         added["layers"] = of_today
+    # Light in clouds came from two lobes.
+    if name == "CloudsChanged":
+        layers = added.get("layers") or message.get("layers") or []
+        added["layers"] = [
+            {field: told for field, told in layer.items() if field != "phase"} for layer in layers
+        ]
     value = message.get("value")
     if (
         name == "JobResult"

@@ -150,6 +150,8 @@ CLOUDS = UniformBlock(
         "top_fade": ("float", "of a cloud's height"),
         "fraying": ("float", "weight of the detail"),
         "sharpness": ("float", "of edges"),
+        "volume_near_m": ("float", "of the light volume, as shadow_near_m"),
+        "volume_growth": ("float", "of its columns away from the middle"),
     },
 )
 SURFACE_LIGHT = UniformBlock(

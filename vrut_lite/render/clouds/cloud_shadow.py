@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.cloud_grid import GROWTH, LEAST_SINE, NEAR_M
+from vrut_lite.daylight.cloud_grid import LEAST_SINE, NEAR_M, growth_of
 from vrut_lite.daylight.cloud_layers import mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
@@ -79,7 +79,7 @@ class CloudShadowMap:
         for cloud, light in zip(clouds, lights, strict=True):
             cloud.bind(light, sky_irradiance, around, _plane(centre_m), covered)
         if not holds:
-            self._draw_volumes(clouds)
+            self._fill_volumes(layers, sun, eye_m)
             self.lights += 1
             self._layers, self._sun, self._centre_m = layers, sun, eye_m
             self._is_cast = False
@@ -118,12 +118,13 @@ class CloudShadowMap:
         away_m = float(np.abs(eye_m - self._centre_m).max())
         return moved <= step_rad and away_m <= _OFF_CENTRE_M
 
-    def _draw_volumes(self, clouds: Sequence[CloudsOnGpu]) -> None:
-        while len(self._volumes) < len(clouds):
+    def _fill_volumes(
+        self, layers: tuple[CloudLayer, ...], sun: Vector, centre_m: NDArray[np.float64]
+    ) -> None:
+        while len(self._volumes) < len(layers):
             self._volumes.append(CloudLightVolume(self._context))
-        for cloud, volume in zip(clouds, self._volumes, strict=False):
-            cloud.bind_again()
-            volume.draw(cloud)
+        for layer, volume in zip(layers, self._volumes, strict=False):
+            volume.fill(layer, sun, centre_m)
             self._ledger.did("cloud light volume")
 
     def _draw(self, clouds: Sequence[CloudsOnGpu]) -> None:
@@ -144,7 +145,7 @@ class CloudShadowMap:
 
 
 def _plane(centre_m: NDArray[np.float64]) -> ShadowPlane:
-    return ShadowPlane(centre_m, NEAR_M, GROWTH, LEAST_SINE, _SIZE)
+    return ShadowPlane(centre_m, NEAR_M, growth_of(NEAR_M), LEAST_SINE, _SIZE)
 
 
 def _blown(layers: tuple[CloudLayer, ...], before: tuple[CloudLayer, ...]) -> NDArray[np.float64]:

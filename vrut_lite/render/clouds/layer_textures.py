@@ -11,6 +11,7 @@ from vrut_lite.daylight.cloud_density import (
     warp_origin,
     weather_origin,
 )
+from vrut_lite.daylight.cloud_grid import growth_of, volume_near_m
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.cloud_transport import scatterer
 from vrut_lite.daylight.clouds import CloudLayer
@@ -212,6 +213,8 @@ def _packed(
         shadow_texels=plane.texels,
         noise_periods_m=(form.shape_period_m, form.detail_period_m),
         warp_origin=warp_origin(layer, level),
+        volume_near_m=volume_near_m(layer.thickness_m),
+        volume_growth=growth_of(volume_near_m(layer.thickness_m)),
         **{name: getattr(form, name) for name in _OF_FORM},
     )
 

@@ -1,32 +1,26 @@
-"""What lights a place in a cloud, as textures: depths around the eye, the tables of transport."""
+"""What lights a place in a cloud, as textures: the light volume, the tables of transport."""
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_transport import scatterer, transport_tables
-from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
-from vrut_lite.render.shader_files import defined, shader_source
-from vrut_lite.render.unlocked import run_compute
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.numeric_types import Vector
 
 # As cloud_light.glsl binds them.
-_VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT = 5, 6, 7
-_COLUMNS, _HEIGHTS, _GROUP = 160, 16, 8
+_VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT, _DIFFUSE_UNIT = 5, 6, 7, 28
+# Fewer than the CPU's pictures have: a moved sun needs them anew.
+_COLUMNS = 160
+_MOST = 6e4  # of 16 bits
 
 
 class CloudLightVolume:
-    """Made and used on the GL thread only; the block of the clouds must be bound."""
+    """Made and used on the GL thread only."""
 
     def __init__(self, context: Any):
         self._context = context
-        text = shader_source("cloud_volume.comp")
-        self._fill = context.compute_shader(defined(text, {"FILL": 1}))
-        self._sum = context.compute_shader(text)
-        size = _COLUMNS, _COLUMNS, _HEIGHTS
-        self._density = context.texture3d(size, 1, dtype="f2")
-        # The edges of the heights: the outermost stay 0.
-        nothing = np.zeros((_HEIGHTS + 1, _COLUMNS, _COLUMNS, 4), np.float16)
-        self._depths = context.texture3d(nothing.shape[2::-1], 4, nothing.tobytes(), dtype="f2")
         source = transport_tables().source.astype(np.float16)
         views, above = source.shape[3], source.shape[2]
         self._source = context.texture3d(
@@ -34,47 +28,49 @@ class CloudLightVolume:
         )
         nodes = scatterer("droplets").phase.shape[1::-1]
         self._phase = context.texture(nodes, 3, dtype="f4", alignment=1)
-        for texture in (self._density, self._depths, self._source, self._phase):
-            texture.filter = (context.LINEAR, context.LINEAR)
-            texture.repeat_x = texture.repeat_y = False
-        for texture in (self._density, self._depths, self._source):
-            texture.repeat_z = False
+        for texture in (self._source, self._phase):
+            _smooth(context, texture)
+        self._source.repeat_z = False
+        # Depths and diffuse light.
+        self._volumes: list[Any] = []
 
-    def draw(self, clouds: CloudsOnGpu) -> None:
-        """Sum the layer's depths for its sun, around its eye."""
-        groups = _COLUMNS // _GROUP
-        assert clouds.layer is not None
-        phase = scatterer(clouds.layer.particles).phase.astype(np.float32)
-        self._phase.write(phase.tobytes(), alignment=1)
-        clouds.bind_noises()
-        self._density.bind_to_image(0, read=False, write=True)
-        run_compute(self._fill, groups, groups, 1)
-        self._context.memory_barrier()
-        self._density.use(location=0)
-        self._depths.use(location=1)
-        self._depths.bind_to_image(0, read=True, write=True)
-        self._sum["heights"].value = float(_HEIGHTS)
-        for way, heights in enumerate((range(_HEIGHTS - 1, -1, -1), range(_HEIGHTS))):
-            self._sum["way"].value = way
-            for height in heights:
-                self._sum["height"].value = height
-                run_compute(self._sum, groups, groups, 1)
-                self._context.memory_barrier()
+    def fill(self, layer: CloudLayer, sun: Vector, centre_m: NDArray[np.float64]) -> None:
+        """The light in a layer around a place (2,), world x and z."""
+        # Imported here because they import numba, which is needed only if there are clouds.
+        from vrut_lite.daylight.cloud_field import cloud_field
+        from vrut_lite.daylight.cloud_light_volume import light_volume
+
+        particles = scatterer(layer.particles)
+        self._phase.write(particles.phase.astype(np.float32).tobytes(), alignment=1)
+        field = cloud_field(layer, (float(centre_m[0]), 0.0, float(centre_m[1])))
+        towards = np.asarray(sun, dtype=float)
+        made = light_volume(field, towards, particles.diffused, _COLUMNS)
+        texels = [np.clip(part, -_MOST, _MOST) for part in (made.depths, made.diffuse)]
+        if not self._volumes:
+            self._volumes = [
+                self._context.texture3d(part.shape[2::-1], part.shape[3], dtype="f2", alignment=1)
+                for part in texels
+            ]
+            for texture in self._volumes:
+                _smooth(self._context, texture)
+                texture.repeat_z = False
+        for texture, part in zip(self._volumes, texels, strict=True):
+            texture.write(part.astype(np.float16).tobytes(), alignment=1)
 
     def bind(self) -> None:
         """Set the inputs of the light in clouds."""
-        self._depths.use(location=_VOLUME_UNIT)
+        depths, diffuse = self._volumes
+        depths.use(location=_VOLUME_UNIT)
+        diffuse.use(location=_DIFFUSE_UNIT)
         self._source.use(location=_SOURCE_UNIT)
         self._phase.use(location=_PHASE_UNIT)
 
     def release(self) -> None:
         """Free the GL objects."""
-        for thing in (
-            self._fill,
-            self._sum,
-            self._density,
-            self._depths,
-            self._source,
-            self._phase,
-        ):
+        for thing in (self._source, self._phase, *self._volumes):
             thing.release()
+
+
+def _smooth(context: Any, texture: Any) -> None:
+    texture.filter = (context.LINEAR, context.LINEAR)
+    texture.repeat_x = texture.repeat_y = False

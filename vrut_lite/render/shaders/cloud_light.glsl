@@ -1,14 +1,18 @@
 // Light from a point in a cloud towards the eye: the twin of daylight/cloud_march_kernels.py.
 
 layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and top, by its height
-layout(binding = 5) uniform sampler3D light_volume;    // depths to and from the sun, up, down
+layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
+layout(binding = 28) uniform sampler3D light_diffuse;  // fluence; flux along x, up and z
 layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
 layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: wide, peak
 
 // Depths this near, as a share of the thickness, come from the density itself: the volume is
 // coarse.
 const float NEAR_REACH = 0.07;
-const float AT_SURFACE = 0.1;  // depth under which the way to the sun says no direction
+// Of the plane layer; of a direction's light, of the fluence; of the tables' light, of the whole.
+const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2;
+const float MEAN_COSINE = 0.74;  // of the phase function after delta-M
+const float SPHERE = 12.566371;
 // As daylight/cloud_transport.py has its nodes.
 const float DEPTH_SCALE = 0.3, MOST_DEPTH = 60.0, LOWEST_RAD = 0.04, HALF_PI = 1.5707963;
 const float DEPTHS = 16.0, SINES = 12.0, VIEWS = 16.0;
@@ -55,12 +59,22 @@ float sun_source(vec2 above_below, float sine, float mu, float nu) {
     return exp(logs.x + logs.y * wave + logs.z * (2.0 * wave * wave - 1.0));
 }
 
-vec4 depths_at(vec2 level, float height) {
+vec3 in_volume(vec2 level, float height) {
     vec2 grid = level + clouds.shadow_origin_m;
-    vec2 place = grid / (clouds.shadow_near_m + clouds.shadow_growth * abs(grid));
+    vec2 place = grid / (clouds.volume_near_m + clouds.volume_growth * abs(grid));
     float edges = float(textureSize(light_volume, 0).z);
     float edge = clamp(height, 0.0, 1.0) * (edges - 1.0) + 0.5;
-    return textureLod(light_volume, vec3(0.5 * place + 0.5, edge / edges), 0.0);
+    return vec3(0.5 * place + 0.5, edge / edges);
+}
+
+// Fluence and downward flux in a plane layer between scaled depths: daylight/cloud_diffusion.py.
+vec2 plane_light(vec2 above_below, float facing) {
+    float hinders = 3.0 * (1.0 - MEAN_COSINE), whole = above_below.x + above_below.y;
+    float gone = 1.0 - exp(-whole / facing), there = 1.0 - exp(-above_below.x / facing);
+    float at_top = facing * ((3.0 * facing - 2.0) * gone - hinders * whole)
+                 / (4.0 + hinders * whole);
+    return vec2(3.0 * facing * facing * there - 2.0 * at_top
+                - hinders * (at_top + facing) * above_below.x, at_top + facing * there);
 }
 
 // The sun sinks and rises with the way along the planet.
@@ -79,24 +93,25 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
                + 0.7 * cloud_density_at(level + sun.xz * (0.65 * reach_m), over_base_m
                                         + sun.y * (0.65 * reach_m), max(width_m, 0.35 * reach_m));
     near *= clouds.extinction_per_m * reach_m;
-    vec4 depths = depths_at(level + sun.xz * reach_m,
-                            (over_base_m + sun.y * reach_m) / clouds.thickness_m);
-    float to_sun = near + depths.r, along_sun = max(depths.r + depths.g, to_sun);
-    float upright = depths.b + depths.a;
+    vec3 depths = textureLod(light_volume, in_volume(level + sun.xz * reach_m, (over_base_m
+                             + sun.y * reach_m) / clouds.thickness_m), 0.0).rgb;
+    float to_sun = near + depths.r, upright = depths.g + depths.b;
     float sine = sun.y + dot(level, sun.xz) / PLANET_RADIUS_M;
     float rise = ray.d.y + at_m / PLANET_RADIUS_M;
-    // The plane layer that stands for the cloud faces the way by which light comes in: upwards, or
-    // to the sun where that is nearer. Out it leaves likewise. A plane layer stays itself.
+    // Light in the plane layer of these depths, by the tables, and how much more or less of it
+    // there is than in that layer, by diffusion.
     float low = clamp(sine, clouds.sun_slope, 1.0);
-    float over = clamp(depths.b + near * max(sun.y, 0.0), 0.0, upright), behind = along_sun - to_sun;
-    float evenly = clamp(upright / max(along_sun, 1e-9), low, 1.0);
-    float facing = clamp((over + AT_SURFACE * evenly) / (to_sun + AT_SURFACE), low, 1.0);
-    float upward = min(sqrt((1.0 - facing * facing) / max(1.0 - low * low, 1e-6)), 1.0);
-    float mu = upward * rise + (facing - upward * low) * ray.nu;
-    float below = clamp(upright - over, low * behind, behind);
-    vec2 slab = clouds.diffused * vec2(facing * to_sun, below);
-    float diffuse = sun_source(slab, facing, mu, ray.nu);
-    float even = transport_at(0.0, clouds.diffused * vec2(over, upright - over), rise).a;
+    float over = clamp(depths.g + near * max(sun.y, 0.0), 0.0, upright);
+    vec2 slab = clouds.diffused * vec2(over, upright - over);
+    vec2 level_flux = plane_light(max(slab, LEAST_DEPTH), low);
+    vec4 light = textureLod(light_diffuse, in_volume(level, over_base_m / clouds.thickness_m), 0.0);
+    float along = -dot(light.gba, vec3(ray.d.x, rise, ray.d.z));
+    float here = max(light.r + 3.0 * MEAN_COSINE * along, LEAST_SHARE * light.r);
+    float plane = max(level_flux.x + 3.0 * MEAN_COSINE * level_flux.y * rise,
+                      LEAST_SHARE * level_flux.x);
+    float diffuse = max(sun_source(slab, low, rise, ray.nu) + (here - plane) / SPHERE,
+                        LEAST_DIFFUSE * here / SPHERE);
+    float even = transport_at(0.0, slab, rise).a;
     vec3 scattered = ray.wide * exp(-clouds.diffused * to_sun) + ray.peak * exp(-to_sun) + diffuse;
     return sun_at(sine, over_base_m / clouds.thickness_m) * scattered
          + mix(clouds.light_from_below, clouds.light_from_above, even);

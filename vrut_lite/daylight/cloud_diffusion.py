@@ -1,0 +1,295 @@
+"""Sunlight that clouds scatter again and again, by diffusion on the grid of the light volume.
+
+The P1 approximation of transport after delta-M (Ishimaru 1978, "Wave propagation and scattering in
+random media", chapter 9), without loss. With F the flux and G the fluence of scattered light, s the
+extinction that diffuses, E what is left of the sun and d the way it goes,
+
+    div F = s E,    grad G = 3 g s E d - 3 (1 - g) s F.
+
+Cells exchange flux as resistors do, along lines between their middles. At base and top nothing
+comes in: G = 2 F (Marshak). Between clouds light goes straight, which is no diffusion: on level
+ways some extinction is added, and the surface of a cloud has a part of Marshak's resistance. Both
+were chosen beside the Monte Carlo; a plane layer has neither. Importing this module imports numba.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.cloud_density_kernels import compiled
+from vrut_lite.daylight.cloud_grid import place_of
+from vrut_lite.numeric_types import FloatArray
+
+# Mean cosine of droplets' phase function after delta-M.
+MEAN_COSINE = 0.74
+# Resistance of a cloud's surface; free paths in a layer's thickness, on level ways.
+_SURFACE, _FREE_PATHS = 1.5, 8.0
+# Depths of cells: of what counts as solid, and the weight of clear air.
+_SOLID, _CLEAR = 4.0, 1e-3
+_LEAST_RESISTANCE = 1e-3
+# Of over-relaxation by columns.
+_SWEEPS, _AHEAD = 16, 1.6
+# 3/2 (1 - g) and 3/2 g: halves, of half a cell on each side of a face.
+_HINDERS, _DRIVES = 1.5 * (1.0 - MEAN_COSINE), 1.5 * MEAN_COSINE
+
+
+def diffuse_light(
+    density: NDArray[np.float32],
+    depths: NDArray[np.float32],
+    sun: FloatArray,
+    step_m: float,
+    near_m: float,
+    diffusing_per_m: float,
+    diffused: float,
+) -> NDArray[np.float32]:
+    """Fluence, and flux along world x, up and z (heights + 1, columns z, columns x, 4).
+
+    Of a sun of irradiance 1. `density` (heights, columns, columns) and `depths` are the light
+    volume's, `diffused` the share of extinction that diffuses.
+    """
+    heights, columns, _ = density.shape
+    shape = (columns, columns, heights)
+    edges_m = np.array([place_of(u, near_m) for u in np.linspace(-1.0, 1.0, columns + 1)])
+    extinction, sunlit = np.empty((2, *shape), np.float32)
+    drives = np.empty((*shape, 2), np.float32)
+    _light(density, depths, sun[1], step_m, diffusing_per_m, diffused, extinction, sunlit, drives)
+    links = np.zeros((columns, columns, heights + 1, 3), np.float32)
+    source, fluence = np.zeros((2, *shape), np.float32)
+    free_per_m = _FREE_PATHS / (heights * step_m)
+    cells = (edges_m, step_m, free_per_m, sun[0], sun[2])
+    _link(cells, extinction, sunlit, drives, links, source)
+    _relax(links, source, fluence)
+    at_edges = np.zeros((heights + 1, columns, columns, 4), np.float32)
+    _at_edges(cells, extinction, sunlit, drives, fluence, at_edges)
+    out = at_edges.copy()
+    _reach_out(extinction * np.float32(step_m), at_edges, out)
+    return out
+
+
+@compiled
+def plane_light(above, below, facing):  # type: ignore[no-untyped-def]
+    """Fluence and downward flux in a plane layer between scaled depths, by the same equations.
+
+    `facing`: cosine of the sun's angle to the layer's normal.
+    """
+    hinders = 3.0 * (1.0 - MEAN_COSINE)
+    whole = above + below
+    gone, there = -math.expm1(-whole / facing), -math.expm1(-above / facing)
+    at_top = facing * ((3.0 * facing - 2.0) * gone - hinders * whole) / (4.0 + hinders * whole)
+    fluence = 3.0 * facing * facing * there - 2.0 * at_top - hinders * (at_top + facing) * above
+    return fluence, at_top + facing * there
+
+
+@compiled
+def _mean_light(a, b):  # type: ignore[no-untyped-def]
+    """Mean of exp(-t) for t from a to b."""
+    return math.exp(-a) * (-math.expm1(a - b) / (b - a) if b - a > 1e-5 else 1.0)
+
+
+@compiled
+def _moment(a, b):  # type: ignore[no-untyped-def]
+    """Mean of r exp(-t) over r from 0 to 1, while t goes evenly from a to b."""
+    q = b - a
+    if abs(q) < 1e-2:
+        return math.exp(-a) * (0.5 - q / 3.0 + q * q / 8.0)
+    return (math.exp(-a) - math.exp(-b) * (1.0 + q)) / (q * q)
+
+
+@compiled
+def _light(density, depths, sine, step_m, per_m, diffused, extinction, sunlit, drives):  # type: ignore[no-untyped-def]
+    """Extinction, light scattered from the sun per length, and what drives flux upwards.
+
+    The latter from the lower face to the middle of a cell, and on to the upper face.
+    """
+    heights, columns = density.shape[0], density.shape[1]
+    for j in range(columns):
+        for i in range(columns):
+            for k in range(heights):
+                half = 0.5 * step_m * per_m * density[k, j, i]
+                high = diffused * depths[k + 1, j, i, 0]
+                low = max(diffused * depths[k, j, i, 0], high)
+                middle = 0.5 * (high + low)
+                upper, lower = half * _mean_light(high, middle), half * _mean_light(middle, low)
+                extinction[j, i, k] = per_m * density[k, j, i]
+                sunlit[j, i, k] = (upper + lower) / step_m
+                # The flux changes on its way, by what is scattered there: exact in plane layers.
+                within = 2.0 * _HINDERS * half * half
+                ahead = 2.0 * _DRIVES * sine
+                drives[j, i, k, 0] = -ahead * lower - within * _moment(middle, low)
+                drives[j, i, k, 1] = -ahead * upper + within * _moment(middle, high)
+
+
+@compiled
+def _across(a, b, light_a, light_b, width_a, width_b, free_per_m, step_m, slope):  # type: ignore[no-untyped-def]
+    """Resistance and drive from one column to the next; `slope`: the sun's direction that way."""
+    resists = _HINDERS * (a * width_a + b * width_b) + 1.5 * free_per_m * (width_a + width_b)
+    resists += _SURFACE * abs(math.exp(-a * step_m) - math.exp(-b * step_m))
+    return resists, -_DRIVES * slope * (light_a * width_a + light_b * width_b)
+
+
+@compiled
+def _upward(extinction, k, step_m):  # type: ignore[no-untyped-def]
+    """Resistance through the lower face of the cell k of a column."""
+    heights = extinction.size
+    half = step_m * _HINDERS * extinction[min(k, heights - 1)]
+    if k in (0, heights):
+        return half + 2.0
+    below = step_m * _HINDERS * extinction[k - 1]
+    surface = math.exp(-extinction[k] * step_m) - math.exp(-extinction[k - 1] * step_m)
+    return max(half + below + _SURFACE * abs(surface), _LEAST_RESISTANCE)
+
+
+@compiled
+def _link(cells, extinction, sunlit, drives, links, source):  # type: ignore[no-untyped-def]
+    """Conductances to the next column along x, along z, and from below; light that cells get."""
+    edges_m, step_m, free_per_m, sun_x, sun_z = cells
+    columns, heights = extinction.shape[0], extinction.shape[2]
+    for j in range(columns):
+        dz = edges_m[j + 1] - edges_m[j]
+        for i in range(columns):
+            dx = edges_m[i + 1] - edges_m[i]
+            for k in range(heights):
+                here, lit = extinction[j, i, k], sunlit[j, i, k]
+                source[j, i, k] += lit * dx * dz * step_m
+                if i + 1 < columns:
+                    resists, drive = _across(
+                        here, extinction[j, i + 1, k], lit, sunlit[j, i + 1, k], dx,
+                        edges_m[i + 2] - edges_m[i + 1], free_per_m, step_m, sun_x,
+                    )  # fmt: skip
+                    links[j, i, k, 0] = dz * step_m / resists
+                    source[j, i, k] -= drive * links[j, i, k, 0]
+                    source[j, i + 1, k] += drive * links[j, i, k, 0]
+                if j + 1 < columns:
+                    resists, drive = _across(
+                        here, extinction[j + 1, i, k], lit, sunlit[j + 1, i, k], dz,
+                        edges_m[j + 2] - edges_m[j + 1], free_per_m, step_m, sun_z,
+                    )  # fmt: skip
+                    links[j, i, k, 1] = dx * step_m / resists
+                    source[j, i, k] -= drive * links[j, i, k, 1]
+                    source[j + 1, i, k] += drive * links[j, i, k, 1]
+            for k in range(heights + 1):
+                link = dx * dz / _upward(extinction[j, i], k, step_m)
+                links[j, i, k, 2] = link
+                if k > 0:
+                    source[j, i, k - 1] -= drives[j, i, k - 1, 1] * link
+                    if k < heights:
+                        source[j, i, k - 1] -= drives[j, i, k, 0] * link
+                if k < heights:
+                    source[j, i, k] += drives[j, i, k, 0] * link
+                    if k > 0:
+                        source[j, i, k] += drives[j, i, k - 1, 1] * link
+
+
+@compiled
+def _relax(links, source, fluence):  # type: ignore[no-untyped-def]
+    """Fluence in cells: columns are solved whole, every second one of a board at a time."""
+    columns, heights = source.shape[0], source.shape[2]
+    share, part = np.empty(heights), np.empty(heights)
+    for sweep in range(_SWEEPS):
+        ahead = _AHEAD if sweep else 1.0
+        for colour in range(2):
+            begun = sweep + colour > 0
+            for j in range(columns):
+                for i in range((j + colour) % 2, columns, 2):
+                    before, rest = 0.0, 0.0
+                    for k in range(heights):
+                        light, whole = source[j, i, k], links[j, i, k, 2] + links[j, i, k + 1, 2]
+                        # At first a column is one of a plane layer.
+                        if begun and i + 1 < columns:
+                            light += links[j, i, k, 0] * fluence[j, i + 1, k]
+                            whole += links[j, i, k, 0]
+                        if begun and i > 0:
+                            light += links[j, i - 1, k, 0] * fluence[j, i - 1, k]
+                            whole += links[j, i - 1, k, 0]
+                        if begun and j + 1 < columns:
+                            light += links[j, i, k, 1] * fluence[j + 1, i, k]
+                            whole += links[j, i, k, 1]
+                        if begun and j > 0:
+                            light += links[j - 1, i, k, 1] * fluence[j - 1, i, k]
+                            whole += links[j - 1, i, k, 1]
+                        # Thomas's elimination.
+                        below = links[j, i, k, 2] if k else 0.0
+                        pivot = whole - below * before
+                        before, rest = links[j, i, k + 1, 2] / pivot, (light + below * rest) / pivot
+                        share[k], part[k] = before, rest
+                    value = 0.0
+                    for k in range(heights - 1, -1, -1):
+                        value = part[k] + (share[k] * value if k + 1 < heights else 0.0)
+                        fluence[j, i, k] += ahead * (value - fluence[j, i, k])
+
+
+@compiled
+def _at_edges(cells, extinction, sunlit, drives, fluence, out):  # type: ignore[no-untyped-def]
+    """Fluence and flux between heights, at base and at top."""
+    edges_m, step_m, free_per_m, sun_x, sun_z = cells
+    columns, heights = extinction.shape[0], extinction.shape[2]
+    for j in range(columns):
+        for i in range(columns):
+            for k in range(heights + 1):
+                resists = _upward(extinction[j, i], k, step_m)
+                low, high = max(k - 1, 0), min(k, heights - 1)
+                drive = (drives[j, i, low, 1] if k else 0.0) + (
+                    drives[j, i, high, 0] if k < heights else 0.0
+                )
+                under = fluence[j, i, low] if k else 0.0
+                over = fluence[j, i, high] if k < heights else 0.0
+                flux = (under - over + drive) / resists
+                if k == 0:
+                    value = -2.0 * flux
+                elif k == heights:
+                    value = 2.0 * flux
+                else:
+                    half = step_m * _HINDERS * extinction[j, i, low]
+                    value = under + drives[j, i, low, 1] - half * flux
+                out[k, j, i, 0] = max(value, 0.0)
+                out[k, j, i, 2] = flux
+                for level in range(low, high + 1):
+                    for axis in range(2):
+                        m = i if axis == 0 else j
+                        for first in range(max(m - 1, 0), min(m + 1, columns - 1)):
+                            ja, ia = (j, first) if axis == 0 else (first, i)
+                            jb, ib = (j, first + 1) if axis == 0 else (first + 1, i)
+                            # The sun's own drive on level ways is in the plane layer's light.
+                            resists, _ = _across(
+                                extinction[ja, ia, level], extinction[jb, ib, level],
+                                sunlit[ja, ia, level], sunlit[jb, ib, level],
+                                edges_m[first + 1] - edges_m[first],
+                                edges_m[first + 2] - edges_m[first + 1],
+                                free_per_m, step_m, sun_x if axis == 0 else sun_z,
+                            )  # fmt: skip
+                            there = fluence[ja, ia, level] - fluence[jb, ib, level]
+                            out[k, j, i, 1 + 2 * axis] += 0.5 * there / resists / (high - low + 1)
+
+
+@compiled
+def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
+    """Let the light of clouds reach into the clear air beside them.
+
+    What is seen of a cloud is its rim, which the grid does not resolve: there the light is that
+    of the cloud, not of the air before it. `depths`: of cells, (columns, columns, heights).
+    """
+    columns, heights = depths.shape[0], depths.shape[2]
+    total = np.empty(4)
+    for k in range(heights + 1):
+        for j in range(columns):
+            for i in range(columns):
+                here = 0.5 * (depths[j, i, max(k - 1, 0)] + depths[j, i, min(k, heights - 1)])
+                if here > _SOLID:
+                    continue
+                weights = _CLEAR
+                for c in range(4):
+                    total[c] = _CLEAR * light[k, j, i, c]
+                for b in range(max(j - 1, 0), min(j + 2, columns)):
+                    for a in range(max(i - 1, 0), min(i + 2, columns)):
+                        for n in range(max(k - 1, 0), min(k + 2, heights + 1)):
+                            weight = 0.5 * (
+                                depths[b, a, max(n - 1, 0)] + depths[b, a, min(n, heights - 1)]
+                            )
+                            if weight > 0.0:
+                                weights += weight
+                                for c in range(4):
+                                    total[c] += weight * light[n, b, a, c]
+                share = math.exp(-here)
+                for c in range(4):
+                    out[k, j, i, c] += share * (total[c] / weights - light[k, j, i, c])
