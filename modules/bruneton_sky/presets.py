@@ -30,8 +30,8 @@ HAZY_TURBIDITY = 6.0
 TWILIGHT_TOP_M = 120_000.0
 # Lower, the sun leaves less than a tenth of the light of a moonless night.
 LOWEST_SUN_DEG = -18.5
-# Exponentials of the standard atmosphere's density (U.S. Standard Atmosphere 1976) over its value on
-# the ground: shares and scale heights in m. Within 5 % to 35 km, 9 % to 75, 20 % to 80.
+# Exponentials of the standard atmosphere's density (U.S. Standard Atmosphere 1976) over its value
+# on the ground: shares and scale heights in m. Within 5 % to 35 km, 9 % to 75, 20 % to 80.
 STANDARD_DENSITY = ((0.3932, 8000.0), (3.3410, 4900.0), (-2.7342, 4000.0))
 # Bruneton's 2017 demonstration: Rayleigh at 1 micrometre in 1/m, 300 Dobson units in a tent
 # whose integral is 15 km.

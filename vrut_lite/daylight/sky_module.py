@@ -28,6 +28,7 @@ from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.daylight.night import SLOT as NIGHT
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.refraction import seen_from_aloft
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
     AmbientChanged,
@@ -36,7 +37,6 @@ from vrut_lite.daylight.sky import (
     SkyRadianceChanged,
     SpectrumSeen,
 )
-from vrut_lite.daylight.refraction import seen_from_aloft
 from vrut_lite.daylight.sky_at_night import SkyAtNight, key_body, night_share, sun_share
 from vrut_lite.daylight.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
 from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation

@@ -27,8 +27,8 @@ def display_picture(
 
     Without `ev100` the exposure is metered from the picture itself, without pixels outside `inside`
     (h, w), such as the corners around a fisheye. `white_balance` is a matrix (3, 3) on linear sRGB.
-    `pixel_rad`, the angle that a pixel sees, gives the curve "eye" an eye's acuity by night; 0 leaves
-    it out. Steps of 8 bits are dithered; those of 16 are invisible.
+    `pixel_rad`, the angle that a pixel sees, gives the curve "eye" the acuity of an eye by night; 0
+    leaves it out. Steps of 8 bits are dithered; those of 16 are invisible.
     """
     if ev100 is None:
         ev100 = exposure.automatic_ev100(radiance if inside is None else radiance[inside])
