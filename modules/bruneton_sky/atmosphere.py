@@ -139,6 +139,9 @@ class Atmosphere:
             # `replace` may change the number of wavelengths: no layer fits any.
             if not any(_as_tuple(getattr(self, name))):
                 object.__setattr__(self, name, 0.0)
+        if not any(_as_tuple(self.rayleigh_more)):
+            object.__setattr__(self, "rayleigh_more", 0.0)
+            object.__setattr__(self, "rayleigh_more_scale_height_m", 8000.0)
         count = len(_as_tuple(self.wavelength_nm))
         for name in _SERIES:
             object.__setattr__(self, name, _as_tuple(getattr(self, name)))

@@ -1,11 +1,13 @@
 """The named atmospheres, and what they are made from: molecules, ozone, dust."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.presets import PRESETS, earth_spectral, preset
+from bruneton_sky.atmosphere import raise_ground
+from bruneton_sky.presets import PRESETS, earth_at_night, earth_spectral, preset
 
 from vrut_lite.daylight.gases import ozone_absorption, rayleigh_scattering
 from vrut_lite.geometry.colour import solar_irradiance
@@ -124,3 +126,31 @@ def test_unknown_preset_is_refused_with_the_names() -> None:
     """The refusal lists the presets."""
     with pytest.raises(ValueError, match=r"venus.*mars-like"):
         preset("venus")
+
+
+def test_the_modules_earth_has_the_standard_atmospheres_density() -> None:
+    """U.S. Standard Atmosphere 1976: density over that of the ground, as printed."""
+    km = np.array([5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0])
+    printed = [0.6012, 0.3376, 7.258e-2, 1.503e-2, 3.262e-3, 8.383e-4, 2.528e-4, 6.760e-5]
+    air = earth_at_night()
+    np.testing.assert_allclose(air.molecules(1e3 * km), printed, rtol=0.09)
+    # As many molecules above a square metre as Bruneton's, up to space.
+    column = sum(share * height for share, height in air.rayleigh_terms)
+    bruneton = earth_spectral()
+    expected = np.array(bruneton.rayleigh_scattering) * bruneton.rayleigh_scale_height_m
+    np.testing.assert_allclose(np.array(air.rayleigh_scattering) * column, expected, rtol=1e-12)
+
+
+def test_a_raised_ground_keeps_a_density_of_several_exponentials() -> None:
+    air, high = earth_at_night(), raise_ground(earth_at_night(), 3000.0)
+    at = np.array([0.0, 4000.0, 60_000.0])
+    coefficient = np.array(high.rayleigh_scattering)[0] * high.molecules(at)
+    np.testing.assert_allclose(
+        coefficient, air.rayleigh_scattering[0] * air.molecules(at + 3000.0), rtol=1e-9
+    )
+    assert replace(air, rayleigh_more=0.0).rayleigh_terms == ((1.0, 8000.0),)
+
+
+def test_a_density_below_zero_is_refused() -> None:
+    with pytest.raises(ValueError, match="rayleigh_more of the atmosphere must leave a density"):
+        replace(earth_at_night(), rayleigh_more=(-3.0,), rayleigh_more_scale_height_m=(9000.0,))

@@ -24,8 +24,8 @@ _HYDROSTATIC = 0.0341632
 _REFRACTIVITY = 2.777e-4 * 288.15 / 101_325.0
 _TOP_M = 90_000.0
 _STEPS, _NEWTON_STEPS = 200, 4
-# Height from which on an eye's own refraction holds.
-_ALOFT_M = 100.0
+# Up to the first height the sun's own formula holds, from the second on an eye's own refraction.
+_ON_GROUND_M, _ALOFT_M = 30.0, 130.0
 # Below the horizon the table goes on so far.
 _LOWEST_DEG = -0.3
 # Dips, without refraction, of the altitudes for which tables are traced: within 0.1' of any other
@@ -84,13 +84,13 @@ def horizon_elevation(altitude_m: float) -> float:
 
 def seen_from_aloft(direction: Vector, true_elevation_rad: float, eye_height_m: float) -> Vector:
     """Where an eye aloft sees what has this direction from the ground: in less air, or more."""
-    if eye_height_m <= 0.0:
+    share = min((eye_height_m - _ON_GROUND_M) / (_ALOFT_M - _ON_GROUND_M), 1.0)
+    if share <= 0.0:
         return direction
     x, y, z = direction
     before = math.asin(min(max(y, -1.0), 1.0))
     aloft = float(apparent_elevation(true_elevation_rad, eye_height_m))
-    # On the ground the sun's own formula holds.
-    after = before + min(eye_height_m / _ALOFT_M, 1.0) * (aloft - before)
+    after = before + share * (aloft - before)
     level = math.cos(after) / max(math.hypot(x, z), 1e-9)
     return x * level, math.sin(after), z * level
 
