@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from light_transport.daylight_numbers.glass import Glass
 from light_transport.hour.hour import Hour
 from light_transport.surfaces.surfaces import Surfaces
 
@@ -47,6 +48,23 @@ def irradiance_by_radiance(
     Raises:
         UserError: Radiance is not installed.
     """
+    whole, of_key_light = both_by_radiance(surfaces, hour, places_m, normals, effort)
+    return whole - of_key_light
+
+
+def both_by_radiance(
+    surfaces: Surfaces,
+    hour: Hour,
+    places_m: FloatArray,
+    normals: FloatArray,
+    effort: Effort = Effort(),
+    glass: Glass | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Irradiance (P, 3), W m^-2, of all light, and of it that straight from the key light.
+
+    Raises:
+        UserError: Radiance is not installed.
+    """
     home = radiance_folder()
     if home is None:
         raise UserError("Radiance is not installed: pip install pyradiance")
@@ -69,6 +87,6 @@ def irradiance_by_radiance(
             out = run("rtrace", "-I+", "-h", *_EXACT, *ambient, *weight, "scene.oct", told=points)
             return np.array(out.split(), float).reshape(-1, 3)
 
-        scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
+        scene, sky = write_scene(surfaces, hour, folder, glass), write_sky(hour, folder)
         sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
-        return irradiance(effort.bounces, scene, sky, sun) - irradiance(0, scene, sun)
+        return irradiance(effort.bounces, scene, sky, sun), irradiance(0, scene, sun)
