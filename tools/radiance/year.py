@@ -28,8 +28,6 @@ from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite.project import project_of_path, with_weather
 
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
-# Rays of Radiance from each point; the room's differences are its noise with fewer.
-RAYS = {"work/indoor.glb": 16_384}
 _RAYS = 8_192
 # Of open ground without the sun: a dimmer hour is not compared.
 _LEAST_LX = 500.0
@@ -123,7 +121,7 @@ def main() -> None:
     told = parser.parse_args()
     for scene in told.scenes:
         grid = next(grid for grid in GRIDS if grid.scene == scene)
-        found = compared_year(grid, told.weather, told.hours, Effort(RAYS.get(scene, _RAYS)))
+        found = compared_year(grid, told.weather, told.hours, Effort(_RAYS))
         of_sum = found.of_sum
         print(
             f"{scene}: all light {_said(found.error)}; without the sun's own "
