@@ -139,8 +139,7 @@ class OpenedScene:
     def _demand(self, size: int) -> None:
         """No background is asked for: nobody looks."""
         for kind in (SkyRadianceChanged, KeyLightChanged, AmbientChanged, SkyLightChanged):
-            asked = size if kind is SkyRadianceChanged else None
-            self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=asked))
+            self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=size))
 
     def _settle(self) -> None:
         self._kernel.pump_until_idle()
