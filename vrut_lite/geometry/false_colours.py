@@ -20,6 +20,7 @@ _WIDEST = 1e3
 # Iso-lines are at these times a power of ten, at most a few.
 _ROUND = (1.0, 2.0, 3.0, 5.0, 7.5)
 _MOST_LINES = 6
+_LEAST = 1e-12
 
 
 class Scale(NamedTuple):
@@ -78,7 +79,7 @@ def iso_lines(values: AnyFloats, levels: FloatArray, steepest: float = np.inf) -
     ):
         low, high = np.fmin(values[here], values[before]), np.fmax(values[here], values[before])
         both = np.isfinite(values[here]) & np.isfinite(values[before])
-        passes = both & (level[here] != level[before]) & (high <= steepest * low)
+        passes = both & (level[here] != level[before]) & (high <= steepest * np.maximum(low, _LEAST))
         number = np.maximum(level[here], level[before]) - 1
         found[here] = np.where(passes, number, found[here])
     return found
