@@ -18,7 +18,7 @@ from light_transport.daylight_numbers.annual import solved_year, year_matrices, 
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.sensors import free_sensors
 from light_transport.daylight_numbers.work import work_of
-from light_transport.daylight_numbers.year_light import lit_hours, middle_of, year_light
+from light_transport.daylight_numbers.year_light import HOURS, lit_hours, middle_of, year_light
 from light_transport.surfaces.surfaces import surfaces_of
 
 from tools.radiance.grids import GRIDS, Grid
@@ -28,6 +28,8 @@ from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite.project import project_of_path, with_weather
 
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
+# Times of day of which every day is computed; all that is interpolated is between days.
+CLOCKS = (9, 12, 15)
 _RAYS = 8_192
 # Of open ground without the sun: a dimmer hour is not compared.
 _LEAST_LX = 500.0
@@ -37,7 +39,7 @@ _LEAST_LX = 500.0
 class ComparedYear:
     """Lux (P, H) of sampled hours by both, whole and of the sun alone, and CPU seconds.
 
-    `ours_cpu_s` is for all hours of the year, `radiance_cpu_s` for the sample.
+    `ours_cpu_s` is for the hours of the year that were computed, `radiance_cpu_s` for the sample.
     """
 
     ours: FloatArray
@@ -82,6 +84,7 @@ def compared_year(
         work = work_of(opened.scene, free_sensors(shown, up, grid.scene), tolerance)
         offset_h = opened.standard_offset_h
         hours = lit_hours(opened.place, offset_h)
+        hours = hours[np.isin(hours % HOURS, CLOCKS)]
         light = year_light(opened, hours, offset_h, range(len(hours)))
         matrices = year_matrices(work, light, solved_year(work.bake, light))
         year = year_of(matrices, light)
@@ -117,7 +120,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition(":")[0])
     parser.add_argument("weather")
     parser.add_argument("scenes", nargs="*", default=SCENES)
-    parser.add_argument("--hours", type=int, default=12)
+    parser.add_argument("--hours", type=int, default=24)
     told = parser.parse_args()
     for scene in told.scenes:
         grid = next(grid for grid in GRIDS if grid.scene == scene)
