@@ -79,9 +79,8 @@ def iso_lines(values: AnyFloats, levels: FloatArray, steepest: float = np.inf) -
     ):
         low, high = np.fmin(values[here], values[before]), np.fmax(values[here], values[before])
         both = np.isfinite(values[here]) & np.isfinite(values[before])
-        passes = (
-            both & (level[here] != level[before]) & (high <= steepest * np.maximum(low, _LEAST))
-        )
+        near = high <= steepest * np.maximum(low, _LEAST)
+        passes = both & near & (level[here] != level[before])
         number = np.maximum(level[here], level[before]) - 1
         found[here] = np.where(passes, number, found[here])
     return found
