@@ -8,6 +8,7 @@ pass 0.72; that room in the sun too. It needs the extra `radiance`.
 
 import argparse
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 from light_transport.daylight_numbers.cie_skies import cie_hour
@@ -37,7 +38,7 @@ def compared(
     grid: Grid, effort: Effort, glazing: Mapping[str, Glazing] | None = None
 ) -> dict[str, FloatArray]:
     """Differences (P,) at a grid's points, shares of their mean, by what lights the scene."""
-    opened = OpenedScene(project_of_path(str(grid.file if glazing else f"scenes/{grid.file}")))
+    opened = OpenedScene(project_of_path(str(Path("scenes") / grid.file)))
     try:
         up = np.tile([0.0, 1.0, 0.0], (len(grid.places_m), 1))
         sensors = free_sensors(grid.places_m, up, grid.scene)

@@ -30,7 +30,7 @@ def glazed(
     found = []
     for place in placed:
         mesh, old = place.mesh, place.mesh.material
-        if old.name in glazing:
+        if old.name is not None and old.name in glazing:
             if id(old) not in materials:
                 materials[id(old)] = _pane(old.name, glazing[old.name])
             if id(mesh) not in meshes:
