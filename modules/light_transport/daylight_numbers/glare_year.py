@@ -43,7 +43,7 @@ def glare_year(
     ):
         eye = Eye(place, towards)
         seen = EyeYear(work, eye, light, solved, hours)
-        for hour in hours:
+        for hour in hours.tolist():
             go_on()
             sources = [bright_parts(seen.hemisphere, seen.luminance(hour))]
             if sun_lx[hour] > 0.0:
