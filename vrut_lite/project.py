@@ -16,6 +16,7 @@ import tomli_w
 from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.daylight.haze import DEFAULT_AEROSOL, MOST_OPTICAL_DEPTH, AerosolType, SetHaze
 from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
 from vrut_lite.daylight.place import SetPlace
@@ -100,18 +101,6 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         )
 
 
-Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
-
-
-class Glazing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What panes of a material let through of light that meets them at right angles, times their
-    colour in linear sRGB; how many stand behind each other decides how it falls at the edge."""
-
-    transmittance: Share
-    colour: tuple[Share, Share, Share] = (1.0, 1.0, 1.0)
-    panes: Annotated[int, msgspec.Meta(ge=1, le=4)] = 2
-
-
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The content of a picture. `at` is ISO time, local to the place unless it has an offset.
 
@@ -122,7 +111,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `animation` and `animation_time_s` say how the scene's own animations stand.
     `views` are kept by name, for the window. `sensors` is a file of points at which light is
-    measured, `glazing` the glass of daylight numbers by names of materials.
+    measured, `glazing` glass by names of materials.
     """
 
     scene: str = ""
@@ -389,6 +378,7 @@ def view_inputs(project: Project) -> list[Input]:
             camera=project.scene_camera,
             luminaires=tuple(project.luminaires.items()),
             variant=project.variant,
+            glazing=tuple(project.glazing.items()),
         ),
     ]
     if project.camera is not None:

@@ -330,8 +330,12 @@ def _with_gases(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
         top_m = air.top_altitude_m
         column_m = sum(share * _column_m(own, top_m) for share, own in air.rayleigh_terms)
         factor *= column_m / _column_m(height_m, top_m)
-        one = {"rayleigh_more": (0.0,), "rayleigh_more_scale_height_m": (height_m,)}
-        air = replace(air, rayleigh_scale_height_m=height_m, **one)
+        air = replace(
+            air,
+            rayleigh_scale_height_m=height_m,
+            rayleigh_more=(0.0,),
+            rayleigh_more_scale_height_m=(height_m,),
+        )
     molecules = tuple(np.asarray(air.rayleigh_scattering) * factor)
     air = replace(air, rayleigh_scattering=molecules)
     if settings.ozone_du is None:

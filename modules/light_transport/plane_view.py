@@ -1,12 +1,13 @@
-"""One work plane from above: a cell for each sensor, in false colours."""
+"""One work plane from above: false colours with iso-lines, and the sensor under the pointer."""
 
 import numpy as np
 from PySide6.QtCore import QEvent, Signal
 from PySide6.QtGui import QMouseEvent
 
+from light_transport.daylight_numbers.plan_picture import drawn_grid, grid_of_plane
 from light_transport.daylight_numbers.sensors import Sensors
 from vrut_lite.app.fitted_picture import FittedPicture
-from vrut_lite.geometry.false_colours import Scale, coloured, scale_of
+from vrut_lite.geometry.false_colours import Scale, scale_of
 from vrut_lite.numeric_types import FloatArray
 
 _HINT_PX = (280, 240)
@@ -18,19 +19,16 @@ class PlaneView(FittedPicture):
     pointed = Signal(int)
 
     def __init__(self) -> None:
-        super().__init__("plan of a work plane", _HINT_PX, smooth=False)
+        super().__init__("plan of a work plane", _HINT_PX)
         self._sensor = np.full((1, 1), -1)
         self.setMouseTracking(True)
 
     def show_plane(self, sensors: Sensors, values: FloatArray, plane: int) -> Scale:
         """Show values (P,) on one of the planes; the scale is that of all planes."""
         scale = scale_of(values)
-        here = np.flatnonzero((sensors.plane == plane) & (sensors.cell[:, 0] >= 0))
-        row, column = (sensors.cell[here] - sensors.cell[here].min(axis=0)).T
-        self._sensor = np.full((row.max() + 1, column.max() + 1), -1)
-        self._sensor[row, column] = here
+        self._sensor = grid_of_plane(sensors, plane)
         shown = np.where(self._sensor >= 0, values[self._sensor], np.nan)
-        self.show_pixels(coloured(shown, scale))
+        self.show_pixels(drawn_grid(shown, scale))
         return scale
 
     def show_nothing(self) -> None:

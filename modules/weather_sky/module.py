@@ -76,9 +76,11 @@ class WeatherSky(SkyModule):
     @handles(ClockMoved)
     @handles(SetPlace)
     def hour_changed(self, _message: ClockMoved | SetPlace) -> None:
-        """The hour or the place changed: so may sun and sky."""
+        """The hour or the place changed: so may sun and sky. A sun that moves brings its sky."""
+        before = self._sun_of
         self.move_sun()
-        self._update()
+        if self._sun_of == before:
+            self._update()
 
     def move_sun(self) -> None:
         """Tell the sun of the hour, if it is another."""

@@ -12,6 +12,7 @@ from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudForm, CloudLayer, CloudsChanged
+from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.haze import SetHaze
@@ -175,6 +176,7 @@ SOUND = [
         beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),),
         luminaires=(("bulb", "a.ies"),),
         variant="red",
+        glazing=(("pane", Glazing(0.7)),),
     ),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),

@@ -1,6 +1,7 @@
 """The command `vrut-lite daylight`: files that it writes, and one line for bad input."""
 
 import csv
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,8 +10,11 @@ from click.testing import CliRunner
 from light_transport.daylight_numbers.command import daylight
 from light_transport.daylight_numbers.glass import glass_of
 
+from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.errors import UserError
-from vrut_lite.project import Glazing, Project, load_project, save_project
+from vrut_lite.project import Project, load_project, save_project
+from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.packing import packed
 
 
 def run(*arguments):
@@ -46,6 +50,18 @@ def test_glazing_of_no_material_of_the_scene_is_refused():
     surfaces = SimpleNamespace(part=np.zeros(2, np.int32))
     with pytest.raises(UserError, match="no material 'glas'; it has pane"):
         glass_of(scene, surfaces, {"glas": Glazing(0.7)})
+
+
+def test_glazing_of_a_project_is_glass_in_pictures():
+    """Its material has KHR_materials_transmission's terms: 0.72 of light at right angles passes."""
+    path = Path(__file__).parents[2] / "scenes" / "work" / "indoor.glb"
+    scene = packed(load_scene(path, glazing={"brass": Glazing(0.72)}))
+    brass = next(one for one in scene.materials.all() if one.name == "brass")
+    assert brass.terms.transmits
+    assert brass.terms.is_pane
+    face = 0.04
+    clear = (1 - face) / (1 + face)
+    np.testing.assert_allclose(brass.base_colour_rgba[:3], 0.72 / clear)
 
 
 def test_glazing_is_kept_in_project_files(tmp_path):

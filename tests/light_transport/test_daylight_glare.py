@@ -28,7 +28,7 @@ EAST = Eye(np.array([0.0, 1.2, 0.0]), np.array([1.0, 0.0, 0.0]))
 
 def seen(luminance):
     """A view of these luminances."""
-    directions, solid, pixel = hemisphere()
+    directions, solid, pixel, _ = hemisphere()
     rgb = np.repeat((np.asarray(luminance) / 683.0)[:, None], 3, axis=1)
     return EyeView(directions, solid, rgb, pixel, np.empty((0, 3)), np.empty((0, 3)))
 
@@ -119,11 +119,16 @@ def test_a_mirror_shows_the_sun_behind_the_eye(walled):
 
 
 def test_a_year_has_the_glare_of_its_hours(walled):
-    """An hour with the sun in view, and one without; EN 17037 counts them of 3,650."""
-    lights = [hour(5.0, key=(1.0, 1.5, 0.3), irradiance=80.0), hour(5.0)]
+    """The sun in view, behind the eye so that the wall glares, and hidden; EN 17037 counts such
+    hours of 3,650."""
+    lights = [
+        hour(5.0, key=(1.0, 1.5, 0.3), irradiance=80.0),
+        hour(1.0, key=(-1.0, 0.8, 0.1), irradiance=80.0),
+        hour(5.0),
+    ]
     sky = [node_radiances(one.sky, one.ground_radiance_rgb)[: GROUND_NODE + 1] for one in lights]
     light = YearLight(
-        np.array([12, HOURS + 12]),
+        np.array([12, HOURS + 14, 2 * HOURS + 12]),
         np.array(sky, np.float32),
         np.array([one.key_direction for one in lights], float),
         np.array([one.key_irradiance_rgb for one in lights], float),
@@ -136,6 +141,6 @@ def test_a_year_has_the_glare_of_its_hours(walled):
     for n, one in enumerate(lights):
         view = eye_view(walled.bake, walled.glass, flats, EAST, one)
         assert found[0, n] == pytest.approx(glare_of(view, vertical_of(view)).dgp, abs=0.02)
-    level, shares = en_level(np.array([0.5, 0.3]), light)
+    level, shares = en_level(np.array([0.5, 0.3, 0.3]), light)
     assert level == "high"
     np.testing.assert_allclose(shares, 1.0 / 3650)

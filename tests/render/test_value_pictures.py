@@ -10,7 +10,14 @@ from stateful_backend import opened
 from vrut_lite.array import Array
 from vrut_lite.daylight.light_map_values import texel_edges_m
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.geometry.false_colours import UNUSED, coloured, scale_of
+from vrut_lite.geometry.false_colours import (
+    UNUSED,
+    Scale,
+    coloured,
+    iso_lines,
+    round_levels,
+    scale_of,
+)
 from vrut_lite.pictures.value_picture import value_pixels, values_of
 
 SIZE = 48
@@ -118,3 +125,19 @@ def test_a_picture_of_nothing_has_no_legend():
     """Where no surface is seen there is no scale to draw."""
     nothing = np.full((200, 300), np.nan, np.float32)
     assert (value_pixels(values_of(nothing, "illuminance")) == UNUSED).all()
+
+
+def test_iso_lines_are_where_round_values_are_passed():
+    """Of values that double from column to column: a line a round value, none beside the wall."""
+    values = np.tile(2.0 ** np.arange(8), (4, 1))
+    values[:, 5] = np.nan
+    levels = round_levels(Scale(1.0, 128.0))
+    assert levels[0] > 1.0
+    assert len(levels) <= 6
+    line = iso_lines(values, levels)
+    assert (line == line[0]).all()
+    assert (line[0, [0, 5, 6]] == -1).all()
+    for column in (1, 2, 3, 4, 7):
+        if line[0, column] >= 0:
+            assert values[0, column - 1] <= levels[line[0, column]] < values[0, column]
+    assert (iso_lines(values, levels, steepest=1.5) == -1).all()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from light_transport.daylight_numbers.glass import Glass
 from light_transport.hour.hour import Hour
 from light_transport.surfaces.surfaces import Surfaces
 
@@ -47,13 +48,30 @@ def irradiance_by_radiance(
     Raises:
         UserError: Radiance is not installed.
     """
+    whole, of_key_light = both_by_radiance(surfaces, hour, places_m, normals, effort)
+    return whole - of_key_light
+
+
+def both_by_radiance(
+    surfaces: Surfaces,
+    hour: Hour,
+    places_m: FloatArray,
+    normals: FloatArray,
+    effort: Effort = Effort(),
+    glass: Glass | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Irradiance (P, 3), W m^-2, of all light, and of it that straight from the key light.
+
+    Raises:
+        UserError: Radiance is not installed.
+    """
     rows = np.concatenate([turned(places_m), turned(normals)], axis=1)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
+        scene, sky = write_scene(surfaces, hour, folder, glass), write_sky(hour, folder)
         sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
         every = _traced(folder, (scene, sky, sun), rows, effort, "-I+")
-        return every - _traced(folder, (scene, sun), rows, Effort(effort.rays, 0), "-I+")
+        return every, _traced(folder, (scene, sun), rows, Effort(effort.rays, 0), "-I+")
 
 
 def radiance_by_radiance(

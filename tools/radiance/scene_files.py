@@ -6,6 +6,7 @@ Radiance's axes have z up: (x, y, z) here is (x, -z, y) there.
 from pathlib import Path
 
 import numpy as np
+from light_transport.daylight_numbers.glass import Glass
 from light_transport.hour.hour import Hour
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 
@@ -15,6 +16,7 @@ from vrut_lite.numeric_types import FloatArray, Vector
 # Of the sky's data.
 _STEP_DEG = 0.5
 _SUN_DEG = 0.53
+_PANES_APART_M = 0.02
 _SKY = """void colordata above
 9 its_r its_g its_b sky_r.dat sky_g.dat sky_b.dat sky.cal height azimuth
 0
@@ -58,8 +60,11 @@ def turned(places: FloatArray) -> FloatArray:
     return np.stack([places[..., 0], -places[..., 2], places[..., 1]], axis=-1)
 
 
-def write_scene(surfaces: Surfaces, hour: Hour, folder: Path) -> str:
-    """Write triangles as `scene.rad`: Lambert's, the ground's with the hour's albedo."""
+def write_scene(surfaces: Surfaces, hour: Hour, folder: Path, glass: Glass | None = None) -> str:
+    """Write triangles as `scene.rad`: Lambert's, the ground's with the hour's albedo.
+
+    Triangles that `glass` has are Radiance's glass: a pane each, see `_panes`.
+    """
     reflectance = surfaces.reflectance_rgb.copy()
     reflectance[surfaces.part == GROUND] = hour.ground_albedo_rgb
     colours, which = np.unique(reflectance, axis=0, return_inverse=True)
@@ -68,11 +73,52 @@ def write_scene(surfaces: Surfaces, hour: Hour, folder: Path) -> str:
         for number, (r, g, b) in enumerate(colours)
     ]
     corners = turned(surfaces.corners_m + surfaces.centre_m)
-    for number, (paint, triangle) in enumerate(zip(which.ravel(), corners, strict=True)):
+    clear = np.zeros(len(corners), bool) if glass is None else glass.clear
+    if glass is not None:
+        lines += _panes(glass, corners)
+    for number in np.flatnonzero(~clear):
+        paint, triangle = which.ravel()[number], corners[number]
         numbers = " ".join(f"{value:.9g}" for value in triangle.ravel())
         lines.append(f"m{paint} polygon p{number}\n0\n0\n9 {numbers}\n")
     (folder / "scene.rad").write_text("".join(lines))
     return "scene.rad"
+
+
+def _panes(glass: Glass, corners: FloatArray) -> list[str]:
+    """Polygons of glass, one behind the other where it has several panes.
+
+    Radiance dims light by a share a way through glass, we by one a pane: they agree at right
+    angles.
+    """
+    lines, face = [], 0.04
+    for number in np.flatnonzero(glass.clear):
+        count, triangle = int(glass.panes[number]), corners[number]
+        side = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
+        side *= _PANES_APART_M / np.linalg.norm(side)
+        clear = (1.0 - face) / (1.0 + (2 * count - 1) * face)
+        whole = glass.tint[number].astype(float) * clear
+        one = _passed_by_one(whole, count)
+        # T = (1 - r)^2 t / (1 - r^2 t^2), solved for t.
+        inner = (np.sqrt((1 - face) ** 4 + (2 * face * one) ** 2) - (1 - face) ** 2) / (
+            2 * face**2 * one
+        )
+        lines.append(f"void glass g{number}\n0\n0\n4 {' '.join(f'{t:.7g}' for t in inner)} 1.5\n")
+        for pane in range(count):
+            numbers = " ".join(f"{value:.9g}" for value in (triangle + pane * side).ravel())
+            lines.append(f"g{number} polygon g{number}_{pane}\n0\n0\n9 {numbers}\n")
+    return lines
+
+
+def _passed_by_one(whole: FloatArray, count: int) -> FloatArray:
+    """What each of equal panes passes that together pass `whole`, with all bounces between them.
+
+    Of panes that pass T and send R back, two pass T^2 / (1 - R^2); R is that of clear glass.
+    """
+    if count == 1:
+        return whole
+    assert count == 2
+    back = 2 * 0.04 / (1 + 0.04)
+    return np.asarray(np.sqrt(whole * (1 - back**2)))
 
 
 def write_sky(hour: Hour, folder: Path) -> str:

@@ -1,13 +1,14 @@
 """Hours of a year of weather at sensors, by the year's product and by Radiance, live.
 
-    .venv/bin/python -m tools.radiance.year prague.epw
+    .venv/bin/python -m tools.radiance.year prague.epw [--hours N] [SCENE ...]
 
-Prints a row a scene: mean, rms and largest difference in percent of the year's mean light, without
-the sun's own, and CPU seconds of both.
+The sun is in it. Prints for each scene: mean and rms of the differences of sampled hours, in
+percent of each hour's mean light, of all light and without the sun's own; those of the sum of the
+sampled hours; and CPU seconds of both. It needs the extra `radiance`.
 """
 
+import argparse
 import resource
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,33 +22,45 @@ from light_transport.daylight_numbers.year_light import HOURS, lit_hours, middle
 from light_transport.surfaces.surfaces import surfaces_of
 
 from tools.radiance.grids import GRIDS, Grid
-from tools.radiance.irradiance import Effort, irradiance_by_radiance
+from tools.radiance.irradiance import Effort, both_by_radiance
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite.project import project_of_path, with_weather
 
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
 # Times of day of which every day is computed; all that is interpolated is between days.
 CLOCKS = (9, 12, 15)
+_RAYS = 8_192
+# Of open ground without the sun: a dimmer hour is not compared.
+_LEAST_LX = 500.0
 
 
 @dataclass(frozen=True, eq=False)
 class ComparedYear:
-    """Lux (P, H) without the sun's own of sampled hours, by both, and CPU seconds.
+    """Lux (P, H) of sampled hours by both, whole and of the sun alone, and CPU seconds.
 
-    `ours_cpu_s` is for the year's hours that were computed, `radiance_cpu_s` for the sample.
+    `ours_cpu_s` is for the hours of the year that were computed, `radiance_cpu_s` for the sample.
     """
 
     ours: FloatArray
     radiance: FloatArray
+    our_sun: FloatArray
+    their_sun: FloatArray
+    hour: IntArray
     hours: int
     ours_cpu_s: float
     radiance_cpu_s: float
 
     @property
     def error(self) -> FloatArray:
-        """Differences (P, H), as shares of each hour's mean light."""
+        """Differences (P, H) of all light, as shares of each hour's mean light."""
         return np.asarray((self.ours - self.radiance) / self.radiance.mean(axis=0))
+
+    @property
+    def of_rest(self) -> FloatArray:
+        """Differences (P, H) without the sun's own light, as shares of each hour's mean of it."""
+        rest = self.radiance - self.their_sun
+        return np.asarray((self.ours - self.our_sun - rest) / rest.mean(axis=0))
 
     @property
     def of_sum(self) -> FloatArray:
@@ -59,13 +72,14 @@ class ComparedYear:
 def compared_year(
     grid: Grid, weather: str, sampled: int, effort: Effort, tolerance: float = 0.1
 ) -> ComparedYear:
-    """Compare some hours of a year, evenly spread, at the corners and the middle of a grid."""
+    """Compare some hours of a year, evenly spread, at nine points of a grid."""
     project = project_of_path(str(Path("scenes") / grid.file))
     opened = OpenedScene(with_weather(project, weather))
     try:
         began = time.process_time()
-        places = grid.places_m
-        shown = places[np.linspace(0, len(places) - 1, 5).astype(int)]
+        columns, rows = grid.counts
+        places = grid.places_m.reshape(rows, columns, 3)
+        shown = places[:: rows // 2, :: columns // 2].reshape(-1, 3)
         up = np.tile([0.0, 1.0, 0.0], (len(shown), 1))
         work = work_of(opened.scene, free_sensors(shown, up, grid.scene), tolerance)
         offset_h = opened.standard_offset_h
@@ -75,35 +89,60 @@ def compared_year(
         matrices = year_matrices(work, light, solved_year(work.bake, light))
         year = year_of(matrices, light)
         ours_s = time.process_time() - began
-        chosen = np.linspace(0, len(hours) - 1, sampled + 2).astype(int)[1:-1]
-        ours = (year.total - year.sun)[:, chosen].astype(float)
+        # Hours before the sun is up hold less than a thousandth of the year's light.
+        day = np.flatnonzero(light.diffuse_lux > _LEAST_LX)
+        chosen = day[np.linspace(0, len(day) - 1, sampled).astype(int)]
         surfaces = surfaces_of(opened.scene)
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         theirs = []
         for hour in hours[chosen]:
             opened.go_to(middle_of(int(hour), offset_h))
-            found = irradiance_by_radiance(surfaces, opened.hour(), shown, up, effort)
-            theirs.append(luminance(found) * LUMENS_PER_WATT)
+            found = both_by_radiance(surfaces, opened.hour(), shown, up, effort)
+            theirs.append([luminance(part) * LUMENS_PER_WATT for part in found])
         radiance_s = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     finally:
         opened.close()
-    return ComparedYear(ours, np.array(theirs).T, len(hours), ours_s, radiance_s)
+    whole, of_sun = np.array(theirs).transpose(1, 2, 0)
+    return ComparedYear(
+        year.total[:, chosen].astype(float),
+        whole,
+        year.sun[:, chosen].astype(float),
+        of_sun,
+        hours[chosen],
+        len(hours),
+        ours_s,
+        radiance_s,
+    )
 
 
-def main(weather: str, scenes: tuple[str, ...] = SCENES) -> None:
-    """Print the table."""
-    for scene in scenes:
+def main() -> None:
+    """Print a line for each scene."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition(":")[0])
+    parser.add_argument("weather")
+    parser.add_argument("scenes", nargs="*", default=SCENES)
+    parser.add_argument("--hours", type=int, default=24)
+    told = parser.parse_args()
+    for scene in told.scenes:
         grid = next(grid for grid in GRIDS if grid.scene == scene)
-        found = compared_year(grid, weather, 12, Effort(8_192))
-        error, of_sum = found.error, found.of_sum
+        found = compared_year(grid, told.weather, told.hours, Effort(_RAYS))
+        of_sum = found.of_sum
         print(
-            f"{scene}: hour {error.mean():+.2%} mean, {np.sqrt(np.mean(error**2)):.2%} rms, "
-            f"{np.abs(error).max():.1%} most; year {of_sum.mean():+.2%} mean, "
-            f"{np.sqrt(np.mean(of_sum**2)):.2%} rms; CPU {found.ours_cpu_s:.0f} s for "
-            f"{found.hours} hours, Radiance {found.radiance_cpu_s:.0f} s for 12",
+            f"{scene}: all light {_said(found.error)}; without the sun's own "
+            f"{_said(found.of_rest)}; sum {of_sum.mean():+.2%} mean, {_rms(of_sum):.2%} rms, "
+            f"{np.abs(of_sum).max():.2%} most; the sun reaches {(found.their_sun > 0).mean():.0%}, "
+            f"or {(found.our_sun > 0).mean():.0%}; CPU {found.ours_cpu_s:.0f} s for {found.hours} "
+            f"hours, Radiance {found.radiance_cpu_s:.0f} s for {told.hours}",
             flush=True,
         )
 
 
+def _said(error: FloatArray) -> str:
+    return f"{error.mean():+.2%} mean, {_rms(error):.2%} rms"
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
 if __name__ == "__main__":
-    main(sys.argv[1], tuple(sys.argv[2:]) or SCENES)
+    main()

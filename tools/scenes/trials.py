@@ -32,6 +32,7 @@ def build() -> dict[str, bytes]:
         "thin_room.glb": thin_room(), "colour_bleeding.glb": colour_bleeding(),
         "loggia.glb": loggia(), "garden_room.glb": garden_room(),
         "atrium.glb": atrium(),
+        "glazed_room.glb": colour_bleeding(pane=True),
     }  # fmt: skip
 
 
@@ -147,8 +148,11 @@ def thin_room() -> bytes:
     return writer.glb()
 
 
-def colour_bleeding() -> bytes:
-    """A white room with a red wall in the north, a green one in the south, a western window."""
+def colour_bleeding(pane: bool = False) -> bytes:
+    """A white room with a red wall in the north, a green one in the south, a western window.
+
+    Its `pane`, if it has one, is of a material named glass.
+    """
     writer = GltfWriter()
     white = writer.material("white", (0.78, 0.78, 0.76))
     red = writer.material("red", (0.60, 0.05, 0.04))
@@ -169,6 +173,11 @@ def colour_bleeding() -> bytes:
     writer.place("block", block, (0.5, 0.001, -0.7), azimuth_deg=18.0)
     ball = writer.mesh("ball", [(sphere(0.4, 48), gloss)])
     writer.place("ball", ball, (-0.2, 0.401, 0.9))
+    if pane:
+        glass = writer.material("glass", (0.9, 0.9, 0.9), roughness=0.0, double_sided=True)
+        edge = [(0.8, -1.4), (0.8, 1.4), (2.6, 1.4), (2.6, -1.4)]
+        sheet = polygon([(-half - 0.1, y, z) for y, z in edge])
+        writer.place("pane", writer.mesh("pane", [(sheet, glass)]))
     writer.camera((-1.8, 1.5, 0.1), (1.2, 1.1, 0.0), 1.25)
     return writer.glb()
 

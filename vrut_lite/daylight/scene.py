@@ -5,6 +5,7 @@ import hashlib
 from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
@@ -21,7 +22,8 @@ class LoadScene(Input, frozen=True, kw_only=True):
 
     `camera` is the name of one of the file's cameras, or its number from 1; empty for the first.
     `luminaires` are names of lamps and paths of their IES files. `variant` is one of the file's
-    variants of materials, in the same way as `camera`; empty for the default ones.
+    variants of materials, in the same way as `camera`; empty for the default ones. `glazing` says
+    by their names which materials are glass.
     """
 
     path: str
@@ -30,6 +32,7 @@ class LoadScene(Input, frozen=True, kw_only=True):
     camera: str = ""
     luminaires: tuple[tuple[str, str], ...] = ()
     variant: str = ""
+    glazing: tuple[tuple[str, Glazing], ...] = ()
 
     def check(self) -> None:
         """Paths and placements; the files themselves tell the rest."""
@@ -43,6 +46,15 @@ class LoadScene(Input, frozen=True, kw_only=True):
                 checks.refuse(self, "beside", "be files with their placements")
             file.check()
         checks.pairs_of_texts(self, "luminaires")
+        glazing = self.glazing if isinstance(self.glazing, tuple) else (None,)
+        if not all(
+            isinstance(pair, tuple)
+            and len(pair) == 2
+            and isinstance(pair[0], str)
+            and isinstance(pair[1], Glazing)
+            for pair in glazing
+        ):
+            checks.refuse(self, "glazing", "be names of materials with their glass")
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):

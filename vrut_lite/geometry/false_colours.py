@@ -17,6 +17,10 @@ UNUSED = (24, 24, 24)
 # Range of the shown values: darker and brighter ones get the colours of the ends.
 _LOW, _HIGH = 0.01, 0.99
 _WIDEST = 1e3
+# Iso-lines are at these times a power of ten, at most a few.
+_ROUND = (1.0, 2.0, 3.0, 5.0, 7.5)
+_MOST_LINES = 6
+_LEAST = 1e-12
 
 
 class Scale(NamedTuple):
@@ -49,6 +53,37 @@ def coloured(values: AnyFloats, scale: Scale) -> NDArray[np.uint8]:
         share = np.log(np.maximum(values[used], scale.low) / scale.low) / span
         pixels[used] = _colour_at(np.clip(share, 0.0, 1.0))
     return pixels
+
+
+def round_levels(scale: Scale) -> FloatArray:
+    """Round values within a scale, rising, at which iso-lines are drawn."""
+    if scale.high <= 0.0:
+        return np.empty(0)
+    tens = np.arange(np.floor(np.log10(scale.low)), np.ceil(np.log10(scale.high)) + 1)
+    ladder = np.array([step * 10.0**ten for ten in tens for step in _ROUND])
+    found = ladder[(ladder > scale.low) & (ladder < scale.high)]
+    return found[:: max(1, -(-len(found) // _MOST_LINES))]
+
+
+def iso_lines(values: AnyFloats, levels: FloatArray, steepest: float = np.inf) -> NDArray[np.int64]:
+    """Pixels (h, w) at which values (h, w) pass a level from the left or from above: its number.
+
+    Elsewhere -1, also beside nan and where values of neighbours are further apart than by the
+    factor `steepest`: there are two things beside each other.
+    """
+    found = np.full(values.shape, -1)
+    level = np.searchsorted(levels, values)
+    for here, before in (
+        ((slice(None), slice(1, None)), (slice(None), slice(None, -1))),
+        ((slice(1, None), slice(None)), (slice(None, -1), slice(None))),
+    ):
+        low, high = np.fmin(values[here], values[before]), np.fmax(values[here], values[before])
+        both = np.isfinite(values[here]) & np.isfinite(values[before])
+        near = high <= steepest * np.maximum(low, _LEAST)
+        passes = both & near & (level[here] != level[before])
+        number = np.maximum(level[here], level[before]) - 1
+        found[here] = np.where(passes, number, found[here])
+    return found
 
 
 def scale_pixels(width: int) -> NDArray[np.uint8]:

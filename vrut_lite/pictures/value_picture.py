@@ -6,7 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from vrut_lite.geometry.false_colours import Scale, coloured, scale_of, scale_pixels
+from vrut_lite.geometry.false_colours import (
+    Scale,
+    coloured,
+    iso_lines,
+    round_levels,
+    scale_of,
+    scale_pixels,
+)
 from vrut_lite.numeric_types import Float32Array
 
 
@@ -16,6 +23,7 @@ class Quantity(NamedTuple):
     title: str
     unit: str
     factor: float = 1.0
+    has_lines: bool = False
 
     def said(self, value: float) -> str:
         """A value in three figures, with its unit."""
@@ -24,13 +32,16 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES: dict[str, Quantity] = {
-    "illuminance": Quantity("illuminance", "lx"),
+    "illuminance": Quantity("illuminance", "lx", has_lines=True),
     "texels": Quantity("edge of the light map's texels", "m"),
     "noise": Quantity("noise of the light map's rays", "%", 100.0),
 }
 _TICKS = 5
 _MARGIN_PX, _BAR_PX, _FONT_PX = 8, 10, 11
 _NARROWEST_PX = 160
+_INK = (235, 235, 235)
+# From pixel to pixel; more is the edge of a thing or of a shadow.
+_STEEPEST = 1.15
 
 
 class Values(NamedTuple):
@@ -52,16 +63,27 @@ def values_of(values: Float32Array, shown: str) -> Values:
 
 
 def value_pixels(found: Values) -> NDArray[np.uint8]:
-    """The picture (h, w, 3) with its legend, where there is room for one."""
+    """The picture (h, w, 3) with iso-lines of light and a legend, where there is room for one."""
     pixels = coloured(found.values, found.scale)
     height, width = pixels.shape[:2]
+    levels = round_levels(found.scale) if found.quantity.has_lines else np.empty(0)
+    line = iso_lines(found.values, levels, _STEEPEST)
+    pixels[line >= 0] = _INK
     if width < _NARROWEST_PX or height < _NARROWEST_PX // 2 or found.scale.high <= 0.0:
         return pixels
     image = Image.fromarray(pixels)
     pen, font = ImageDraw.Draw(image, "RGBA"), ImageFont.load_default(_FONT_PX)
+    for number, value in enumerate(levels):
+        at = np.argwhere(line == number)
+        if len(at) >= width // 4:
+            y, x = at[len(at) // 2]
+            said = found.quantity.said(value)
+            place = (min(x, width - pen.textlength(said, font=font)), y - _FONT_PX // 2)
+            pen.rectangle(pen.textbbox(place, said, font=font), fill=(0, 0, 0, 150))
+            pen.text(place, said, _INK, font=font)
     top = height - 2 * _FONT_PX - _BAR_PX - 2 * _MARGIN_PX
     pen.rectangle((0, top - _MARGIN_PX // 2, width, height), fill=(0, 0, 0, 170))
-    pen.text((_MARGIN_PX, top), found.quantity.title, (235, 235, 235), font=font)
+    pen.text((_MARGIN_PX, top), found.quantity.title, _INK, font=font)
     bar = Image.fromarray(scale_pixels(width - 2 * _MARGIN_PX)).resize(
         (width - 2 * _MARGIN_PX, _BAR_PX)
     )
@@ -72,5 +94,5 @@ def value_pixels(found: Values) -> NDArray[np.uint8]:
         said = found.quantity.said(found.scale.at(share))
         room = width - 2 * _MARGIN_PX - pen.textlength(said, font=font)
         place = (_MARGIN_PX + share * room, below + _BAR_PX + 2)
-        pen.text(place, said, (235, 235, 235), font=font)
+        pen.text(place, said, _INK, font=font)
     return np.asarray(image, np.uint8).copy()

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.points_and_lines import PointsAndLines
@@ -19,6 +20,7 @@ from vrut_lite.scene.axes_and_units import ground_top, guess_metres_per_unit, gu
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.choices import chosen_camera, chosen_variant
 from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.glazing import glazed
 from vrut_lite.scene.gltf_points_and_lines import Strokes, packed_strokes
 from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
@@ -31,6 +33,7 @@ MAX_REACH_M = 1e7
 _UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
 _AS_IT_SAYS = Placement()
 _NO_LUMINAIRES: Mapping[str, str] = MappingProxyType({})
+_NO_GLAZING: Mapping[str, Glazing] = MappingProxyType({})
 _SAY_ANIMATION = "--animation SECONDS or clock, or Animation in the Scene panel"
 
 
@@ -41,8 +44,8 @@ class LoadedScene:
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
     once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
     files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
-    asked for, with what was guessed filled in, and so are `luminaires` and `variant`, one of
-    `variants`. `animation_s`: how long the animations last.
+    asked for, with what was guessed filled in, and so are `luminaires`, `glazing` and `variant`,
+    one of `variants`. `animation_s`: how long the animations last.
     """
 
     path: Path
@@ -54,6 +57,7 @@ class LoadedScene:
     cameras: tuple[SceneCamera, ...] = ()
     lamps: SceneLamps | None = None
     luminaires: tuple[tuple[str, str], ...] = ()
+    glazing: tuple[tuple[str, Glazing], ...] = ()
     notices: tuple[str, ...] = ()
     placement: Placement = _AS_IT_SAYS
     beside: tuple[PlacedFile, ...] = ()
@@ -69,7 +73,7 @@ class OpenScene:
     `budget` limits memory; by default it comes from the environment. Axes and units that a
     placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1,
     and so does `variant` among the materials' variants. `luminaires` are paths of IES files by
-    the names of lamps.
+    the names of lamps; `glazing` says which materials are glass.
 
     Raises:
         UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
@@ -86,10 +90,11 @@ class OpenScene:
         camera: str = "",
         luminaires: Mapping[str, str] = _NO_LUMINAIRES,
         variant: str = "",
+        glazing: Mapping[str, Glazing] = _NO_GLAZING,
     ) -> None:
         self._path, self._camera = Path(path), camera
         self._files = SceneFiles(budget or budget_of_environment(), variant)
-        self._luminaires = luminaires
+        self._luminaires, self._glazing = luminaires, glazing
         self._photometries = self._read_luminaires()
         main = PlacedFile(scene=str(path), placement=placement)
         self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
@@ -121,6 +126,8 @@ class OpenScene:
                 scene,
                 lamps=packed_lamps(lamps),
                 luminaires=tuple(self._luminaires.items()),
+                meshes=glazed(scene.meshes, self._glazing),
+                glazing=tuple(self._glazing.items()),
                 variant=self._variant,
                 variants=self._variants,
                 points_and_lines=packed_strokes([s for one in stood for s in one.strokes]),

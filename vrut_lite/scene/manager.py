@@ -134,6 +134,7 @@ class SceneManager(Module):
             camera=message.camera,
             luminaires=dict(message.luminaires),
             variant=message.variant,
+            glazing=dict(message.glazing),
         )
         moves = opened.duration_s > 0.0
         time_s = self._animation_time_s() if moves else None

@@ -142,6 +142,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
             camera=own.name if own is not None and own is not loaded.cameras[0] else "",
             luminaires=loaded.luminaires,
             variant=loaded.variant,
+            glazing=loaded.glazing,
         ),
         cameras=tuple(camera.name for camera in loaded.cameras),
         variants=loaded.variants,

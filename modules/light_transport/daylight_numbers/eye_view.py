@@ -71,7 +71,7 @@ class EyeView(NamedTuple):
 
 def eye_view(bake: Bake, glass: Glass, flats: Flats, eye: Eye, hour: Hour) -> EyeView:
     """What an eye sees in an hour; diffuse surfaces, and the sun in mirrors."""
-    directions, solid_angle, pixel = hemisphere()
+    directions, solid_angle, pixel, _ = hemisphere()
     tree = tree_with_glass(bake, glass)
     place = (eye.place_m - bake.surfaces.centre_m) / bake.surfaces.radius_m
     towards = directions @ eye.axes
@@ -99,19 +99,29 @@ def eye_view(bake: Bake, glass: Glass, flats: Flats, eye: Eye, hour: Hour) -> Ey
     )
 
 
-@lru_cache(maxsize=1)
-def hemisphere() -> tuple[FloatArray, FloatArray, NDArray[np.integer]]:
-    """Directions (N, 3), solid angles (N,) and pixels (N, 2) of an angular fisheye, up first."""
-    middle = (2.0 * np.arange(EDGE_PX) + 1.0) / EDGE_PX - 1.0
+class Hemisphere(NamedTuple):
+    """Directions (N, 3) of an angular fisheye in the eye's axes, solid angles (N,), and their row
+    and column (N, 2) among `edge_px` pixels an edge, up first."""
+
+    directions: FloatArray
+    solid_angle_sr: FloatArray
+    pixel: NDArray[np.integer]
+    edge_px: int
+
+
+@lru_cache(maxsize=4)
+def hemisphere(edge_px: int = EDGE_PX) -> Hemisphere:
+    """All that lies before an eye."""
+    middle = (2.0 * np.arange(edge_px) + 1.0) / edge_px - 1.0
     y, x = np.meshgrid(-middle, middle, indexing="ij")
     radius = np.hypot(x, y)
     inside = radius < 1.0
     x, y, radius = x[inside], y[inside], np.maximum(radius[inside], 1e-9)
     angle = 0.5 * np.pi * radius
     level = np.sin(angle) / radius
-    solid = (2.0 / EDGE_PX) ** 2 * 0.5 * np.pi * level
+    solid = (2.0 / edge_px) ** 2 * 0.5 * np.pi * level
     directions = np.stack([x * level, y * level, np.cos(angle)], axis=1)
-    return directions, solid, np.argwhere(inside)
+    return Hemisphere(directions, solid, np.argwhere(inside), edge_px)
 
 
 def row_radiances(

@@ -114,7 +114,7 @@ def view_picture(view: EyeView) -> NDArray[np.uint8]:
 
 METHOD = (
     "Daylight glare probability after Wienold and Christoffersen: sources are what is brighter "
-    f"than {THRESHOLD:,.0f} cd/m2, the sun's disc and its images in flat smooth surfaces. A year's "
-    "hours count sky and suns as sources, sunlit surfaces by their light at the eye. EN 17037: DGP "
-    "above 0.45, 0.40 or 0.35 in at most 5 % of 8:00 to 18:00 is minimum, medium or high."
+    f"than {THRESHOLD:,.0f} cd/m2, the sun's disc and its images in flat smooth surfaces. EN "
+    "17037: DGP above 0.45, 0.40 or 0.35 in at most 5 % of 8:00 to 18:00 is minimum, medium or "
+    "high."
 )

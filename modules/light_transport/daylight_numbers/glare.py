@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import distance_transform_edt, label
 
-from light_transport.daylight_numbers.eye_view import EDGE_PX, SUN_SR, EyeView
+from light_transport.daylight_numbers.eye_view import EDGE_PX, SUN_SR, EyeView, Hemisphere
 from vrut_lite.numeric_types import FloatArray
 
 # EN 17037:2018, annex E: DGP that 5 % of the hours may exceed.
@@ -35,7 +35,8 @@ def glare_of(view: EyeView, vertical_lx: float) -> Glare:
     """DGP of what an eye sees, with the illuminance on the plane that it looks out of."""
     sun = view.sun_illuminance
     discs = Sources(sun / SUN_SR, np.full(len(sun), SUN_SR), view.sun_directions)
-    return Glare(dgp_of((_in_view(view), discs), vertical_lx), vertical_lx)
+    seen = Hemisphere(view.directions, view.solid_angle_sr, view.pixel, EDGE_PX)
+    return Glare(dgp_of((bright_parts(seen, view.luminance), discs), vertical_lx), vertical_lx)
 
 
 def vertical_of(view: EyeView) -> float:
@@ -76,32 +77,32 @@ def position_index(directions: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(np.where(y < 0.0, below, above), 16.0))
 
 
-def _in_view(view: EyeView) -> Sources:
-    """Bright parts of a view: their mean luminance, solid angle and weighted direction."""
-    bright = view.luminance
-    kinds = ((bright > THRESHOLD) & (bright <= PEAK), bright > PEAK)
-    parts = [_joined(view, kind) for kind in kinds]
+def bright_parts(seen: Hemisphere, luminance: FloatArray) -> Sources:
+    """Bright parts of what is seen, by luminances (N,): their means, solid angles and weighted
+    directions."""
+    kinds = ((luminance > THRESHOLD) & (luminance <= PEAK), luminance > PEAK)
+    parts = [_joined(seen, luminance, kind) for kind in kinds]
     return Sources(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def _joined(view: EyeView, chosen: np.ndarray) -> Sources:
+def _joined(seen: Hemisphere, luminance: FloatArray, chosen: np.ndarray) -> Sources:
     if not chosen.any():
         return Sources(np.empty(0), np.empty(0), np.empty((0, 3)))
-    field = np.zeros((EDGE_PX, EDGE_PX), bool)
-    row, column = view.pixel[chosen].T
+    field = np.zeros((seen.edge_px, seen.edge_px), bool)
+    row, column = seen.pixel[chosen].T
     field[row, column] = True
     # Half the way from either side: what is nearer than that grows together.
-    reach = 0.5 * _NEAR * EDGE_PX / np.pi
+    reach = 0.5 * _NEAR * seen.edge_px / np.pi
     grown, count = label(distance_transform_edt(~field) <= reach, np.ones((3, 3)))
     number = grown[row, column] - 1
-    solid = view.solid_angle_sr[chosen]
-    weight = view.luminance[chosen] * solid
+    solid = seen.solid_angle_sr[chosen]
+    weight = luminance[chosen] * solid
     total = np.bincount(number, weight, count).astype(float)
     angle = np.bincount(number, solid, count).astype(float)
     direction: FloatArray = np.stack(
         [
             np.bincount(number, weight * axis, count).astype(float)
-            for axis in view.directions[chosen].T
+            for axis in seen.directions[chosen].T
         ],
         axis=1,
     )

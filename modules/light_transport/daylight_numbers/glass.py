@@ -13,15 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.surfaces.surfaces import Surfaces
+from vrut_lite.daylight.glazing import IOR as _IOR
+from vrut_lite.daylight.glazing import Glazing, clear_at_right_angles
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
-from vrut_lite.project import Glazing
 
 _LEAST_IOR = 1.0001
-# Of glass that a project names.
-_IOR = 1.5
 
 
 class Glass(NamedTuple):
@@ -73,7 +72,7 @@ def glass_of(
         if material.name in told:
             glass = told[material.name]
             found.ior[here], found.panes[here] = _IOR, glass.panes
-            share = glass.transmittance / _at_right_angles(glass.panes)
+            share = glass.transmittance / clear_at_right_angles(glass.panes)
             found.tint[here] = share * np.asarray(glass.colour)
             continue
         if not terms.transmits:
@@ -124,7 +123,3 @@ def clear_share(cosine: FloatArray, panes: int) -> FloatArray:
     along = ((_IOR * cosine - bent) / (_IOR * cosine + bent)) ** 2
     more = 2 * panes - 1
     return np.asarray(0.5 * ((1 - across) / (1 + more * across) + (1 - along) / (1 + more * along)))
-
-
-def _at_right_angles(panes: int) -> float:
-    return float(clear_share(np.ones(1), panes)[0])

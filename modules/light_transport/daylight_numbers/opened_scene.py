@@ -12,6 +12,7 @@ from light_transport.jobs import hour_of
 from light_transport.unseen_hours import HourMessages
 from vrut_lite.commands.open_kernel import open_kernel, require_sun
 from vrut_lite.daylight.daylight_kernel import FaultCollector
+from vrut_lite.daylight.night import NightLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
@@ -19,7 +20,7 @@ from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.errors import ModuleFailed
-from vrut_lite.kernel.messages import Demand, SetClock
+from vrut_lite.kernel.messages import Demand, EnableModule, SetClock
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.scene.manager import SceneManager
 
@@ -125,14 +126,20 @@ class OpenedScene:
         self._kernel.close()
 
     def coarser(self) -> None:
-        """Ask for skies that are fine enough for the cells of the ray table, for many hours."""
+        """Ask for light that is fine enough for the cells of the ray table, for many hours.
+
+        Nothing else is made any more: no background, no stars, no moon.
+        """
         self._demand(_COARSE_CUBE)
+        night = self._kernel.last(NightLightChanged)
+        for module in ("scene", "" if night is None else night.source):
+            if module:
+                self._kernel.inject(EnableModule(module=module, enabled=False))
 
     def _demand(self, size: int) -> None:
         """No background is asked for: nobody looks."""
         for kind in (SkyRadianceChanged, KeyLightChanged, AmbientChanged, SkyLightChanged):
-            asked = size if kind is SkyRadianceChanged else None
-            self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=asked))
+            self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=size))
 
     def _settle(self) -> None:
         self._kernel.pump_until_idle()

@@ -7,15 +7,22 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from light_transport.daylight_numbers.sensors import Sensors
-from vrut_lite.geometry.false_colours import UNUSED, Scale, coloured, scale_of, scale_pixels
+from vrut_lite.geometry.false_colours import (
+    UNUSED,
+    Scale,
+    coloured,
+    iso_lines,
+    round_levels,
+    scale_of,
+    scale_pixels,
+)
 from vrut_lite.numeric_types import FloatArray
 
 _EDGE_PX, _MARGIN_PX, _BAR_PX, _FONT_PX = 420, 16, 12, 13
 _MOST_CELL_PX = 64
 LEGEND_PX = 52
 _INK, _LINE = (235, 235, 235), (250, 250, 250)
-_LADDER = (1.0, 2.0, 3.0, 5.0, 7.5)
-_MOST_LINES, _MOST_PLANS, _TICKS = 6, 4, 5
+_MOST_PLANS, _TICKS = 4, 5
 # A line shorter than this has no label.
 _LABELLED_PX = 60
 
@@ -38,7 +45,7 @@ def plan_picture(sensors: Sensors, values: FloatArray, quantity: Quantity) -> ND
     scale = scale_of(values[sensors.cell[:, 0] >= 0])
     counts = np.bincount(sensors.plane, sensors.cell[:, 0] >= 0, len(sensors.names))
     planes = [int(n) for n in np.argsort(-counts, kind="stable")[:_MOST_PLANS] if counts[n] > 0]
-    plans = [_plan(sensors, values, plane, scale, quantity) for plane in sorted(planes)]
+    plans = [_plan(sensors, values, plane, scale) for plane in sorted(planes)]
     width = max(sum(plan.width + _MARGIN_PX for plan in plans) + _MARGIN_PX, _EDGE_PX)
     height = max((plan.height for plan in plans), default=0) + 2 * _MARGIN_PX + LEGEND_PX
     sheet = Image.new("RGB", (width, height), UNUSED)
@@ -50,37 +57,50 @@ def plan_picture(sensors: Sensors, values: FloatArray, quantity: Quantity) -> ND
     return np.asarray(sheet, np.uint8).copy()
 
 
-def _plan(
-    sensors: Sensors, values: FloatArray, plane: int, scale: Scale, quantity: Quantity
-) -> Image.Image:
+def grid_of_plane(sensors: Sensors, plane: int) -> NDArray[np.int64]:
+    """Numbers (rows, columns) of a plane's sensors as seen from above, north up; -1 for none."""
     here = np.flatnonzero((sensors.plane == plane) & (sensors.cell[:, 0] >= 0))
     row, column = (sensors.cell[here] - sensors.cell[here].min(axis=0)).T
-    grid = np.full((row.max() + 1, column.max() + 1), np.nan)
-    grid[row, column] = values[here]
+    found = np.full((row.max() + 1, column.max() + 1), -1)
+    found[row, column] = here
+    return found
+
+
+def drawn_grid(grid: FloatArray, scale: Scale) -> NDArray[np.uint8]:
+    """Pixels (h, w, 3) of a grid of values, nan where there is none: smooth, with iso-lines.
+
+    Each cell has as many pixels as each other.
+    """
     size = int(np.clip(_EDGE_PX // max(grid.shape), 3, _MOST_CELL_PX))
     fine, inside = _smooth(grid, size)
     # What has nothing is as dark as the least; only what lies in no room stays empty.
     pixels = coloured(np.where(inside, np.maximum(fine, scale.low), np.nan), scale)
-    lines = _levels(grid)
-    level = np.searchsorted(lines, fine)
-    edge = np.zeros(level.shape, bool)
-    edge[:, 1:] |= (level[:, 1:] != level[:, :-1]) & inside[:, 1:] & inside[:, :-1]
-    edge[1:] |= (level[1:] != level[:-1]) & inside[1:] & inside[:-1]
-    pixels[edge] = _LINE
-    title = Image.new("RGB", (max(pixels.shape[1], 150), pixels.shape[0] + 20), UNUSED)
-    title.paste(Image.fromarray(pixels), (0, 20))
-    pen, font = ImageDraw.Draw(title, "RGBA"), ImageFont.load_default(_FONT_PX)
-    pen.text((0, 2), sensors.names[plane], _INK, font=font)
-    for number, value in enumerate(lines):
-        above = np.maximum(level[:, 1:], level[:, :-1]) == number + 1
-        at = np.argwhere(edge[:, 1:] & above & (level[:, 1:] != level[:, :-1]))
+    used = grid[np.isfinite(grid) & (grid > 0.0)]
+    range_here = np.quantile(used, (0.02, 0.98)) if len(used) else (0.0, 0.0)
+    levels = round_levels(Scale(*range_here))
+    line = iso_lines(np.where(inside, fine, np.nan), levels)
+    pixels[line >= 0] = _LINE
+    drawn = Image.fromarray(pixels)
+    pen, font = ImageDraw.Draw(drawn, "RGBA"), ImageFont.load_default(_FONT_PX)
+    for number, value in enumerate(levels):
+        at = np.argwhere(line == number)
         if len(at) < _LABELLED_PX // 3:
             continue
-        y, x = at[len(at) * (number + 1) // (len(lines) + 1)]
+        y, x = at[len(at) * (number + 1) // (len(levels) + 1)]
         said = f"{value:g}"
-        box = pen.textbbox((x, y + 12), said, font=font)
-        pen.rectangle(box, fill=(0, 0, 0, 140))
-        pen.text((x, y + 12), said, _INK, font=font)
+        place = (min(x, drawn.width - pen.textlength(said, font=font)), y - _FONT_PX // 2)
+        pen.rectangle(pen.textbbox(place, said, font=font), fill=(0, 0, 0, 140))
+        pen.text(place, said, _INK, font=font)
+    return np.asarray(drawn, np.uint8)
+
+
+def _plan(sensors: Sensors, values: FloatArray, plane: int, scale: Scale) -> Image.Image:
+    number = grid_of_plane(sensors, plane)
+    drawn = Image.fromarray(drawn_grid(np.where(number >= 0, values[number], np.nan), scale))
+    title = Image.new("RGB", (max(drawn.width, 150), drawn.height + 20), UNUSED)
+    title.paste(drawn, (0, 20))
+    font = ImageFont.load_default(_FONT_PX)
+    ImageDraw.Draw(title).text((0, 2), sensors.names[plane], _INK, font=font)
     return title
 
 
@@ -101,18 +121,6 @@ def _smooth(grid: FloatArray, size: int) -> tuple[FloatArray, NDArray[np.bool_]]
     with np.errstate(invalid="ignore"):
         fine = total / weight
     return np.nan_to_num(fine), np.kron(known, np.ones((size, size), bool)) & (weight > 0.0)
-
-
-def _levels(grid: FloatArray) -> FloatArray:
-    """Round values at which lines are drawn, at most a few."""
-    used = grid[np.isfinite(grid) & (grid > 0.0)]
-    if not len(used):
-        return np.empty(0)
-    low, high = np.quantile(used, (0.02, 0.98))
-    tens = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    ladder = np.array([step * 10.0**ten for ten in tens for step in _LADDER])
-    found = ladder[(ladder > low) & (ladder < high)]
-    return found[:: max(1, -(-len(found) // _MOST_LINES))]
 
 
 def draw_legend(sheet: Image.Image, scale: Scale, quantity: Quantity) -> None:

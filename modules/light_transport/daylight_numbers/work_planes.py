@@ -36,6 +36,8 @@ _SINES = (0.15, 0.4, 0.65, 0.9)
 _MOST_SKY_OF_A_ROOM = 0.15
 # The finding of floors looks at so many places at least along the longer side.
 _COARSE = 64
+# A plain is looked over in so many cells at most.
+_MOST_CELLS = 1_000_000
 
 
 class _Hits(NamedTuple):
@@ -84,6 +86,7 @@ def work_planes(
     extent = np.maximum(upper_m - lower_m, 1e-6)
     coarse = max(step_m, float(max(extent[0], extent[2])) / _COARSE)
     heights, has_roof = _floors(look, lower_m, upper_m, coarse)
+    step_m = max(step_m, float(np.sqrt(extent[0] * extent[2] / _MOST_CELLS)))
     for roofed in (True, False):
         floors = _levels(heights[has_roof], coarse) if roofed else _levels(heights, coarse)[:1]
         made = _grids(look, lower_m, upper_m, floors, roofed, height_m, step_m)

@@ -49,7 +49,7 @@ def project_of(session: Session) -> Project:
             opened = scene.opened
             found |= {"placement": opened.placement, "beside": opened.beside}
             found |= {"scene_camera": opened.camera, "luminaires": dict(opened.luminaires)}
-            found["variant"] = opened.variant
+            found |= {"variant": opened.variant, "glazing": dict(opened.glazing)}
     if (clock := session.last(ClockMoved)) is not None:
         found["at"] = clock.instant.isoformat()
     if (place := session.last(SetPlace)) is not None:
