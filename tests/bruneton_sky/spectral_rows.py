@@ -20,10 +20,11 @@ def total_radiance(
     black = GroundColours(
         np.array([-1.0, 1.0], np.float32), np.ones(4, np.float32), np.zeros(32, np.float32)
     )
-    nodes = np.zeros((len(nu), nu.shape[1] * 8), np.float32)
+    one_kind, nodes = np.ones((2, 4), np.float32), np.zeros((len(nu), nu.shape[1] * 8), np.float32)
     add_rows(
         air, rows.altitude_m, rows.mu, rows.hits, rows.mu_s.astype(np.float32), nu,
-        field.transmittance[0], source_of_group(field, 0), counts, colour, colour, black, nodes,
+        field.transmittance[0], source_of_group(field, 0), counts, colour, colour, one_kind, black,
+        nodes,
     )  # fmt: skip
     by_kind = nodes.reshape(*nu.shape, 2, 4)[..., : len(field.atmosphere.wavelength_nm)]
     phase = mie_phase(field.atmosphere, rows.nu)[..., None]
