@@ -68,14 +68,15 @@ def diffuse_light(
 
 
 @compiled
-def plane_light(above, below, facing):  # type: ignore[no-untyped-def]
+def plane_light(above, below, there, facing):  # type: ignore[no-untyped-def]
     """Fluence and downward flux in a plane layer between scaled depths, by the same equations.
 
-    `facing`: cosine of the sun's angle to the layer's normal.
+    `there`: share of the sun that is scattered above; `facing`: cosine of the sun's angle to the
+    layer's normal.
     """
     hinders = 3.0 * (1.0 - MEAN_COSINE)
     whole = above + below
-    gone, there = -math.expm1(-whole / facing), -math.expm1(-above / facing)
+    gone = -math.expm1(-whole / facing)
     at_top = facing * ((3.0 * facing - 2.0) * gone - hinders * whole) / (4.0 + hinders * whole)
     fluence = 3.0 * facing * facing * there - 2.0 * at_top - hinders * (at_top + facing) * above
     return fluence, at_top + facing * there

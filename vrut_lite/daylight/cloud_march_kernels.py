@@ -152,8 +152,17 @@ def _add_source(  # type: ignore[no-untyped-def]
     over = min(max(depths[1] + near * max(sun[1], 0.0), 0.0), upright)
     above, below = diffused * over, diffused * (upright - over)
     diffuse = sun_source(lights.source, above, below, low, rise, nu, work)
-    level, flux = plane_light(max(above, _LEAST_DEPTH), max(below, _LEAST_DEPTH), low)
     height = over_base_m / field.thickness_m
+    levels = lights.volume.depths.shape[0] - 1
+    under = min(int(min(max(height, 0.0), 1.0) * levels), levels - 1)
+    far, there = min(max(height, 0.0), 1.0) * levels - under, 0.0
+    # As the grid has it: what falls to nothing within one of its cells is a line there.
+    for k in range(2):
+        volume_at(
+            lights.volume.depths, lights.volume.near_m, (under + k) / levels, x, z, depths
+        )  # fmt: skip
+        there -= (far if k else 1.0 - far) * math.expm1(-diffused * max(depths[1], 0.0) / low)
+    level, flux = plane_light(max(above, _LEAST_DEPTH), max(below, _LEAST_DEPTH), there, low)
     volume_at(lights.volume.diffuse, lights.volume.near_m, height, x, z, depths)
     along = -(depths[1] * d[0] + depths[2] * rise + depths[3] * d[2])
     here = max(depths[0] + 3.0 * MEAN_COSINE * along, _LEAST_SHARE * depths[0])

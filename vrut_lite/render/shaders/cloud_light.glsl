@@ -67,10 +67,22 @@ vec3 in_volume(vec2 level, float height) {
     return vec3(0.5 * place + 0.5, edge / edges);
 }
 
-// Fluence and downward flux in a plane layer between scaled depths: daylight/cloud_diffusion.py.
-vec2 plane_light(vec2 above_below, float facing) {
+// Share of the sun that is scattered above a place, a line within each cell of the grid, as what
+// the grid holds is.
+float scattered_above(vec2 level, float height, float facing) {
+    float cells = float(textureSize(light_volume, 0).z - 1);
+    float place = clamp(height, 0.0, 1.0) * cells, under = min(floor(place), cells - 1.0);
+    vec2 up = vec2(textureLod(light_volume, in_volume(level, under / cells), 0.0).g,
+                   textureLod(light_volume, in_volume(level, (under + 1.0) / cells), 0.0).g);
+    vec2 lit = exp(-clouds.diffused * up / facing);
+    return 1.0 - mix(lit.x, lit.y, place - under);
+}
+
+// Fluence and downward flux in a plane layer between scaled depths, of which a share `there` of
+// the sun is scattered above: daylight/cloud_diffusion.py.
+vec2 plane_light(vec2 above_below, float there, float facing) {
     float hinders = 3.0 * (1.0 - MEAN_COSINE), whole = above_below.x + above_below.y;
-    float gone = 1.0 - exp(-whole / facing), there = 1.0 - exp(-above_below.x / facing);
+    float gone = 1.0 - exp(-whole / facing);
     float at_top = facing * ((3.0 * facing - 2.0) * gone - hinders * whole)
                  / (4.0 + hinders * whole);
     return vec2(3.0 * facing * facing * there - 2.0 * at_top
@@ -103,8 +115,9 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
     float low = clamp(sine, clouds.sun_slope, 1.0);
     float over = clamp(depths.g + near * max(sun.y, 0.0), 0.0, upright);
     vec2 slab = clouds.diffused * vec2(over, upright - over);
-    vec2 level_flux = plane_light(max(slab, LEAST_DEPTH), low);
-    vec4 light = textureLod(light_diffuse, in_volume(level, over_base_m / clouds.thickness_m), 0.0);
+    float height = over_base_m / clouds.thickness_m;
+    vec2 level_flux = plane_light(max(slab, LEAST_DEPTH), scattered_above(level, height, low), low);
+    vec4 light = textureLod(light_diffuse, in_volume(level, height), 0.0);
     float along = -dot(light.gba, vec3(ray.d.x, rise, ray.d.z));
     float here = max(light.r + 3.0 * MEAN_COSINE * along, LEAST_SHARE * light.r);
     float plane = max(level_flux.x + 3.0 * MEAN_COSINE * level_flux.y * rise,
@@ -113,6 +126,6 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
                         LEAST_DIFFUSE * here / SPHERE);
     float even = transport_at(0.0, slab, rise).a;
     vec3 scattered = ray.wide * exp(-clouds.diffused * to_sun) + ray.peak * exp(-to_sun) + diffuse;
-    return sun_at(sine, over_base_m / clouds.thickness_m) * scattered
+    return sun_at(sine, height) * scattered
          + mix(clouds.light_from_below, clouds.light_from_above, even);
 }
