@@ -30,7 +30,7 @@ from vrut_lite.daylight.cloud_grid import (
 )
 from vrut_lite.numeric_types import FloatArray
 
-_HEIGHTS = 16
+_HEIGHTS, _COLUMNS = 16, 160
 # Depth at which no sunlight is left, within the range of float32.
 _DARKEST = 80.0
 
@@ -50,13 +50,12 @@ class LightVolume(NamedTuple):
     near_m: float
 
 
-def light_volume(  # type: ignore[no-untyped-def]
-    field, sun: FloatArray, diffused: float, columns: int = 256
-) -> LightVolume:
+def light_volume(field, sun: FloatArray, diffused: float) -> LightVolume:  # type: ignore[no-untyped-def]
     """The light in a layer; a sun below `LEAST_SINE` counts as there.
 
-    `diffused`: share of the extinction that diffuses (`scatterer`); `columns`: along each axis.
+    `diffused`: share of the extinction that diffuses (`scatterer`).
     """
+    columns = _COLUMNS
     near_m = volume_near_m(field.thickness_m)
     growth = growth_of(near_m)
     middles = (2.0 * np.arange(columns) + 1.0) / columns - 1.0

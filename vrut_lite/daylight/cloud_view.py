@@ -15,10 +15,10 @@ from vrut_lite.daylight.aerosols.phase_table import node_places
 from vrut_lite.daylight.cloud_density import (
     distance_up_m,
 )
-from vrut_lite.daylight.cloud_density_kernels import Field, optical_depths
+from vrut_lite.daylight.cloud_density_kernels import optical_depths
 from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
-from vrut_lite.daylight.cloud_light_volume import light_volume
+from vrut_lite.daylight.cloud_light_volume import LightVolume, light_volume
 from vrut_lite.daylight.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
 from vrut_lite.daylight.cloud_transport import scatterer, transport_tables
 from vrut_lite.daylight.clouds import CloudLayer, Particles
@@ -64,7 +64,7 @@ def clouds_seen(
         pixel_rad: the angle that each ray stands for.
     """
     field = cloud_field(layer, eye_m)
-    lights = _lights(layer, light, field, pixel_rad)
+    lights = _lights(layer, light, eye_m, pixel_rad)
     rays = np.ascontiguousarray(directions, dtype=float).reshape(-1, 3)
     out = np.empty((len(rays), 5))
 
@@ -96,7 +96,7 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
     return float(np.exp(-depths).mean())
 
 
-def _lights(layer: CloudLayer, light: ClearLight, field: Field, pixel_rad: float) -> Lights:
+def _lights(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: float) -> Lights:
     row = np.linspace(0.0, 1.0, _SUNS)
     sines = LOWEST_SUN + (1.0 - LOWEST_SUN) * row * row
     levels_m = layer.base_m, layer.base_m + layer.thickness_m
@@ -108,10 +108,17 @@ def _lights(layer: CloudLayer, light: ClearLight, field: Field, pixel_rad: float
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=_phase_seen(layer.particles, pixel_rad),
-        volume=light_volume(field, sun, scatterer(layer.particles).diffused),
+        volume=_volume(layer, eye_m, light.sun_direction),
         source=tables.source,
         diffused=scatterer(layer.particles).diffused,
     )
+
+
+@lru_cache(maxsize=4)
+def _volume(layer: CloudLayer, eye_m: Vector, sun: Vector) -> LightVolume:
+    """Kept for the next picture: of another size, or of a sky that changed without its sun."""
+    field = cloud_field(layer, eye_m)
+    return light_volume(field, np.asarray(sun, dtype=float), scatterer(layer.particles).diffused)
 
 
 @lru_cache(maxsize=4)

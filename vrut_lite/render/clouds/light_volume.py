@@ -11,8 +11,6 @@ from vrut_lite.numeric_types import Vector
 
 # As cloud_light.glsl binds them.
 _VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT, _DIFFUSE_UNIT = 5, 6, 7, 28
-# Fewer than the CPU's pictures have: a moved sun needs them anew.
-_COLUMNS = 160
 _MOST = 6e4  # of 16 bits
 
 
@@ -44,7 +42,7 @@ class CloudLightVolume:
         self._phase.write(particles.phase.astype(np.float32).tobytes(), alignment=1)
         field = cloud_field(layer, (float(centre_m[0]), 0.0, float(centre_m[1])))
         towards = np.asarray(sun, dtype=float)
-        made = light_volume(field, towards, particles.diffused, _COLUMNS)
+        made = light_volume(field, towards, particles.diffused)
         texels = [np.clip(part, -_MOST, _MOST) for part in (made.depths, made.diffuse)]
         if not self._volumes:
             self._volumes = [
