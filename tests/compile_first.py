@@ -34,9 +34,9 @@ from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 half = np.array([0.5])
 fast_scattered_without_phase(Atmosphere.earth(), 0.0, half, 0.5, half, 4)
 layer = make_layers(CloudSettings(coverage=0.5))[1][0]
-up = np.array([0.0, 1.0, 0.0])
-clouds_seen(layer, ClearLight(up, up, np.zeros((25, 3))), np.zeros(3), up[None], 0.01)
-sun_share(layer, up, np.zeros(3), 0.0)
+up, eye = (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
+clouds_seen(layer, ClearLight(up, up, np.zeros((25, 3))), eye, np.array([up]), 0.01)
+sun_share(layer, up, eye, 0.0)
 HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.8).cube_map(size=16)
 """
 # pytest rewrites each file of tests, which takes 10 s, and keeps it beside the file.

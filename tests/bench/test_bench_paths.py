@@ -84,6 +84,7 @@ def test_single_scattering() -> None:
         assert compiled[name].mean == pytest.approx(each.mean, rel=1e-3, abs=1e-9)
 
 
+@pytest.mark.long
 def test_solver() -> None:
     """Two orders miss what the third and later add: up to half of the light in twilight's darkest
     parts; the product's sizes against themselves are off by where the orders end, 1 % at most."""
@@ -94,6 +95,7 @@ def test_solver() -> None:
     assert max(each.p99 for each in every.values()) < 0.01
 
 
+@pytest.mark.long
 def test_sky_view() -> None:
     """A table half as fine errs by more than the product's, which misses 99 % of
     the picture by less than a percent."""
@@ -104,6 +106,7 @@ def test_sky_view() -> None:
     assert all(small[name].mean > each.mean for name, each in ours.items())
 
 
+@pytest.mark.long
 def test_tables() -> None:
     """The published pipeline and the fast solver at a quarter of the published sizes: by day both
     are within a fifth of the truth, which small tables miss near the horizon."""
@@ -111,6 +114,7 @@ def test_tables() -> None:
     assert found["sun 60°, 0 m up"].mean < 0.2
 
 
+@pytest.mark.long
 def test_air() -> None:
     """The product's volume: 99 % of walls within 2 % of the float64 twin by day."""
     found = errors_of(path_of(air.groups(True), "the product's"))

@@ -157,6 +157,7 @@ def test_command_writes_and_compares(fake_kinds, tmp_path, monkeypatch) -> None:
     assert "times slower" in slow.output
 
 
+@pytest.mark.long
 def test_a_path_slower_only_once_is_not_slower(fake_kinds, tmp_path, monkeypatch) -> None:
     """Timed again it is as fast as before: other work on the machine had slowed it."""
     monkeypatch.chdir(tmp_path)

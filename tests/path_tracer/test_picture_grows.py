@@ -253,6 +253,7 @@ def test_tracing_stops_between_batches(stage, monkeypatch):
     assert batches == [1, 1, 1]
 
 
+@pytest.mark.long
 def test_the_main_thread_goes_on_meanwhile(stage):
     """A pass holds no lock of the interpreter while it traces."""
     kernel, _ = stage

@@ -39,6 +39,7 @@ def test_a_pane_reflects_its_share_and_tints_the_rest(tmp_path, roughness):
     np.testing.assert_allclose(shown, expected, rtol=0.2, atol=0.01)
 
 
+@pytest.mark.long
 def test_a_pane_before_a_like_sky_is_not_seen(tmp_path):
     """What it reflects it does not let through, at any angle: 1 before and behind shows 1."""
     pane = material(transmission={"transmissionFactor": 1.0})

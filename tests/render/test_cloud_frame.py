@@ -173,6 +173,7 @@ def test_off_costs_nothing(stage):
     assert stage.ledger.skipped["clouds: none"] == 2
 
 
+@pytest.mark.long
 def test_the_shadow_map_is_kept_while_it_holds(stage):
     """Wind alone moves the map; a sun that moved by 2 degrees needs another."""
     layer = rough_layer()

@@ -80,6 +80,7 @@ def test_more_cloud_lets_less_through(stress):
         assert part.max() <= 1.0
 
 
+@pytest.mark.long
 def test_the_sun_through_clouds(stress):
     """Transmittance is in [0, 1] for any point and sun, level suns and the moon's distance too."""
     for count in stress.batches("clouds.sun_transmittance, distance_up_m", 60):

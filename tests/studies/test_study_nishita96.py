@@ -78,6 +78,7 @@ def test_second_scattering_is_too_strong():
         assert twice.sum() / exact.sum() == pytest.approx(share, rel=0.1)
 
 
+@pytest.mark.long
 def test_quirk_leaves_zenith_and_nadir():
     """So the published second scattering is weaker by half and more, with a high sun."""
     zenith, azimuth = directions()

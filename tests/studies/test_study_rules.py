@@ -187,6 +187,7 @@ def test_directions_in_shadow_do_not_count() -> None:
     assert rms(errors, "simpson-trapezoid", (16, 8)) == pytest.approx(0.10, rel=0.12)
 
 
+@pytest.mark.long
 def test_run_times_hold_the_error_of_what_was_timed() -> None:
     """A line of the run times has the error of that rule at three wavelengths."""
     lines = list(cpu_run_times(rgb_airs()["A"], 25.0, ((16, 8),), (8,)))

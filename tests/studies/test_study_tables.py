@@ -41,6 +41,7 @@ def test_tables_hold_what_was_solved(bruneton):
         assert np.mean(looked_up / exact) == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.long
 def test_sun_is_the_exact_one():
     """The transmittance's table against its closed form, down to 3 degrees."""
     for sun in SUNS_RAD:

@@ -146,6 +146,7 @@ def test_at_night_there_is_a_sky_and_the_lack_of_a_spectrum_is_told(driver):
     assert driver.compare.status.text() == "Without a spectrum here: DynamicSkyLight"
 
 
+@pytest.mark.long
 def test_the_fisheye_knows_where_north_is(driver, qtbot):
     """North at the top whatever the scene's axes: a click at the top is true north."""
     driver.session.send(SetPlace(latitude_deg=50.0, longitude_deg=14.0, north_offset_rad=np.pi / 2))
