@@ -4,8 +4,10 @@ Workers that need a kernel at the same time would each compile it, and the first
 would take half a minute. A second run finds them on disk.
 """
 
+import os
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 SOLVER = """
@@ -56,7 +58,11 @@ AT_ONCE = 2
 
 def run(code: str) -> None:
     """In a process of its own; a failure here is reported by a test, too."""
-    subprocess.run([sys.executable, "-c", code], stdout=subprocess.DEVNULL, check=False)
+    # What an earlier run solved and kept would spare the kernels.
+    with tempfile.TemporaryDirectory() as empty:
+        environment = os.environ | {"XDG_CACHE_HOME": empty}
+        command = [sys.executable, "-c", code]
+        subprocess.run(command, stdout=subprocess.DEVNULL, env=environment, check=False)
 
 
 if __name__ == "__main__":
