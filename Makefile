@@ -45,7 +45,7 @@ test-long:
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --long tests/stress --stress-scale 20
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest \
 		tests/recording/test_random_sessions.py --live-runs 1000
-	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/test_soak.py --soak-minutes 60
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/test_soak.py --long --soak-minutes 60
 
 clean:
 	rm -rf out build dist .pytest_cache .hypothesis .mypy_cache .ruff_cache

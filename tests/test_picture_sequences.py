@@ -150,6 +150,7 @@ def contents(folder):
 SKY = ["--from", "05:00", "--to", "06:00", "--step", "30m", "--size", 32, "--sidecar"]
 
 
+@pytest.mark.long
 def test_processes_make_the_same_files(run, tmp_path):
     """Three skies and their sidecars from one process and from two are equal to the byte."""
     processes_or_skip()

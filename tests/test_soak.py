@@ -38,6 +38,7 @@ def kernel():
     kernel.close()
 
 
+@pytest.mark.long
 def test_play_leaves_nothing_behind(kernel, request):
     """The clock plays at 60 Hz, 24 times as fast as the sun: an hour of play is a day.
 

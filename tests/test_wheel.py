@@ -83,6 +83,7 @@ def test_nothing_else_is_in_the_wheel(wheel):
     assert tops == {*PACKAGES, *folders}
 
 
+@pytest.mark.long
 def test_the_first_scene_is_found_where_the_wheel_is_installed(wheel, tmp_path):
     """The first start without a checkout shows the street, with all its files."""
     home = tmp_path / "lib" / "site-packages"

@@ -10,6 +10,7 @@ def assert_same(ours, truth) -> None:
     assert np.all(np.abs(ours - truth) <= np.maximum(1e-6 * np.abs(truth), 1e-12 * truth.max()))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "order", "entry"), STEPS)
 def test_every_step_is_brunetons(name: str, order: int, entry: str) -> None:
     """1e-6 of each value, and 1e-12 of the largest: bruneton_reference_small.npz.
