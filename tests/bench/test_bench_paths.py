@@ -23,6 +23,8 @@ from vrut_lite_bench.paths import (
     window,
 )
 
+pytestmark = pytest.mark.long
+
 
 def path_of(groups, name: str) -> BenchPath:
     """The path of a name in any of the groups."""
@@ -74,7 +76,6 @@ def test_hosek_wilkie(name: str, most: float) -> None:
     assert max(each.p99 for each in found.values()) < most
 
 
-@pytest.mark.long
 def test_single_scattering() -> None:
     """The compiled rule errs as its float64 twin does, to rounding."""
     groups = single_scattering.groups(True)
@@ -84,7 +85,6 @@ def test_single_scattering() -> None:
         assert compiled[name].mean == pytest.approx(each.mean, rel=1e-3, abs=1e-9)
 
 
-@pytest.mark.long
 def test_solver() -> None:
     """Two orders miss what the third and later add: up to half of the light in twilight's darkest
     parts; the product's sizes against themselves are off by where the orders end, 1 % at most."""
@@ -95,7 +95,6 @@ def test_solver() -> None:
     assert max(each.p99 for each in every.values()) < 0.01
 
 
-@pytest.mark.long
 def test_sky_view() -> None:
     """A table half as fine errs by more than the product's, which misses 99 % of
     the picture by less than a percent."""
@@ -106,7 +105,6 @@ def test_sky_view() -> None:
     assert all(small[name].mean > each.mean for name, each in ours.items())
 
 
-@pytest.mark.long
 def test_tables() -> None:
     """The published pipeline and the fast solver at a quarter of the published sizes: by day both
     are within a fifth of the truth, which small tables miss near the horizon."""
@@ -114,14 +112,12 @@ def test_tables() -> None:
     assert found["sun 60°, 0 m up"].mean < 0.2
 
 
-@pytest.mark.long
 def test_air() -> None:
     """The product's volume: 99 % of walls within 2 % of the float64 twin by day."""
     found = errors_of(path_of(air.groups(True), "the product's"))
     assert max(each.p99 for each in found.values()) < 0.02
 
 
-@pytest.mark.long
 def test_light_map() -> None:
     """Four times the rays: less error under both suns, and a tenth of the light at most."""
     groups = light_map.groups(True)
@@ -157,7 +153,6 @@ def test_a_figure_of_the_window_is_used_once(monkeypatch) -> None:
     assert told == [0.2, 0.2, 0.1, 0.1]
 
 
-@pytest.mark.long
 @pytest.mark.gl
 def test_shaders() -> None:
     """A half has eleven bits; single scattering in float32 errs by 1e-4 at most by day."""
@@ -176,7 +171,6 @@ def test_frame() -> None:
     assert 0.0 < spent.seconds < 2 * spent.wall_s + 1.0
 
 
-@pytest.mark.long
 def test_first_light(monkeypatch) -> None:
     """It comes after its scene, in less CPU time than all rays take."""
     # Tests elsewhere switch it off.

@@ -9,6 +9,8 @@ from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.models.model import sky_irradiance
 from vrut_lite_studies.models.registry import MODELS
 
+pytestmark = pytest.mark.long
+
 # The published program has its solar, Rayleigh and albedo tables in single precision (6e-8).
 SINGLE = 1e-7
 # What the published program calls its models.
@@ -67,7 +69,6 @@ def test_error_against_the_measured_sky(measured_skies, name):
     assert abs(error_mw(MODELS[name](), measured_skies) - MEASURED_RMSE[name]) < 0.5
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", mostly_long(MODELS, lambda name: name not in SLOW))
 def test_models_answer_everywhere(name):
     """Finite from the zenith to the horizon, sun high and low, and even in the azimuth."""

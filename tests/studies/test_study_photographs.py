@@ -29,6 +29,8 @@ from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, luminance
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.pictures.write_exr import write_exr
 
+pytestmark = pytest.mark.long
+
 HEIGHT = 128
 PIXEL_DEG = 180.0 / HEIGHT
 EXPOSURE = 0.05
@@ -56,7 +58,6 @@ def photograph(model, turbidity, sun):
     return photo
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", MODELS)
 def test_a_models_own_sky_is_fitted_exactly(name):
     """Turbidity, exposure and gains are recovered within 1 % and the noise of 1 % (0.0043 in
@@ -116,7 +117,6 @@ def test_wires_and_sky_between_clouds_are_left_out():
     assert usable[above, gap[1]].all()
 
 
-@pytest.mark.long
 def test_a_photograph_of_cut_range_shows_less_contrast():
     """Luminance to the power 0.8 gives a contrast of 0.8, unchanged luminance 1: this tells a
     camera's curve from a wrong sky."""
@@ -129,7 +129,6 @@ def test_a_photograph_of_cut_range_shows_less_contrast():
         assert contrast(pixels, residual) == pytest.approx(power, abs=0.01)
 
 
-@pytest.mark.long
 def test_another_phase_function_is_told_from_the_modules_own():
     """A sky of one lobe with g = 0.8 is fitted within its noise of 0.0043 by that lobe, not by the
     module's own air."""
@@ -139,7 +138,6 @@ def test_another_phase_function_is_told_from_the_modules_own():
     assert fit(pixels, bruneton, 3.0, HIGH_SUN).rms_log10 > 0.03
 
 
-@pytest.mark.long
 def test_a_sun_below_the_horizon_is_found_by_its_twilight():
     """The azimuth by the sky's mirror symmetry, within two pixels; the depression by the fit,
     on the grid's own value, for the twilight that the photograph was made of."""

@@ -13,6 +13,8 @@ from vrut_lite_studies.models.elek import Elek, at_wavelengths
 from vrut_lite_studies.models.model import cosines
 from vrut_lite_studies.models.rules import sun_irradiance
 
+pytestmark = pytest.mark.long
+
 SUNS_RAD = np.radians([25.0, 50.0, 75.0, 87.0])
 
 
@@ -27,7 +29,6 @@ def bruneton():
     return skies(Bruneton())
 
 
-@pytest.mark.long
 def test_tables_hold_what_was_solved(bruneton):
     """Four orders, looked up and not: the tables' eight angles to the sun cost 3 % at a high
     sun, where much of the second order lies around it, and less at a low one."""
@@ -41,7 +42,6 @@ def test_tables_hold_what_was_solved(bruneton):
         assert np.mean(looked_up / exact) == pytest.approx(1.0, abs=0.01)
 
 
-@pytest.mark.long
 def test_sun_is_the_exact_one():
     """The transmittance's table against its closed form, down to 3 degrees."""
     for sun in SUNS_RAD:
