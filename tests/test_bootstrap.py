@@ -292,11 +292,12 @@ def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
     assert not (machine.root / ".system/env").exists()
 
 
-def with_venv(machine: Machine, pip: str = "") -> None:
-    """A complete .venv with a new Python and a stand-in for pip."""
+def with_venv(machine: Machine, pip: str = "", uv: str = "exit 1") -> None:
+    """A complete .venv with a new Python and stand-ins for pip and uv."""
     body = f"""
 case $1$2 in
 -mpip) {pip} ;;
+-muv) {uv} ;;
 -cimport*version_info*) ;;
 -c*) echo 3.11.7 ;;
 esac"""
@@ -308,6 +309,7 @@ esac"""
 def installations(machine: Machine) -> list[str]:
     """The extras of each call of pip."""
     calls = [call for call in machine.calls("python") if " -m pip install " in call]
+    calls = [call for call in calls if "--editable" in call]
     return [call.rpartition(f"--editable {machine.root}")[2] for call in calls]
 
 
@@ -351,6 +353,16 @@ def test_without_mitsuba_the_tests_still_run_and_it_is_tried_again(machine):
         assert done.returncode == 0
         assert "without mitsuba" in done.stderr
         assert installations(machine) == ["[app,test,ref]", "[app,test]"]
+
+
+def test_uv_installs_from_the_index_that_pip_is_told(machine):
+    """uv, which is three times as fast, reads neither pip's settings nor its certificates."""
+    index = 'case "$3 $4" in "config get") echo https://mirror.example/simple ;; esac'
+    with_venv(machine, pip=index, uv="")
+    assert machine.shell("tools/bootstrap.sh", "run").returncode == 0
+    (call,) = (call for call in machine.calls("python") if " -m uv " in call)
+    assert " --default-index https://mirror.example/simple --editable" in call
+    assert call.endswith("[app]")
 
 
 @pytest.mark.parametrize("purpose", ["run", "test"])

@@ -71,8 +71,16 @@ is_installed() {
 }
 
 # Editable, so that a change of the sources needs no installation, only one of pyproject.toml. What is
-# never imported is never compiled: that saves half of the time.
-pip_install() {
+# never imported is never compiled: that saves half of the time. uv takes a third of pip's and is
+# told pip's index and certificates; where uv is not to be had or fails, pip says what is wrong.
+install_editable() {
+    if "$python" -m pip install --quiet --quiet --no-compile 'uv>=0.8,<1' 2>/dev/null; then
+        index=${PIP_INDEX_URL:-$("$python" -m pip config get global.index-url 2>/dev/null || true)}
+        certificates=${SSL_CERT_FILE:-${PIP_CERT-}}
+        env ${certificates:+"SSL_CERT_FILE=$certificates"} "$python" -m uv pip install --quiet \
+            --python "$python" ${index:+--default-index} ${index:+"$index"} \
+            --editable "$root$1" 2>/dev/null && return
+    fi
     "$python" -m pip install --quiet --quiet --no-compile --editable "$root$1"
 }
 
@@ -90,12 +98,12 @@ install_packages() {
         fi
     done
     say "installing Python packages into .venv (the first time takes a minute or more)"
-    if pip_install "$2"; then
+    if install_editable "$2"; then
         printf '%s\n' "$key" >"$root/.venv/installed-for-$1"
     elif [ "$1" = test ]; then
         # Leaves no stamp, so that the next time tries again.
         say "trying without mitsuba: the tests that compare with it will be skipped"
-        pip_install '[app,test]'
+        install_editable '[app,test]'
     else
         return 1
     fi
