@@ -11,10 +11,11 @@ from pathlib import Path
 from urllib.parse import unquote_to_bytes
 
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.scene_file_error import MissingFile, SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError, UnreadFile
 
 MAX_FILE_BYTES = 2**30
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*):")
+_OUTSIDE = "outside the scene's folder"
 _NETWORK = {"http", "https", "ftp", "ftps", "ws", "wss", "sftp"}
 
 
@@ -59,19 +60,18 @@ class SceneFolder:
         """The path of a file named relative to the folder; it need not exist.
 
         Raises:
-            SceneFileError: if the name leads out of the folder or to the network.
+            UnreadFile: if the name leads out of the folder or to the network.
         """
         _refuse_foreign(name)
         try:
             path = (self.folder / name).resolve()
         except (OSError, ValueError, RuntimeError) as fault:
-            raise SceneFileError(
-                f"it names {_short(name)}, which no file can be called; mend the reference"
-            ) from fault
+            raise _no_file_name(name) from fault
         if not path.is_relative_to(self.folder):
-            raise SceneFileError(
+            raise UnreadFile(
                 f"it names {_short(name)}, a link that leaves the scene's folder; "
-                "put the file itself beside the scene"
+                "put the file itself beside the scene",
+                _OUTSIDE,
             )
         return path
 
@@ -86,18 +86,18 @@ class SceneFolder:
         """The bytes of a file in the folder.
 
         Raises:
-            SceneFileError: if it is outside the folder, missing, unreadable or too large.
+            UnreadFile: if it is outside the folder or missing.
+            SceneFileError: if it is unreadable or too large.
         """
         path = self.locate(name)
         try:
             there = path.is_file()
         except OSError as fault:
-            raise SceneFileError(
-                f"it names {_short(name)}, which no file can be called; mend the reference"
-            ) from fault
+            raise _no_file_name(name) from fault
         if not there:
-            raise MissingFile(
-                f"it names {_short(name)}, which is missing; put that file beside the scene"
+            raise UnreadFile(
+                f"it names {_short(name)}, which is missing; put that file beside the scene",
+                "missing",
             )
         return self.read(path)
 
@@ -117,11 +117,6 @@ class SceneFolder:
                 self._by_uri[uri] = self.get(_decode_path(uri))
         return self._by_uri[uri]
 
-    def check_uri(self, uri: str) -> None:
-        """Raise if a glTF URI leads out of the folder; the file may be missing."""
-        if not _is_data_uri(uri):
-            self.locate(_decode_path(uri))
-
 
 def _is_data_uri(uri: str) -> bool:
     """Whether the URI contains its data."""
@@ -133,27 +128,35 @@ def _decode_path(uri: str) -> str:
     try:
         return unquote_to_bytes(uri).decode()
     except UnicodeDecodeError as fault:
-        raise SceneFileError(
-            f"it names {_short(uri)}, which is not UTF-8; rename that file"
+        raise UnreadFile(
+            f"it names {_short(uri)}, which is not UTF-8; rename that file", "not a name in UTF-8"
         ) from fault
 
 
 def _refuse_foreign(name: str) -> None:
     """Raise for names other than relative paths inside the folder with forward slashes."""
     scheme = _SCHEME.match(name)
+    if not name.strip() or "\0" in name:
+        raise _no_file_name(name)
+    why = _OUTSIDE
     if scheme and scheme[1].lower() in _NETWORK:
         problem = "which lies on the network; save that file beside the scene"
+        why = "on the network"
     elif scheme:
         problem = "which is not a path relative to the scene; name the file alone"
     elif "\\" in name:
         problem = "which has a backslash; write its path with forward slashes"
-    elif not name.strip() or "\0" in name:
-        problem = "which is no file name; mend the reference"
+        why = "a path with backslashes"
     elif name.startswith(("/", "~")) or ".." in name.split("/"):
         problem = "which leads out of the scene's folder; put that file beside the scene"
     else:
         return
-    raise SceneFileError(f"it names {_short(name)}, {problem}")
+    raise UnreadFile(f"it names {_short(name)}, {problem}", why)
+
+
+def _no_file_name(name: str) -> UnreadFile:
+    message = f"it names {_short(name)}, which no file can be called; mend the reference"
+    return UnreadFile(message, "not a name of a file")
 
 
 def _decode_data_uri(uri: str) -> bytes:

@@ -171,9 +171,6 @@ def read_gltf_file(
     check_extensions(text, document.extensions_used, document.extensions_required, notices)
     materials = [as_metallic_roughness(material) for material in document.materials]
     document = with_variant(msgspec.structs.replace(document, materials=materials), variant)
-    for image in document.images:
-        if image.uri is not None:
-            folder.check_uri(image.uri)
     buffers = _fetch_buffers(document, folder, binary)
     for view in document.buffer_views:
         if view.packed is not None and not len(item_at(buffers, view.buffer, "buffer")):

@@ -13,7 +13,7 @@ from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
 from vrut_lite.scene.gltf_terms import emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
-from vrut_lite.scene.scene_file_error import MissingFile
+from vrut_lite.scene.scene_file_error import UnreadFile
 from vrut_lite.scene.spec_gloss import roughness_image, spec_gloss_of
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
@@ -154,8 +154,8 @@ class GltfMaterials:
             image = item_at(document.images, index, "image")
             try:
                 key, data = self._file.image_source(image)
-            except MissingFile:
-                self._file.notices.tell(f"picture {image.uri}", "missing, left out")
+            except UnreadFile as fault:
+                self._file.notices.tell(f"picture {image.uri}", f"{fault.why}, left out")
                 continue
             if key not in encoded:
                 memory.ask(len(data), f"the image number {index}")

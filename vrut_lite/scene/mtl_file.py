@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
 from vrut_lite.scene.notices import Notices
-from vrut_lite.scene.scene_file_error import MissingFile, SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError, UnreadFile
 
 # How many words follow each option of a map statement (Wavefront MTL, "texture map options").
 _OPTION_WORDS = {
@@ -23,7 +24,7 @@ _OPTION_WORDS = {
     **dict.fromkeys(("-o", "-s", "-t"), 3),
 }
 _MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
-_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
+_DRIVE = re.compile(r"[A-Za-z]:/")
 # Of a full path, folders that may stand beside the scene.
 _MOST_FOLDERS = 8
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
@@ -37,7 +38,7 @@ class MtlMaterials:
     """The materials of one MTL file by name; each picture is decoded once.
 
     Raises:
-        SceneFileError: if a picture is damaged, too large or outside the folder.
+        SceneFileError: if a picture is damaged or too large.
     """
 
     def __init__(self, data: bytes, folder: SceneFolder, notices: Notices) -> None:
@@ -45,7 +46,7 @@ class MtlMaterials:
         self._notices = notices
         self._pixels = PixelBudget(folder.budget)
         self._pictures: dict[Hashable, Image.Image] = {}
-        self._statements = _read(data, folder)
+        self._statements = _read(data, folder.budget)
         self._images = {
             name: self._picture(_file_name(statements["map_kd"], folder))
             for name, statements in self._statements.items()
@@ -80,11 +81,11 @@ class MtlMaterials:
                     self._notices.tell(f"map_kd's option {word.lower()}", "left out")
 
     def _picture(self, name: str) -> Image.Image | None:
-        """The decoded picture; None if there is no such file, which is told."""
+        """The decoded picture; None, which is told, if it is missing or outside the folder."""
         try:
             data = self._folder.get(name)
-        except MissingFile:
-            self._notices.tell(f"picture {name}", "missing, left out")
+        except UnreadFile as fault:
+            self._notices.tell(f"picture {name}", f"{fault.why}, left out")
             return None
         key = id(data)  # The folder gives the same file as the same object.
         if key not in self._pictures:
@@ -93,36 +94,37 @@ class MtlMaterials:
         return self._pictures[key]
 
 
-def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
-    """The statements of each material; refuses maps outside the folder."""
+def _read(data: bytes, budget: SceneBudget) -> dict[str, Statements]:
+    """The statements of each material."""
     materials: dict[str, Statements] = {}
     statements: Statements = {}
     for line in _lines(data):
         words = line.split()
         if len(words) < 2 or words[0].startswith("#"):
             continue
-        folder.budget.take(_STATEMENT_BYTES + _WORD_BYTES * len(words), "its materials")
+        budget.take(_STATEMENT_BYTES + _WORD_BYTES * len(words), "its materials")
         kind = words[0].lower()
         if kind == "newmtl":
             statements = materials[" ".join(words[1:])] = {}
             continue
-        if _is_map(kind):
-            folder.locate(_file_name(words[1:], folder))
         statements[kind] = words[1:]
     return materials
 
 
 def portable_name(name: str, folder: SceneFolder) -> str:
-    """A file name of an OBJ or MTL as other systems write it: with slashes, without a drive.
+    """A file name of an OBJ or MTL as other systems write it: with slashes, inside the folder.
 
     Programs on Windows write `maps\\brick.png`, and often a full path of the machine that they ran
-    on: of that, the longest end that is a file beside the scene, or else its last part.
+    on, or one that climbs out of the folder: of those, the longest end that is a file beside the
+    scene.
     """
-    if not _DRIVE.match(name):
-        return name.replace("\\", "/")
-    parts = [part for part in re.split(r"[\\/]+", name)[1:] if part not in (".", "..")]
+    slashed = name.replace("\\", "/")
+    parts = _DRIVE.sub("", slashed).split("/")
+    if slashed[:1] != "/" and ".." not in parts and not _DRIVE.match(slashed):
+        return slashed
+    parts = [part for part in parts if part not in ("", ".", "..")]
     ends = ["/".join(parts[first:]) for first in range(len(parts))][-_MOST_FOLDERS:]
-    return next((end for end in ends if folder.has(end)), parts[-1] if parts else "")
+    return next((end for end in ends if folder.has(end)), slashed)
 
 
 def _is_map(kind: str) -> bool:

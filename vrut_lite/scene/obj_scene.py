@@ -23,7 +23,7 @@ from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_file import ObjFile, parse_obj
 from vrut_lite.scene.obj_strokes import placed_strokes
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles
-from vrut_lite.scene.scene_file_error import MissingFile
+from vrut_lite.scene.scene_file_error import UnreadFile
 
 
 def read_obj_scene(
@@ -74,8 +74,8 @@ def _library(obj: ObjFile, folder: SceneFolder, notices: Notices) -> bytes:
         return b""
     try:
         return folder.get(portable_name(obj.library, folder))
-    except MissingFile:
-        notices.tell(f"material library {obj.library}", "missing, grey instead")
+    except UnreadFile as fault:
+        notices.tell(f"material library {obj.library}", f"{fault.why}, grey instead")
         return b""
 
 

@@ -13,7 +13,6 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material
 from vrut_lite.scene.notices import Notices
-from vrut_lite.scene.scene_file_error import SceneFileError
 
 _MASKED = 0.5
 Faces = NDArray[np.int64] | None
@@ -100,10 +99,8 @@ class UsdMaterials:
         path = asset.resolvedPath
         if path not in self._pictures:
             if not Path(path.partition("[")[0]).resolve().is_relative_to(self._folder):
-                raise SceneFileError(
-                    f"it names {ascii(asset.path)[:80]}, which leads out of the scene's folder; "
-                    "put that file beside the scene"
-                )
+                self._notices.tell(f"picture {asset.path}", "outside the scene's folder, left out")
+                return None
             opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
             data, name = bytes(opened.GetBuffer()), ascii(Path(asset.path).name)
             self._pixels.admit(data, name)
