@@ -160,6 +160,8 @@ def pairs(scene: str) -> list[Drawn]:
 
 def main(path: Path, folder: Path | None) -> None:
     """Draw all, and write the sheet."""
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for scene in DRAWN:
         rows.append(pairs(scene))

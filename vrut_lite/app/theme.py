@@ -12,9 +12,10 @@ QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {LINE}; paddi
 QMainWindow::separator {{ background: {BACKGROUND}; width: 4px; height: 4px; }}
 QDockWidget {{ color: {FAINT}; }}
 QDockWidget::title {{ background: {PANEL}; padding: 5px 8px; }}
-QTabBar {{ qproperty-drawBase: 0; }}
+QTabBar {{ qproperty-drawBase: 0; qproperty-elideMode: ElideNone; qproperty-usesScrollButtons: 1; }}
 QTabBar::tab {{ background: {BACKGROUND}; color: {FAINT}; padding: 6px 11px; border: none; }}
 QTabBar::tab:selected {{ background: {PANEL}; color: {TEXT}; border-top: 2px solid {ACCENT}; }}
+QTabBar QToolButton {{ padding: 0; border: none; }}
 QTabBar::tab:focus {{ color: {ACCENT}; }}
 QScrollArea, QScrollArea > QWidget > QWidget {{ background: {PANEL}; border: none; }}
 QLineEdit, QComboBox, QAbstractSpinBox {{
