@@ -32,7 +32,6 @@ from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.passes.edge_filter import EdgeFilter
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.night_pass import NightPass
 from vrut_lite.render.passes.reuse import Reuse
@@ -98,7 +97,6 @@ class Frame:
         self._targets = SizeCache(context, lambda size: Targets(context, size))
         self._moving = SizeCache(context, lambda size: MovingTargets(context, size))
         self._reuse = Reuse(context)
-        self._edges = EdgeFilter(context)
 
     def show_view(self, view: ViewShader | None) -> None:
         """Set the background's shader; with None or after an error the cube map is drawn (see
@@ -230,8 +228,7 @@ class Frame:
         self._meshes.delete()
         for thing in (self._sky, self._night, self._tone, self._shadow, self._filter, self._air,
                       self._reflectance, self._surface_light, self._lamps, self._clouds,
-                      self._backdrop, self._targets, self._moving, self._reuse,
-                      self._edges):  # fmt: skip
+                      self._backdrop, self._targets, self._moving, self._reuse):  # fmt: skip
             thing.release()
 
     def _draw_seen(
@@ -359,8 +356,8 @@ class Frame:
             pixel_rad = view.pixel_rad(targets.size)
             self._tone.draw(targets.radiance, targets.toned, ev100, state.exposure, pixel_rad)
         with self.measure("edges"):
-            self._edges.draw(targets)
-        return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
+            display = targets.read_display()
+        return Picture(radiance, display, ev100, pixel_rad=pixel_rad)
 
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool
