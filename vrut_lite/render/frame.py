@@ -40,7 +40,7 @@ from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.tone_pass import TonePass
-from vrut_lite.render.passes.triangles import PlacedSide
+from vrut_lite.render.passes.triangles import PlacedSide, Run
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
@@ -261,9 +261,9 @@ class Frame:
                 if self._skips.meshes and piece[2:] != targets.size:
                     part = part_of(view, targets.size, piece)
                     within = [p for p in placed if in_view(p, part)]
-                unseen: frozenset[PlacedSide] = frozenset()
+                shown: dict[PlacedSide, tuple[Run, ...]] = {}
                 if not blended:
-                    unseen = self._meshes.draw_depth_first(within, view)
+                    shown = self._meshes.draw_depth_first(within, view)
                     # Where two are equally near the last one shows: the nearer mesh.
                     within = within[::-1]
                 self._meshes.draw(
@@ -276,7 +276,7 @@ class Frame:
                     self._surface_light,
                     defines,
                     blended,
-                    unseen,
+                    shown,
                 )
 
             if placed:
