@@ -26,7 +26,7 @@ def drawn(monkeypatch):
         if runs is None:
             count["triangles"] += primitive.indices.size // 3
         else:
-            count["triangles"] += sum(run.count for run in runs)
+            count["triangles"] += sum(run.triangles for run in runs)
         draw_side(primitive, side, blended, runs)
 
     monkeypatch.setattr(mesh_renderer, "draw_side", counted)

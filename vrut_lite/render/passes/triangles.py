@@ -23,7 +23,7 @@ class Run(NamedTuple):
     """Consecutive triangles of a mesh: the first, and how many."""
 
     first: int
-    count: int
+    triangles: int
 
 
 PlacedSide = tuple[PlacedPrimitive, Side]
@@ -59,8 +59,8 @@ def joined(runs: Sequence[Run]) -> tuple[Run, ...]:
     """The same triangles in as few runs as possible."""
     found: list[Run] = []
     for run in runs:
-        if found and found[-1].first + found[-1].count == run.first:
-            found[-1] = Run(found[-1].first, found[-1].count + run.count)
+        if found and found[-1].first + found[-1].triangles == run.first:
+            found[-1] = Run(found[-1].first, found[-1].triangles + run.triangles)
         else:
             found.append(run)
     return tuple(found)
@@ -112,4 +112,4 @@ def draw_triangles(primitive: Any) -> None:
 def draw_run(primitive: Any, run: Run) -> None:
     """Draw some triangles of a primitive that is bound."""
     start = ctypes.c_void_p(3 * _BYTES_OF_INDEX * run.first)
-    GL.glDrawElements(primitive.mode, 3 * run.count, GL.GL_UNSIGNED_INT, start)
+    GL.glDrawElements(primitive.mode, 3 * run.triangles, GL.GL_UNSIGNED_INT, start)
