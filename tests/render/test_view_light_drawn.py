@@ -77,6 +77,18 @@ def test_points_on_other_planes_light_nothing(backend, plane):
     np.testing.assert_allclose(found, backend.by_map, rtol=1e-3)
 
 
+def test_points_further_off_light_what_the_four_about_it_do_not(backend):
+    """Every third column of points lies on the surface: between them those beyond are asked."""
+    plane = np.zeros((12, 12, 4))
+    plane[:, ::3] = LEVEL
+    across = np.broadcast_to(np.linspace(1.0, 2.0, 12), (12, 12))
+    of_view(backend, across, plane)
+    found = (look(backend, *ABOVE).radiance / backend.by_map)[24, :, 0]
+    # Between the columns 1 and 2 those of 0 and 3 weigh alike.
+    np.testing.assert_allclose(found[7:9], across[0, [0, 3]].mean(), rtol=5e-3)
+    np.testing.assert_allclose(found[13], across[0, 3], rtol=5e-3)
+
+
 def test_light_of_another_view_is_not_shown(backend):
     """A camera that moved on is lit by the map, and so is a moving frame."""
     of_view(backend, np.full((12, 12), 3.0))

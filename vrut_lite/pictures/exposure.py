@@ -44,19 +44,18 @@ def ev100_of(wish: SetExposure, radiance_rgb: NDArray[np.floating]) -> float:
     return metered - wish.compensation_ev
 
 
-def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
+def automatic_ev100(radiance_rgb: NDArray[np.floating], enough: int = _ENOUGH_PIXELS) -> float:
     """EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1.
 
     The log mean of luminance, without the brightest 0.2 % of the pixels (the sun's disc and
     its glints), which no exposure could hold, and without pixels that far outshine the picture's
     darker half, as the sky in a room's window does. Pixels darker than four stops below the
     brighter parts count as four stops, unless they are half of the picture: black ground must not
-    overexpose lit surfaces. Of a large picture (h, w, 3) every second, third, ... pixel stands for
-    its
-    neighbours.
+    overexpose lit surfaces. Of a picture (h, w, 3) of more than `enough` pixels every second,
+    third, ... stands for its neighbours.
     """
     if radiance_rgb.ndim == 3:
-        step = max(1, int(np.sqrt(radiance_rgb.shape[0] * radiance_rgb.shape[1] / _ENOUGH_PIXELS)))
+        step = max(1, int(np.sqrt(radiance_rgb.shape[0] * radiance_rgb.shape[1] / enough)))
         radiance_rgb = radiance_rgb[step // 2 :: step, step // 2 :: step]
     values = luminance(radiance_rgb).ravel()
     values = np.sort(values[np.isfinite(values)])

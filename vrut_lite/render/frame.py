@@ -32,7 +32,6 @@ from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.passes.edge_filter import EdgeFilter
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.night_pass import NightPass
 from vrut_lite.render.passes.reuse import Reuse
@@ -41,7 +40,7 @@ from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.tone_pass import TonePass
-from vrut_lite.render.passes.triangles import PlacedSide
+from vrut_lite.render.passes.triangles import PlacedSide, Run
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
@@ -98,7 +97,6 @@ class Frame:
         self._targets = SizeCache(context, lambda size: Targets(context, size))
         self._moving = SizeCache(context, lambda size: MovingTargets(context, size))
         self._reuse = Reuse(context)
-        self._edges = EdgeFilter(context)
 
     def show_view(self, view: ViewShader | None) -> None:
         """Set the background's shader; with None or after an error the cube map is drawn (see
@@ -230,8 +228,7 @@ class Frame:
         self._meshes.delete()
         for thing in (self._sky, self._night, self._tone, self._shadow, self._filter, self._air,
                       self._reflectance, self._surface_light, self._lamps, self._clouds,
-                      self._backdrop, self._targets, self._moving, self._reuse,
-                      self._edges):  # fmt: skip
+                      self._backdrop, self._targets, self._moving, self._reuse):  # fmt: skip
             thing.release()
 
     def _draw_seen(
@@ -264,9 +261,9 @@ class Frame:
                 if self._skips.meshes and piece[2:] != targets.size:
                     part = part_of(view, targets.size, piece)
                     within = [p for p in placed if in_view(p, part)]
-                unseen: frozenset[PlacedSide] = frozenset()
+                shown: dict[PlacedSide, tuple[Run, ...]] = {}
                 if not blended:
-                    unseen = self._meshes.draw_depth_first(within, view)
+                    shown = self._meshes.draw_depth_first(within, view)
                     # Where two are equally near the last one shows: the nearer mesh.
                     within = within[::-1]
                 self._meshes.draw(
@@ -279,7 +276,7 @@ class Frame:
                     self._surface_light,
                     defines,
                     blended,
-                    unseen,
+                    shown,
                 )
 
             if placed:
@@ -359,8 +356,8 @@ class Frame:
             pixel_rad = view.pixel_rad(targets.size)
             self._tone.draw(targets.radiance, targets.toned, ev100, state.exposure, pixel_rad)
         with self.measure("edges"):
-            self._edges.draw(targets)
-        return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
+            display = targets.read_display()
+        return Picture(radiance, display, ev100, pixel_rad=pixel_rad)
 
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool

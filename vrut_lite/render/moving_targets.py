@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from OpenGL import GL
 
 from vrut_lite.render.reversed_depth import DepthTexture
-from vrut_lite.render.unlocked import read_rgba
+from vrut_lite.render.unlocked import read_bytes, read_rgba
 
 
 class Drawn:
@@ -52,11 +52,8 @@ class MovingTargets:
         self._drawn = [Drawn(context, size), Drawn(context, size)]
         self._over: Drawn | None = None
         self.now = self._drawn[0]
-        self._toned, self._display = context.texture(size, 4), context.texture(size, 4)
-        self._toned.filter = (context.LINEAR, context.LINEAR)
-        self._toned.repeat_x = self._toned.repeat_y = False
+        self._toned = context.texture(size, 4)
         self.toned = context.framebuffer([self._toned])
-        self.display = context.framebuffer([self._display])
 
     @property
     def multisampled(self) -> Any:
@@ -86,23 +83,22 @@ class MovingTargets:
         self._over.take(self.now)
         self.now = self._over
 
-    def use_toned(self) -> None:
-        """Bind what was tone-mapped, to be read."""
-        self._toned.use(location=0)
-
     def read_radiance(self) -> NDArray[np.float32]:
         """The picture (h, w, 3) before the tone map, row 0 at the top; a view."""
         return read_rgba(self.radiance)[::-1, :, :3]
 
     def read_display(self) -> NDArray[np.uint8]:
-        """The picture (h, w, 3) for display, row 0 at the top."""
-        width, height = self.size
-        pixels = np.frombuffer(self.display.read(components=3, alignment=1), np.uint8)
-        return pixels.reshape(height, width, 3)[::-1].copy()
+        """The picture (h, w, 3) for display, its edges smoothed, row 0 at the top."""
+        # numba, which no other program of this package needs.
+        from vrut_lite.render.edge_kernel import smooth_edges
+
+        toned = read_bytes(self._toned).view("<u4")[..., 0]
+        display = np.empty((*toned.shape, 3), np.uint8)
+        smooth_edges(toned, display)
+        return display
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         over = () if self._over is None else (self._over,)
-        for thing in (self.front, *self._drawn, *over, self.toned, self.display, self._toned,
-                      self._display):  # fmt: skip
+        for thing in (self.front, *self._drawn, *over, self.toned, self._toned):
             thing.release()

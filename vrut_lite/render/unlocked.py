@@ -58,3 +58,15 @@ def read_rgba(texture: Any) -> NDArray[np.float32]:
     GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, GL.GL_FLOAT, numbers)
     GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
     return numbers
+
+
+def read_bytes(texture: Any) -> NDArray[np.uint8]:
+    """The bytes (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
+    from OpenGL import GL
+
+    width, height = texture.size
+    pixels = np.empty((height, width, 4), np.uint8)
+    GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
+    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, pixels)
+    GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+    return pixels

@@ -32,6 +32,8 @@ from vrut_lite.pictures.picture import Picture
 _TIME_CONSTANT_S = 0.2
 _ADAPTED_S = 1.5
 _SETTLED_EV = 0.04
+# Of a picture that is seen for a moment.
+_ENOUGH_PIXELS = 2**13
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
 # Messages that change the light of the shown scene.
@@ -127,8 +129,7 @@ class Adaptation:
         if exposure.mode == "auto":
             self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
         elif self._follows:
-            # Every third pixel each way tells as much of a picture that is seen for a moment.
-            self._seen_ev100 = automatic_ev100(picture.radiance[1::3, 1::3])
+            self._seen_ev100 = automatic_ev100(picture.radiance, _ENOUGH_PIXELS)
         if not self._arrived:
             self.wakes_at_s = now_s + _STEP_S
         elif self._dragged:

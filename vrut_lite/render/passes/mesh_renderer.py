@@ -5,7 +5,9 @@ are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -22,7 +24,17 @@ from vrut_lite.render.passes.occlusion_queries import OcclusionQueries
 from vrut_lite.render.passes.programs import Program
 from vrut_lite.render.passes.shadows_on_mesh import bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
-from vrut_lite.render.passes.triangles import PlacedSide, Side, draw_side, sides
+from vrut_lite.render.passes.triangles import (
+    PlacedSide,
+    Run,
+    Side,
+    draw_run,
+    draw_side,
+    joined,
+    runs_of,
+    show_side,
+    sides,
+)
 from vrut_lite.render.passes.view import View, normal_matrix, translation
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
@@ -37,6 +49,9 @@ from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 _SKY_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 10, 11
 # From this roughness on both lobes of `sky_image` are as wide as the first level of the map.
 _NO_MIRROR = (0.8 - math.sqrt(0.64 - 1.44 * LEVEL_ROUGHNESS[0])) / 0.72
+# Triangles of which one question asks whether any is seen: fewer, and asking takes longer than it
+# spares; and into how many runs all meshes of a picture are cut, where runs are longer.
+_SHORTEST_RUN, _MOST_RUNS = 48, 256
 _LAYER_UNIFORMS: dict[str, MapName] = {
     "base_color_layer": "base_colour",
     "metallic_roughness_layer": "metallic_roughness",
@@ -63,23 +78,52 @@ class MeshRenderer(CasterRenderer):
 
     def draw_depth_first(
         self, placed_in_order: Iterable[PlacedPrimitive], view: View
-    ) -> frozenset[PlacedSide]:
-        """Draw the depth of what is all solid; returns the sides of it of which nothing is seen.
+    ) -> dict[PlacedSide, tuple[Run, ...]]:
+        """Draw the depth of what is all solid; returns which triangles of its sides are seen.
 
         A mesh drawn thereafter passes where it is as near as that depth. Software renderers shade
-        hidden samples too where there are several a pixel: hidden sides are not to be drawn.
+        hidden samples too where there are several a pixel: hidden triangles are not to be drawn.
+        Of meshes without triangles by indices all that is seen has no entry.
         """
         solid = self.draw_depth_of_solid(placed_in_order, view)
         GL.glColorMask(*4 * [GL.GL_FALSE])
         GL.glDepthMask(GL.GL_FALSE)
         GL.glDepthFunc(GL.GL_GEQUAL)
-        shown = [(placed, side) for placed in solid for side in sides(placed, blended=False)]
-        unseen = self._queries.unseen(shown, lambda of: self._draw_depth_of(of[0], view, of[1]))
+        self._queries.begin()
+        asked = self._ask_for_runs(solid, view)
+        shown = {
+            placed_side: joined([run for run, question in runs if self._queries.passed(question)])
+            for placed_side, runs in asked.items()
+        }
         GL.glDepthFunc(GL.GL_GREATER)
         GL.glDepthMask(GL.GL_TRUE)
         GL.glColorMask(*4 * [GL.GL_TRUE])
         GL.glUseProgram(0)
-        return unseen
+        return shown
+
+    def _ask_for_runs(
+        self, solid: list[PlacedPrimitive], view: View
+    ) -> dict[PlacedSide, list[tuple[Run, int]]]:
+        """Of each side the runs of triangles, with the number of the question for each."""
+        triangles = sum(placed.primitive.indices.size // 3 for placed in solid
+                        if placed.primitive.indices is not None)  # fmt: skip
+        longest = max(_SHORTEST_RUN, triangles // _MOST_RUNS)
+        asked: dict[PlacedSide, list[tuple[Run, int]]] = {}
+        for placed in solid:
+            primitive = placed.primitive
+            runs = runs_of(primitive, longest)
+            if not runs:
+                continue
+            self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
+            for side in sides(placed, blended=False):
+                show_side(primitive, side)
+                primitive._bind()
+                asked[placed, side] = [
+                    (run, self._queries.ask(partial(draw_run, primitive, run))) for run in runs
+                ]
+                primitive._unbind()
+            GL.glDisable(GL.GL_CLIP_DISTANCE0)
+        return asked
 
     def draw_depth_of_solid(
         self, placed_in_order: Iterable[PlacedPrimitive], view: View
@@ -138,13 +182,13 @@ class MeshRenderer(CasterRenderer):
         surface_light: SurfaceLightOnGpu,
         defines: Defines,
         blended: bool = False,
-        unseen: frozenset[PlacedSide] = frozenset(),
+        shown: Mapping[PlacedSide, Sequence[Run]] = MappingProxyType({}),
     ) -> None:
         """Draw meshes of the scene, one after another, with reversed depth.
 
         `defines`: further features of the shader, as in air.py. Of blended materials the
-        solid texels are drawn, or else, if `blended`, the others. Sides that are `unseen` are
-        left out.
+        solid texels are drawn, or else, if `blended`, the others. Of sides in `shown` these
+        triangles are drawn, of others all.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
@@ -157,7 +201,8 @@ class MeshRenderer(CasterRenderer):
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             for side in sides(placed, blended):
-                if (placed, side) in unseen:
+                runs = shown.get((placed, side))
+                if runs is not None and not runs:
                     continue
                 shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view)
                 own = (
@@ -178,7 +223,7 @@ class MeshRenderer(CasterRenderer):
                 if surface_light.mirrors(placed):
                     mirror_eye_m = surface_light.bind_mirror(placed, view.eye_m)
                     program.set_uniform("mirror_eye_m", mirror_eye_m)
-                draw_side(placed.primitive, side, blended)
+                draw_side(placed.primitive, side, blended, runs)
                 self._reset_active_textures()
                 GL.glDisable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)

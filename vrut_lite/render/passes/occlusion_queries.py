@@ -1,16 +1,13 @@
 """Asks which of some draws pass the depth test anywhere."""
 
-from collections.abc import Callable, Sequence
-from typing import TypeVar
-
-import numpy as np
+from collections.abc import Callable
 
 from vrut_lite.render.gl_environment import import_pyrender
 
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
-T = TypeVar("T")
+_AT_ONCE = 64
 
 
 class OcclusionQueries:
@@ -18,21 +15,26 @@ class OcclusionQueries:
 
     def __init__(self) -> None:
         self._names: list[int] = []
+        self._asked = 0
 
-    def unseen(self, things: Sequence[T], draw: Callable[[T], None]) -> frozenset[T]:
-        """Draw each thing; returns those of which no sample passed."""
-        if len(things) > len(self._names):
-            more = GL.glGenQueries(len(things) - len(self._names))
-            self._names += [int(name) for name in np.atleast_1d(more)]
-        for name, thing in zip(self._names, things, strict=False):
-            GL.glBeginQuery(GL.GL_ANY_SAMPLES_PASSED, name)
-            draw(thing)
-            GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
-        return frozenset(
-            thing
-            for name, thing in zip(self._names, things, strict=False)
-            if not GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT)
-        )
+    def begin(self) -> None:
+        """Forget all answers."""
+        self._asked = 0
+
+    def ask(self, draw: Callable[[], None]) -> int:
+        """Draw something; returns the number of the question whether a sample of it passed."""
+        if self._asked == len(self._names):
+            self._names += [int(name) for name in GL.glGenQueries(_AT_ONCE)]
+        name = self._names[self._asked]
+        GL.glBeginQuery(GL.GL_ANY_SAMPLES_PASSED, name)
+        draw()
+        GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
+        self._asked += 1
+        return self._asked - 1
+
+    def passed(self, question: int) -> bool:
+        """The answer, waited for."""
+        return bool(GL.glGetQueryObjectuiv(self._names[question], GL.GL_QUERY_RESULT))
 
     def release(self) -> None:
         """Free the queries."""

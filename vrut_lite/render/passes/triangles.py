@@ -1,5 +1,7 @@
 """Draw calls of pyrender's primitives, by the sides that show."""
 
+import ctypes
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from vrut_lite.render.gl_environment import import_pyrender
@@ -17,7 +19,15 @@ class Side(NamedTuple):
     defines: Defines = ()
 
 
+class Run(NamedTuple):
+    """Consecutive triangles of a mesh: the first, and how many."""
+
+    first: int
+    triangles: int
+
+
 PlacedSide = tuple[PlacedPrimitive, Side]
+_BYTES_OF_INDEX = 4
 
 
 def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
@@ -36,8 +46,42 @@ def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
     return (Side(0),)
 
 
-def draw_side(primitive: Any, side: Side, blended: bool = False) -> None:
-    """Draw one side of a mesh."""
+def runs_of(primitive: Any, longest: int) -> tuple[Run, ...]:
+    """A mesh's triangles in runs of a like length; none of what has no triangles by indices."""
+    if primitive.indices is None or primitive.mode != GL.GL_TRIANGLES:
+        return ()
+    count = primitive.indices.size // 3
+    starts = range(0, count, longest)
+    return tuple(Run(first, min(longest, count - first)) for first in starts)
+
+
+def joined(runs: Sequence[Run]) -> tuple[Run, ...]:
+    """The same triangles in as few runs as possible."""
+    found: list[Run] = []
+    for run in runs:
+        if found and found[-1].first + found[-1].triangles == run.first:
+            found[-1] = Run(found[-1].first, found[-1].triangles + run.triangles)
+        else:
+            found.append(run)
+    return tuple(found)
+
+
+def draw_side(
+    primitive: Any, side: Side, blended: bool = False, runs: Sequence[Run] | None = None
+) -> None:
+    """Draw one side of a mesh, or of some of its triangles."""
+    show_side(primitive, side, blended)
+    if runs is None:
+        draw_triangles(primitive)
+        return
+    primitive._bind()
+    for run in runs:
+        draw_run(primitive, run)
+    primitive._unbind()
+
+
+def show_side(primitive: Any, side: Side, blended: bool = False) -> None:
+    """Set what draws one side of a mesh."""
     GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
     if blended:
         GL.glEnable(GL.GL_BLEND)
@@ -53,7 +97,6 @@ def draw_side(primitive: Any, side: Side, blended: bool = False) -> None:
         GL.glCullFace(side.hidden)
     else:
         GL.glDisable(GL.GL_CULL_FACE)
-    draw_triangles(primitive)
 
 
 def draw_triangles(primitive: Any) -> None:
@@ -64,3 +107,9 @@ def draw_triangles(primitive: Any) -> None:
     else:
         GL.glDrawArrays(primitive.mode, 0, len(primitive.positions))
     primitive._unbind()
+
+
+def draw_run(primitive: Any, run: Run) -> None:
+    """Draw some triangles of a primitive that is bound."""
+    start = ctypes.c_void_p(3 * _BYTES_OF_INDEX * run.first)
+    GL.glDrawElements(primitive.mode, 3 * run.triangles, GL.GL_UNSIGNED_INT, start)

@@ -53,8 +53,11 @@ layout(binding = 19) uniform sampler2D view_light;  // at points that the pictur
 layout(binding = 20) uniform sampler2D view_plane;  // their triangles' planes, from the eye
 const float SAME_PLANE = 2e-3;  // of the distance from the eye
 const float SAME_FACING = 0.97;
+const float FEW_POINTS = 0.1;     // share of a fragment that the four points about it have
 
-// The light of the points around a fragment that lie on its triangle's plane, where there are any.
+// The light of the points around a fragment that lie on its triangle's plane, where there are any:
+// linear between the four points about it, and beyond where these hardly count. One loop serves both,
+// as a software renderer runs both sides of an `if`.
 bool light_of_view(vec3 point, vec3 face, out vec4 light) {
     ivec2 size = textureSize(view_light, 0);
     // Squares count from the upper edge of the picture, which the last of them may pass.
@@ -62,21 +65,21 @@ bool light_of_view(vec3 point, vec3 face, out vec4 light) {
     vec2 at = (gl_FragCoord.xy + vec2(0.0, below)) / surface.view_edge_px - 0.5;
     ivec2 first = ivec2(floor(at));
     vec2 share = at - vec2(first);
-    vec3 n = face;
     float reach = SAME_PLANE * length(point), total = 0.0;
     light = vec4(0.0);
-    for (int j = -1; j <= 2; ++j) {
-        for (int i = -1; i <= 2; ++i) {
-            ivec2 texel = clamp(first + ivec2(i, j), ivec2(0), size - 1);
-            vec4 plane = texelFetch(view_plane, texel, 0);
-            if (dot(plane.xyz, n) < SAME_FACING) continue;
-            if (abs(dot(plane.xyz, point) - plane.w) > reach) continue;
-            // Linear between the four points about it; those beyond count where these do not.
-            vec2 near = max(1.0 - abs(vec2(i, j) - share), 1e-3);
-            float weight = near.x * near.y;
-            light += weight * texelFetch(view_light, texel, 0);
-            total += weight;
-        }
+    int taps = 4;
+    for (int k = 0; k < taps; ++k) {
+        ivec2 off = k < 4 ? ivec2(k & 1, k >> 1) : ivec2(k & 3, (k >> 2) - 1) - 1;
+        ivec2 texel = clamp(first + off, ivec2(0), size - 1);
+        vec4 plane = texelFetch(view_plane, texel, 0);
+        bool same = dot(plane.xyz, face) >= SAME_FACING
+            && abs(dot(plane.xyz, point) - plane.w) <= reach;
+        bool again = k >= 4 && clamp(off, ivec2(0), ivec2(1)) == off;
+        vec2 near = max(1.0 - abs(vec2(off) - share), 1e-3);
+        float weight = same && !again ? near.x * near.y : 0.0;
+        light += weight * texelFetch(view_light, texel, 0);
+        total += weight;
+        if (k == 3 && total < FEW_POINTS) taps = 20;
     }
     if (total <= 0.0) return false;
     light /= total;
