@@ -79,7 +79,7 @@ def photograph_of(pixels: FloatArray) -> Photograph:
     direction = moment / length
     # What reaches a plane that faces the sun: a wide glow counts by its cosine.
     faced = weight * np.maximum(directions @ direction, 0.0)
-    facing = np.maximum(np.einsum("ijc,ij->c", excess, faced), 0.0)
+    facing = np.einsum("ijc,ij->c", excess, faced)
     level = float(luminance(facing)) * direction[1]
     if level < _LEAST_SHARE * float(luminance(horizontal_irradiance(picture))):
         return none
@@ -89,10 +89,11 @@ def photograph_of(pixels: FloatArray) -> Photograph:
 def _as_a_sun(irradiance: FloatArray) -> FloatArray:
     """The sun's light, white of the same luminance where it is bluer than any sun.
 
-    Files packed with loss may keep the disc in one channel alone.
+    Files packed with loss may keep the disc in one channel alone, and less than none in another.
     """
     red, _, blue = irradiance
-    return irradiance if blue <= _BLUEST * red else np.full(3, float(luminance(irradiance)))
+    of_a_sun = irradiance.min() >= 0.0 and blue <= _BLUEST * red
+    return irradiance if of_a_sun else np.full(3, float(luminance(irradiance)))
 
 
 def solid_angles(height: int) -> FloatArray:

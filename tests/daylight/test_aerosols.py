@@ -13,6 +13,7 @@ from vrut_lite.daylight.aerosols import (
 )
 from vrut_lite.daylight.aerosols.components import component
 from vrut_lite.daylight.aerosols.droplets import droplets_phase
+from vrut_lite.daylight.aerosols.mie import lognormal_volume, optics_of_sizes
 from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES
 from vrut_lite.daylight.aerosols.types import AerosolMixture
 
@@ -126,7 +127,6 @@ def test_coefficients_of_a_table_are_the_phase_functions():
 def test_spheres_by_mies_theory_are_the_tabulated_component():
     """A lognormal distribution of OPAC's size and refractive index gives OPAC's particles."""
     pytest.importorskip("miepython", reason="the package miepython is not installed")
-    from vrut_lite.daylight.aerosols.mie import lognormal_volume, optics_of_sizes
 
     radius = np.geomspace(0.0067, 1.5, 60)
     own = optics_of_sizes(
@@ -153,6 +153,13 @@ def test_spheres_by_mies_theory_are_the_tabulated_component():
         lambda: optics_of_aerosol(-0.1, 0.9, 0.7),
         lambda: optics_of_aerosol(0.1, 1.2, 0.7),
         lambda: optics_of_aerosol(0.1, 0.9, 1.5),
+        lambda: mixture_optics(AerosolMixture({}, 2.0, 2.0)),
+        lambda: mixture_optics(AerosolMixture({"waso": -1.0}, 2.0, 2.0)),
+        lambda: mixture_optics(AerosolMixture({"waso": np.inf}, 2.0, 2.0)),
+        lambda: mixture_optics(AerosolMixture({"waso": 1e3}, 0.0, 2.0)),
+        lambda: optics_of_sizes([0.1, 1.0], [1.0, 1.0], [500.0, 600.0], [np.nan, 1.4]),
+        lambda: optics_of_sizes([0.1, 1.0], [1.0, 1.0], [500.0, 600.0], [1.0, 1.0]),
+        lambda: optics_of_sizes([0.1, 1.0], [1.0, 1.0], [500.0, 600.0], ["a", "b"]),
         lambda: PhaseTable(np.ones((1, 7))),
         lambda: PhaseTable(-np.ones((1, PHASE_NODES))),
         lambda: PhaseTable.of_angles([0.0, 1.0], [1.0, 1.0]),

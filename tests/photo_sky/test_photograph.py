@@ -1,6 +1,7 @@
 """A sky from a photograph: energy kept, the sun found, turned, scaled; files that are none."""
 
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,19 @@ def test_a_sky_without_a_sun_has_none():
     found = photograph_of(picture)
     assert found.sun_direction is None
     np.testing.assert_array_equal(found.sky, picture)
+
+
+def test_a_sun_of_less_than_no_red_keeps_its_luminance():
+    """A file packed with loss: what lies below 0 in one channel is taken from the others' light."""
+    picture, towards = panorama()
+    disc = lat_long_directions(ROWS) @ towards > np.cos(np.radians(2.2))
+    picture[disc] = (-800.0, -100.0, 9000.0)
+    light = PhotoLight(photograph_of(picture), 0.0, 683.0, None, 0.2)
+    kept, expected = (
+        luminance(f(NORMALS["level"]))
+        for f in (partial(of_light, light), partial(of_picture, picture))
+    )
+    assert kept == pytest.approx(expected, rel=2e-3)
 
 
 def test_a_photograph_turns():

@@ -104,6 +104,15 @@ def test_names_of_towns_may_be_in_any_encoding(year_text, read):
     assert weather.name == "C?rdoba"
 
 
+def test_files_as_editors_and_older_programs_leave_them(year_text, read):
+    """A byte order mark, a Mac's line ends, and rows without the last columns change nothing."""
+    expected = read(year_text)
+    short = year_text.splitlines()
+    short[HEAD:] = [line.rsplit(",", 3)[0] for line in short[HEAD:]]
+    for text in ("\ufeff" + year_text, "\r".join(year_text.splitlines()), "\n".join(short)):
+        assert read(text, "utf-8") == expected
+
+
 def test_a_year_of_the_south(year_text, read):
     """South and west are negative, half hours of standard time are kept."""
     head = "LOCATION,Adelaide,-,-,x,0,-34.9,138.6,9.5,50"
@@ -127,7 +136,11 @@ BROKEN = {
         lambda t: with_cells(t, {(None, DIRECT): "9999"}),
         "has no direct normal irradiance",
     ),
-    "words": (lambda t: t.replace("2023,3,5,7,", "2023,March,5,7,", 1), "cannot read the weather"),
+    "words": (lambda t: t.replace("2023,3,5,7,", "2023,March,5,7,", 1), "line 1527: must hold"),
+    "no such day": (lambda t: t.replace("2023,3,5,7,", "2023,2,30,7,", 1), "line 1527: must hold"),
+    "a row cut off": (lambda t: t.replace("2023,3,5,7,", "2023,3,5,7\n", 1), "line 1527: must"),
+    "no time zone": (lambda t: t.replace(",1.0,200.0", ",,200.0", 1), "time zone and altitude of"),
+    "a zone of no earth": (lambda t: t.replace(",1.0,200.0", ",99,200.0", 1), "of this earth"),
     "no rows": (lambda t: "\n".join(t.splitlines()[:HEAD]), "the weather file"),
     "only a head": (lambda t: t.splitlines()[0], "the weather file"),
 }

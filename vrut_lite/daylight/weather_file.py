@@ -1,8 +1,10 @@
 """Reads a year of weather from an EPW file (EnergyPlus Weather), by pvlib."""
 
+import codecs
 import io
 import os
 import stat
+from datetime import date
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -24,6 +26,9 @@ SUFFIX = ".epw"
 # A year by the minute would have 60 times the 1.6 MB of a year by the hour.
 _MOST_BYTES = 16_000_000
 _MONTH_DAYS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
+# Older files leave out the last of a row's columns.
+_HEAD_LINES, _COLUMNS, _LAST_NEEDED = 8, 35, 24
+_MOST_OFFSET_H = 14.0
 # What EPW writes where nothing was measured, or more.
 _MISSING_IRRADIANCE, _MISSING_DEW_POINT, _MISSING_TENTHS = 9999.0, 99.9, 99.0
 # 2 cm of water vapour by Perez 1990.
@@ -83,7 +88,8 @@ def _text_of(file: Path) -> str:
                 f"has less than {_MOST_BYTES:,}"
             )
         # Names of towns are written in any encoding; all else is ASCII.
-        return file.read_bytes().decode("ascii", errors="replace").replace("�", "?")
+        content = file.read_bytes().removeprefix(codecs.BOM_UTF8)
+        return content.decode("ascii", errors="replace").replace("�", "?")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"cannot open the weather file {file}: {reason}") from None
@@ -91,11 +97,16 @@ def _text_of(file: Path) -> str:
 
 def _parsed(file: Path, text: str) -> tuple[Any, dict[str, Any]]:
     """The rows as pvlib's table, and the place."""
-    head = text.lstrip().partition("\n")[0].split(",")
+    head = text.lstrip().splitlines()[0].split(",") if text.strip() else [""]
     if head[0].strip().upper() != "LOCATION" or len(head) < 10:
         raise UserError(
             f"{file} is no EPW file: its first line is not LOCATION with latitude, longitude, "
             "time zone and altitude"
+        )
+    if not _is_place(head[6:10]):
+        raise UserError(
+            f"cannot read the weather file {file}: latitude, longitude, time zone and altitude of "
+            "its first line must be numbers of this earth"
         )
     try:
         from pvlib.iotools import read_epw
@@ -103,13 +114,53 @@ def _parsed(file: Path, text: str) -> tuple[Any, dict[str, Any]]:
         raise UserError(
             "weather files need the package pvlib: pip install 'vrut-lite[weather]'"
         ) from None
+    whole = _whole_rows(file, text)
     try:
-        table, place = read_epw(io.StringIO(text))
+        table, place = read_epw(io.StringIO(whole))
     # pandas raises errors of many kinds.
     except Exception as error:
         reason = " ".join(str(error).split())[:120]
         raise UserError(f"cannot read the weather file {file}: {reason}") from None
     return table, place
+
+
+def _is_place(cells: list[str]) -> bool:
+    """Whether cells are numbers, and the time zone one that pvlib can count with."""
+    try:
+        numbers = np.array([float(cell) for cell in cells])
+    except ValueError:
+        return False
+    return bool(np.isfinite(numbers).all()) and abs(numbers[2]) <= _MOST_OFFSET_H
+
+
+def _whole_rows(file: Path, text: str) -> str:
+    """The text with every row filled up to EPW's columns.
+
+    Raises:
+        UserError: a row holds no date and hour, or too few columns; the sentence names its line.
+    """
+    lines = text.lstrip().splitlines()
+    for number, line in enumerate(lines[_HEAD_LINES:], start=_HEAD_LINES):
+        cells = line.split(",")
+        if not line.strip():
+            continue
+        if '"' in line or not _LAST_NEEDED <= len(cells) <= _COLUMNS or not _is_date(cells):
+            raise UserError(
+                f"the weather file {file}, line {number + 1}: must hold year, month, day, hour, "
+                f"and {_LAST_NEEDED} to {_COLUMNS} columns in all"
+            )
+        lines[number] = line + "," * (_COLUMNS - len(cells))
+    return "\n".join(lines) + "\n"
+
+
+def _is_date(cells: list[str]) -> bool:
+    """Whether a row begins with year, month, day and hour as the calendar has them."""
+    try:
+        year, month, day, hour = (int(cell) for cell in cells[:4])
+        date(year, month, day)
+    except (ValueError, OverflowError):
+        return False
+    return 1 <= hour <= 24
 
 
 def _check_hours(file: Path, table: Any) -> None:

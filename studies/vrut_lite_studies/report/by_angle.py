@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from io import BytesIO
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -59,9 +59,12 @@ def plot_by_angle(errors: Sequence[ErrorsByAngle], moments: Sequence[Moment]) ->
     middles = 0.5 * (np.array(EDGES_DEG[1:]) + np.array(EDGES_DEG[:-1]))
     elevation = 90.0 - np.degrees([moment.sun_zenith_rad for moment in moments])
     order = np.argsort(elevation)
-    for each in errors:
-        left.plot(middles, 100.0 * np.array(each.from_sun), "o-", ms=3, lw=1, label=each.title)
-        right.plot(elevation[order], 100.0 * np.array(each.of_moments)[order], "o-", ms=3, lw=1)
+    for n, each in enumerate(errors):
+        # Colours repeat after ten lines.
+        look: dict[str, Any] = {"marker": "os^"[n // 10 % 3], "ls": "--" if n // 10 % 2 else "-"}
+        look |= {"color": f"C{n % 10}", "ms": 3, "lw": 1}
+        left.plot(middles, 100.0 * np.array(each.from_sun), label=each.title, **look)
+        right.plot(elevation[order], 100.0 * np.array(each.of_moments)[order], **look)
     for axis, title in ((left, "angle from the sun"), (right, "elevation of the sun")):
         axis.axhspan(*(100.0 * share for share in INSTRUMENT), color="0.8", zorder=0)
         axis.set(xlabel=f"{title} in degrees", ylabel="rms relative error in %", yscale="log")

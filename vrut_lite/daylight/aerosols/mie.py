@@ -4,7 +4,7 @@ Needs miepython (`pip install vrut_lite[aerosols]`).
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.arguments import as_number, as_numbers
 from vrut_lite.daylight.aerosol import SCALE_HEIGHT_M
@@ -47,7 +47,7 @@ def optics_of_sizes(
     radius = as_numbers("radius_um", radius_um, 1e-4, 1e3, "um")
     volume = as_numbers("volume_per_log_radius", volume_per_log_radius, 0.0, 1e6)
     wavelength = as_numbers("wavelength_nm", wavelength_nm, 100.0, 1e5, "nm")
-    index = np.asarray(refractive_index, dtype=complex)
+    index = _refraction(refractive_index)
     if radius.ndim != 1 or radius.size < 2 or volume.shape != radius.shape:
         raise ValueError("radius_um and volume_per_log_radius must be two lists of one length")
     if wavelength.ndim != 1 or wavelength.size < 2 or index.shape != wavelength.shape:
@@ -61,6 +61,21 @@ def optics_of_sizes(
     spheres = np.interp(np.log(r), np.log(radius), volume) * np.diff(ln_r) / (4 / 3 * np.pi * r**3)
     column = spheres_together(r, spheres, wavelength, index)
     return optics_of_particles(column, column.times(0.0), height_m)
+
+
+def _refraction(refractive_index: ArrayLike) -> NDArray[np.complex128]:
+    """Complex refractive indices (C,), absorption as a negative imaginary part."""
+    said = "refractive_index must be complex numbers with a real part from 0.1 to 10, not 1 itself"
+    try:
+        index = np.asarray(refractive_index, dtype=complex)
+    except (TypeError, ValueError):
+        raise ValueError(said) from None
+    absorption = np.abs(index.imag)
+    fits = (index.real >= 0.1) & (index.real <= 10.0) & (absorption <= 10.0) & (index != 1.0)
+    if not fits.all():
+        raise ValueError(said)
+    # So the package wants it.
+    return np.asarray(index.real - 1j * absorption)
 
 
 def lognormal_volume(
@@ -86,9 +101,7 @@ def spheres_together(
             "aerosol from sizes needs the package miepython: pip install vrut_lite[aerosols]"
         ) from error
 
-    # The package takes absorption as a negative imaginary part.
-    refraction = np.asarray(index, dtype=complex)
-    refraction = refraction.real - 1j * np.abs(refraction.imag)
+    refraction = _refraction(index)
     cosine = np.cos(_ANGLES_RAD)
     extinction, scattering = np.zeros((2, wavelength_nm.size))
     phase = np.zeros((wavelength_nm.size, cosine.size))

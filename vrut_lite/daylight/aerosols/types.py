@@ -24,6 +24,8 @@ _ALOFT = MappingProxyType({"waso": 438.0, "inso": 0.0013, "soot": 294.0})
 _ALOFT_HUMIDITY, _STRATOSPHERE_DEPTH = 50.0, 0.005
 USUAL_HUMIDITY = 80.0
 MOST_HUMIDITY = 95.0
+# A thousand times urban air's.
+_MOST_PARTICLES = 1e8
 
 
 class AerosolMixture(NamedTuple):
@@ -71,14 +73,20 @@ def mixture_optics(
     """The optics of a mixture of one's own, below OPAC's free troposphere.
 
     Raises:
-        ValueError: a component is unknown, or the humidity not from 0 to 95 %.
+        ValueError: there is no component or an unknown one, or a number is out of range.
     """
     humidity = as_number("humidity_percent", humidity_percent, 0.0, MOST_HUMIDITY, "%")
+    height_km = as_number("scale_height_km", mixture.scale_height_km, 0.01, 1000.0, "km")
+    top_km = as_number("top_km", mixture.top_km, 0.01, 100.0, "km")
+    for name, count in mixture.particles.items():
+        as_number(f"particles of {name}", count, 0.0, _MOST_PARTICLES, "per cm^3")
+    if not any(mixture.particles.values()):
+        raise ValueError("a mixture needs particles of at least one component")
     at_ground = particles_together(mixture.particles, humidity)
-    column_km = mixture.scale_height_km * -np.expm1(-mixture.top_km / mixture.scale_height_km)
+    column_km = height_km * -np.expm1(-top_km / height_km)
     lower = at_ground.times(column_km)
     aloft = particles_together(_ALOFT, _ALOFT_HUMIDITY)
-    depth = _aloft_depth(mixture.top_km) + _STRATOSPHERE_DEPTH
+    depth = _aloft_depth(top_km) + _STRATOSPHERE_DEPTH
     upper = aloft.times(depth / _at_550(aloft))
     return optics_of_particles(lower, upper, 1000.0 * column_km)
 
