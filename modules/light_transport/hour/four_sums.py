@@ -152,19 +152,19 @@ def _summed(
     middle = builder.add(first, together)
     with cgutils.for_range_slice(builder, first, middle, step, index, inc=True) as (entry, _):
         a, b, c, d = rows_of(entry, _AT_ONCE)
-        halves = [_chosen(builder, *two, list(range(8))) for two in ((a, b), (c, d))]
-        found, shares = _chosen(builder, *halves, list(range(16))), weights_of(entry, _AT_ONCE)
+        eight = list(range(8))
+        low, high = _chosen(builder, a, b, eight), _chosen(builder, c, d, eight)
+        found, shares = _chosen(builder, low, high, list(range(16))), weights_of(entry, _AT_ONCE)
         add(found, _chosen(builder, shares, shares, [k // 4 for k in range(16)]), sums)
-    one = ir.Constant(index, 1)
-    with cgutils.for_range_slice(builder, middle, last, one, index, inc=True) as (entry, _):
+    single = ir.Constant(index, 1)
+    with cgutils.for_range_slice(builder, middle, last, single, index, inc=True) as (entry, _):
         share = weights_of(entry, 1)
         add(rows_of(entry, 1)[0], _chosen(builder, share, share, [0] * 4), rest)
     total = builder.load(sums)
     for half in (8, 4):
-        low, high = list(range(half)), list(range(half, 2 * half))
-        total = builder.fadd(
-            _chosen(builder, total, total, low), _chosen(builder, total, total, high), flags=_FLAGS
-        )
+        lower, upper = list(range(half)), list(range(half, 2 * half))
+        one, other = (_chosen(builder, total, total, part) for part in (lower, upper))
+        total = builder.fadd(one, other, flags=_FLAGS)
     total = builder.fadd(total, builder.load(rest), flags=_FLAGS)
     channels = [builder.extract_element(total, ir.Constant(_INT, channel)) for channel in range(4)]
     return context.make_tuple(builder, signature.return_type, channels)
