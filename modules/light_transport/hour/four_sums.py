@@ -14,8 +14,8 @@ from numba.extending import intrinsic
 
 from light_transport.rays.ray_table import LARGE_BITS, SMALL_BITS
 
-# So many entries are added at once, each to sums of its own: their order is always the same, and
-# one addition need not wait for the one before.
+# So many entries are added at once, as one vector, each to sums of its own: their order is always
+# the same.
 _AT_ONCE = 4
 _FLOAT, _INT = ir.FloatType(), ir.IntType(32)
 _FOUR = ir.VectorType(_FLOAT, 4)
