@@ -25,6 +25,7 @@ from light_transport.hour.smoothing import (
     smoothing_of,
 )
 from light_transport.hour.visible_sky import sky_moments, visible_sky
+from light_transport.kernels import hot
 from light_transport.ray_scene import RayScene
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.sky_nodes import NODES
@@ -39,6 +40,8 @@ class Finished:
     good: BoolArray
     exchange: Exchange
     smoothing: Smoothing
+    source: NDArray[np.int32]
+    """Whose light each texel (N,) shows, or NOBODY."""
     shown: NDArray[np.int32]
     """Whose light each texel of the map (height, width) shows; the number of texels: nobody's."""
     key_shadows: KeyShadows
@@ -50,7 +53,8 @@ class Finished:
     @property
     def memory_bytes(self) -> int:
         """Of all arrays."""
-        parts: list[NDArray | None] = [*self.exchange, *self.smoothing, self.shown, self.good]
+        parts: list[NDArray | None] = [*self.exchange, *self.smoothing, self.good]
+        parts += [self.source, self.shown]
         parts += [self.visible_sky.values, self.lamps_on_patches]
         parts += [] if self.lamps is None else [*self.lamps]
         held = sum(part.nbytes for part in parts if part is not None)
@@ -76,6 +80,7 @@ def finished_of(scene: RayScene) -> Finished:
         good,
         exchange,
         smoothing,
+        source,
         shown,
         KeyShadows(key_rays_of(scene.patches, scene.table.free, enclosure(exchange), mirrored)),
         lamps,
@@ -128,5 +133,15 @@ def smoothed(scene: RayScene, light: Float32Array, smoothing: Smoothing) -> Floa
 
 def as_map(rows: Float32Array, shown: NDArray[np.int32]) -> Float32Array:
     """Rows (N, 4) where each texel of the map (height, width, 4) finds them."""
-    padded = np.concatenate([rows, np.zeros((1, 4), np.float32)])
-    return np.take(padded, shown, axis=0)
+    found = np.empty((*shown.shape, 4), np.float32)
+    _fill_map(rows, shown, found)
+    return found
+
+
+@hot
+def _fill_map(rows, shown, found):  # type: ignore[no-untyped-def]
+    for y in range(shown.shape[0]):
+        for x in range(shown.shape[1]):
+            row = shown[y, x]
+            for k in range(4):
+                found[y, x, k] = rows[row, k] if row < len(rows) else np.float32(0.0)

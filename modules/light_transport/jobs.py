@@ -67,11 +67,10 @@ class Round(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """A layout, the rays of its first round, and the bake that goes on next."""
+    """A layout and its first round of rays."""
 
     message: LightMapLaid
-    first_rays: int
-    bake: "Unwritten[Bake]"
+    round: Round
 
 
 class LaidProbes(NamedTuple):
@@ -123,18 +122,33 @@ def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
 
 
 def laid_out(
-    scene: SceneOpened, plan: Plan, prepared: "Unwritten[Prepared] | None", control: JobControl
+    scene: SceneOpened,
+    plan: Plan,
+    rays: int,
+    prepared: "Unwritten[Prepared] | None",
+    control: JobControl,
 ) -> Laid | None:
-    """Lay out a scene; None if nobody waits for it any more."""
+    """Lay out a scene and trace the first of so many rays; None if nobody waits for it any more.
+
+    One job: between two the host may draw a first picture for seconds.
+    """
+    from light_transport.kept_rays import add_kept_rays
+
     try:
-        return _laid_out(
+        message, bake = _laid_out(
             scene, plan, None if prepared is None else prepared.value, unless(control.cancelled)
         )
     except GivenUp:
         return None
+    if not add_kept_rays(bake, min(first_rays(bake.rows), rays), control.cancelled):
+        return None
+    bake.threads = 1
+    return Laid(message, _round(bake))
 
 
-def _laid_out(scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn) -> Laid:
+def _laid_out(
+    scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn
+) -> "tuple[LightMapLaid, Bake]":
     from light_transport.bake import Bake
     from light_transport.layout.layout import lay_out
     from light_transport.ray_scene import tree_of
@@ -152,9 +166,7 @@ def _laid_out(scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: 
     bake.threads = _all_threads()
     bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
-    bake.threads = 1
-    message = msgspec.structs.replace(layout.message, mirrors=_mirrors(bake))
-    return Laid(message, first_rays(bake.rows), Unwritten(bake))
+    return msgspec.structs.replace(layout.message, mirrors=_mirrors(bake)), bake
 
 
 def _mirrors(bake: "Bake") -> Mirrors | None:

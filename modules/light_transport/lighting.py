@@ -10,7 +10,7 @@ from light_transport.hour.hour import Hour, HourLight
 from light_transport.hour.key_lattice import directions_around
 from light_transport.hour.key_light import free_rays, lit_shares, patch_means
 from light_transport.hour.mirror_light import cubes, texel_radiance
-from light_transport.hour.openness import open_luminance
+from light_transport.hour.openness import open_luminance, scaled, to_shares
 from light_transport.layout.probe_places import without_buried
 from light_transport.ray_scene import RayScene
 from light_transport.rays.ray_starts import scratch
@@ -39,13 +39,14 @@ def hour_light(scene: RayScene, finished: Finished, hour: Hour) -> HourLight:
     texels = len(scene.texels.pixel)
     open_sky = open_luminance(hour.open_sky)
     # Where a surface bends, light changes as the open sky's does: what is left is smooth.
-    bends = np.maximum(open_sky, _LEAST_OF_SKY * open_sky.max())[scene.orientation[:texels]]
-    relative = light[:texels] / bends[:, None]
-    light[:texels] = smoothed(scene, relative, finished.smoothing) * bends[:, None]
+    bends = np.maximum(open_sky, _LEAST_OF_SKY * open_sky.max())
+    scaled(light[:texels], 1.0 / bends, scene.orientation)
+    smoothed(scene, light[:texels], finished.smoothing)
+    scaled(light[:texels], bends, scene.orientation)
     if finished.lamps is not None:
         # It has no noise that is to be smoothed, and edges that are not.
         light[:, :3] += finished.lamps.baked[: len(light)]
-    light[:, 3] = np.clip(light[:, 3] / open_sky[scene.orientation], 0, 1)
+    to_shares(light, open_sky, scene.orientation)
     return HourLight(
         as_map(light[:texels], finished.shown),
         _as_probes(scene, finished, light[texels:]),
@@ -149,14 +150,12 @@ def _as_cubes(
     seen = scene.mirrors.row
     texels = int(np.searchsorted(seen, len(scene.texels.pixel)))
     radiance = np.empty((len(seen), 3), np.float32)
-    column, row = scene.texels.pixel.T
-    shown = finished.shown[row, column]
     texel_radiance(
         seen[:texels],
         scene.surfaces.part,
         (scene.surfaces.reflectance_rgb, scene.surfaces.emitted_rgb),
         scene.colour_of,
-        (light, np.where(shown == len(shown), -1, shown)),
+        (light, finished.source),
         (shares, finished.key_shadows.rays.ray, scene.links),
         np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
         radiance,

@@ -12,7 +12,9 @@ from light_transport.jobs import (
     Laid,
     LaidProbes,
     Plan,
+    Prepared,
     Round,
+    Unwritten,
     laid_out,
     laid_probes,
     lit,
@@ -174,7 +176,7 @@ class LightTransport(Module):
             if scene.triangles > _MANY_TRIANGLES:
                 self.link.start_job(PROBES, laid_probes, scene)
             else:
-                self.link.start_job(LAYOUT, laid_out, scene, self._planned, None)
+                self._lay_out(scene, None)
 
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
@@ -206,21 +208,25 @@ class LightTransport(Module):
             self._tell(probes.message)
             self.ledger.did("probes")
             self._light()
-        self.link.start_job(LAYOUT, laid_out, scene, self._planned, probes.prepared)
+        if scene is not None:
+            self._lay_out(scene, probes.prepared)
+
+    def _lay_out(self, scene: SceneOpened, prepared: "Unwritten[Prepared] | None") -> None:
+        rays = self._quality.rays
+        self.link.start_job(LAYOUT, laid_out, scene, self._planned, rays, prepared)
 
     def _take_layout(self, laid: Laid) -> None:
-        self._laid, self._round = laid, None
-        if self._probes is None:
-            self._tell(laid.message)
+        self._laid = laid
         # It holds the whole scene.
         self._probes = None
         self.ledger.did("layout")
         if laid.message.mirrors is None:
             self.ledger.skip("mirrors: nothing in the scene is glossy")
-        self._next_round()
+        self._take_round(laid.round)
 
     def _take_hour(self, light: SurfaceLightChanged) -> None:
-        # The light of probes stands until that of the map is there.
+        # The light of probes, or of the open sky, stands until that of the map is there: a frame
+        # takes as long to learn of a layout as of its light.
         if self._laid is not None and light.layout_key == self._laid.message.layout_key:
             self._tell(self._laid.message)
         self.link.post(light)
@@ -234,16 +240,16 @@ class LightTransport(Module):
 
     def _next_round(self) -> None:
         """Trace as many rays as there are, until there are enough."""
-        if self._laid is None:
+        if self._laid is None or self._round is None:
             return
-        rays = self._round.rays if self._round is not None else 0
-        count = min(rays or self._laid.first_rays, self._quality.rays - rays)
+        done = self._round
+        count = min(done.rays, self._quality.rays - done.rays)
         if count > 0:
-            self.link.start_job(RAYS, with_rays, self._laid.bake, count, self._quality.rays)
+            self.link.start_job(RAYS, with_rays, done.bake, count, self._quality.rays)
 
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None
-        self._round, self._laid = done, self._laid._replace(bake=done.bake)
+        self._round = done
         self.ledger.did("round")
         self.link.post(
             BakeGrown(

@@ -84,7 +84,10 @@ class LightMapPanel(QWidget):
         self._grown = message
 
     def _was_laid(self, message: LightMapLaid) -> None:
-        self._grown = self._light = self._pair = None
+        # The first rays are there before their layout is told.
+        if self._grown is not None and self._grown.layout_key != message.layout_key:
+            self._grown = None
+        self._light = self._pair = None
         self._renew()
 
     def _hour_passed(self, message: HourOutdated) -> None:

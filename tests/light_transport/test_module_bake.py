@@ -283,11 +283,15 @@ def test_a_restarted_module_goes_on(stage, scene):
 
 
 def test_without_light_there_are_rays_and_no_message(stage, scene):
-    """Before the sky has spoken the bake goes on; its first word is enough for an hour."""
+    """Before the sky has spoken the bake goes on; its first word is enough for an hour.
+
+    The layout is told with the light: a frame would be drawn anew for it alone.
+    """
     said = stage.tell(WANT, scene)
+    assert layouts(said) == lights(said) == []
+    said = stage.tell(NOON)
     assert len(layouts(said)) == 1
-    assert lights(said) == []
-    assert lights(stage.tell(NOON))[-1].rays == quality_for(0.1, "draft").rays
+    assert lights(said)[-1].rays == quality_for(0.1, "draft").rays
 
 
 def test_a_scene_without_surfaces_is_no_fault(stage, scene):

@@ -5,8 +5,9 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from light_transport.rays.trace import MISS, first_hits
+from light_transport.rays.trace import BEAM, MISS, bound_beam, first_hits, unblocked
 from light_transport.rays.tree import LEAF_BITS, STACK, tree_over
+from numba import njit
 
 
 def by_force(corners, origin, direction):
@@ -108,3 +109,31 @@ def test_a_triangle_that_is_not_opaque_stops_its_share_of_rays(opacity):
     hits, _ = first_hits(tree, origin, down)
     assert (hits != MISS).mean() == pytest.approx(opacity, abs=0.02)
     np.testing.assert_array_equal(hits, first_hits(tree, origin, down)[0])
+
+
+@njit
+def _bounded(beam, count):
+    bound_beam(beam, count)
+
+
+def test_a_beam_finds_what_its_directions_find_one_by_one():
+    """Three directions some degrees apart, also about an axis: what is free alone is free."""
+    rng = np.random.default_rng(5)
+    corners = rng.uniform(-1, 1, (400, 1, 3)) + rng.normal(0, 0.08, (400, 3, 3))
+    tree = tree_over(corners, np.ones(len(corners), np.float32))
+    origin, middle = rays(rng, 600)
+    towards = middle[:, None] + rng.normal(0, 0.03, (600, 3, 3))
+    towards /= np.linalg.norm(towards, axis=2, keepdims=True)
+    alone = first_hits(tree, np.repeat(origin, 3, axis=0), towards.reshape(-1, 3))[0] == MISS
+    stack, beam = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+    likely, found = MISS, []
+    for place, three in zip(origin.astype(np.float32), towards, strict=True):
+        beam[BEAM : BEAM + 9] = three.ravel()
+        _bounded(beam, 3)
+        free, blocker = unblocked(tree, *place, beam, 3, 7, 0, stack, likely)
+        likely = blocker if blocker != MISS else likely
+        found.append([free >> d & 1 for d in range(3)])
+    assert 0.1 < alone.mean() < 0.9
+    np.testing.assert_array_equal(np.ravel(found), alone)
+    one = unblocked(tree, *place, beam, 3, 0b010, 0, stack, MISS)[0]
+    assert one == free & 0b010

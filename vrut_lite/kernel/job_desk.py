@@ -33,6 +33,10 @@ class JobDesk:
         """Whether a module waits for a result."""
         return bool(self._running)
 
+    def runs(self, module: str) -> bool:
+        """Whether this module waits for a result."""
+        return any(key[0] == module for key in self._running)
+
     def start(self, key: Key, work: Work, arguments: tuple[Any, ...]) -> None:
         """Run the work now, or when the job of this key that runs is done."""
         job = Job(key, work, arguments, self._trace)

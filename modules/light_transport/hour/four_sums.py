@@ -14,11 +14,12 @@ from numba.extending import intrinsic
 
 from light_transport.rays.ray_table import LARGE_BITS, SMALL_BITS
 
-# So many sums run side by side, each over every so many-th entry: one addition need not wait for
-# the one before. Their order is always the same.
-_SIDE_BY_SIDE = 4
-_FLOAT = ir.FloatType()
+# So many entries are added at once, as one vector, each to sums of its own: their order is always
+# the same.
+_AT_ONCE = 4
+_FLOAT, _INT = ir.FloatType(), ir.IntType(32)
 _FOUR = ir.VectorType(_FLOAT, 4)
+_FLAGS = ("contract", "nnan", "ninf", "nsz")
 
 
 @intrinsic
@@ -46,12 +47,14 @@ def _make(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     columns = _data(context, builder, column_type, column)
     weights = _data(context, builder, weight_type, weight)
 
-    def read(entry: Any) -> tuple[Any, Any]:
-        at = _widened(builder, builder.load(builder.gep(columns, [entry])), first.type)
-        return at, builder.load(builder.gep(weights, [entry]))
+    def columns_of(entry: Any, number: int) -> list[Any]:
+        return _numbers_at(builder, columns, entry, number, column_type.dtype.bitwidth)
+
+    def weights_of(entry: Any, number: int) -> Any:
+        return _vector_at(builder, weights, entry, _FLOAT, number)
 
     rows = _data(context, builder, value_type, values)
-    return _summed(context, builder, signature, rows, read, first, last)
+    return _summed(context, builder, signature, rows, columns_of, weights_of, first, last)
 
 
 def _make_counted(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -59,57 +62,111 @@ def _make_counted(context: Any, builder: Any, signature: Any, arguments: Any) ->
     value_type, entry_type, _, _ = signature.args
     entries = _data(context, builder, entry_type, entries)
     bits = SMALL_BITS if entry_type.dtype == types.uint16 else LARGE_BITS
+    word = ir.IntType(8 * (2 if entry_type.dtype == types.uint16 else 4))
 
-    def read(entry: Any) -> tuple[Any, Any]:
-        word = _widened(builder, builder.load(builder.gep(entries, [entry])), ir.IntType(32))
-        at = builder.and_(word, ir.Constant(word.type, (1 << bits) - 1))
-        count = builder.add(builder.lshr(word, ir.Constant(word.type, bits)), word.type(1))
-        return builder.zext(at, first.type), builder.uitofp(count, _FLOAT)
+    def columns_of(entry: Any, number: int) -> list[Any]:
+        return _numbers_at(builder, entries, entry, number, bits)
+
+    def counts_of(entry: Any, number: int) -> Any:
+        found = _vector_at(builder, entries, entry, word, number)
+        less_one = builder.lshr(found, _all(found.type, bits))
+        wide = ir.VectorType(_INT, number)
+        found = _widened(builder, less_one, wide)
+        return builder.sitofp(builder.add(found, _all(wide, 1)), ir.VectorType(_FLOAT, number))
 
     rows = _data(context, builder, value_type, values)
-    return _summed(context, builder, signature, rows, read, first, last)
+    return _summed(context, builder, signature, rows, columns_of, counts_of, first, last)
 
 
 def _widened(builder: Any, number: Any, to: Any) -> Any:
     return number if number.type == to else builder.zext(number, to)
 
 
+def _all(vector: Any, value: float) -> Any:
+    return ir.Constant(vector, [value] * vector.count)
+
+
+def _vector_at(builder: Any, data: Any, entry: Any, kind: Any, number: int) -> Any:
+    """So many numbers that follow each other from an entry on."""
+    place = builder.bitcast(builder.gep(data, [entry]), ir.VectorType(kind, number).as_pointer())
+    return builder.load(place, align=kind.width // 8 if isinstance(kind, ir.IntType) else 4)
+
+
+def _numbers_at(builder: Any, data: Any, entry: Any, number: int, bits: int) -> list[Any]:
+    """The lowest bits of so many numbers from an entry on, as 64-bit integers.
+
+    They are cut out of words of 64 bits: as parts of a vector each would be moved by itself.
+    """
+    width, long = data.type.pointee.width, ir.IntType(64)
+    at_once = min(number, 64 // width)
+    word = ir.IntType(width * at_once)
+    found = []
+    for k in range(0, number, at_once):
+        place = builder.gep(data, [builder.add(entry, ir.Constant(entry.type, k))])
+        whole = builder.load(builder.bitcast(place, word.as_pointer()), align=width // 8)
+        for part in range(at_once):
+            # Of little-endian machines.
+            one = builder.lshr(whole, ir.Constant(word, width * part))
+            one = one if word == long else builder.zext(one, long)
+            found.append(builder.and_(one, ir.Constant(long, (1 << bits) - 1)))
+    return found
+
+
+def _chosen(builder: Any, a: Any, b: Any, which: list[int]) -> Any:
+    """The numbers of two vectors, counted through both."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, len(which)), which))
+
+
 def _summed(
-    context: Any, builder: Any, signature: Any, rows: Any, read: Any, first: Any, last: Any
+    context: Any,
+    builder: Any,
+    signature: Any,
+    rows: Any,
+    columns_of: Any,
+    weights_of: Any,
+    first: Any,
+    last: Any,
 ) -> Any:
     index, zero = first.type, ir.Constant(first.type, 0)
-    sums = [cgutils.alloca_once_value(builder, ir.Constant(_FOUR, [0.0] * 4)) for _ in range(4)]
+    wide = ir.VectorType(_FLOAT, 4 * _AT_ONCE)
+    sums = cgutils.alloca_once_value(builder, _all(wide, 0.0))
+    rest = cgutils.alloca_once_value(builder, _all(_FOUR, 0.0))
 
-    def add(entry: Any, into: Any) -> None:
-        at, share = read(entry)
-        place = builder.gep(rows, [builder.shl(at, ir.Constant(index, 2))])
-        found = builder.load(builder.bitcast(place, _FOUR.as_pointer()), align=4)
-        one = builder.insert_element(
-            ir.Constant(_FOUR, ir.Undefined), share, ir.Constant(ir.IntType(32), 0)
-        )
-        share = builder.shuffle_vector(
-            one, one, ir.Constant(ir.VectorType(ir.IntType(32), 4), [0] * 4)
-        )
-        flags = ("contract", "nnan", "ninf", "nsz")
-        product = builder.fmul(found, share, flags=flags)
-        builder.store(builder.fadd(builder.load(into), product, flags=flags), into)
+    def rows_of(entry: Any, number: int) -> list[Any]:
+        places = [
+            builder.gep(rows, [builder.shl(column, ir.Constant(index, 2))])
+            for column in columns_of(entry, number)
+        ]
+        return [
+            builder.load(builder.bitcast(place, _FOUR.as_pointer()), align=4) for place in places
+        ]
+
+    def add(found: Any, share: Any, into: Any) -> None:
+        product = builder.fmul(found, share, flags=_FLAGS)
+        builder.store(builder.fadd(builder.load(into), product, flags=_FLAGS), into)
 
     count = builder.sub(last, first)
     count = builder.select(builder.icmp_signed("<", count, zero), zero, count)
-    together = builder.and_(count, ir.Constant(index, -_SIDE_BY_SIDE))
-    step = ir.Constant(index, _SIDE_BY_SIDE)
+    together = builder.and_(count, ir.Constant(index, -_AT_ONCE))
+    step = ir.Constant(index, _AT_ONCE)
     middle = builder.add(first, together)
     with cgutils.for_range_slice(builder, first, middle, step, index, inc=True) as (entry, _):
-        for side, into in enumerate(sums):
-            add(builder.add(entry, ir.Constant(index, side)), into)
-    one_entry = ir.Constant(index, 1)
-    with cgutils.for_range_slice(builder, middle, last, one_entry, index, inc=True) as (entry, _):
-        add(entry, sums[0])
-    a, b, c, d = (builder.load(into) for into in sums)
-    total = builder.fadd(builder.fadd(a, b), builder.fadd(c, d))
-    channels = [
-        builder.extract_element(total, ir.Constant(ir.IntType(32), channel)) for channel in range(4)
-    ]
+        a, b, c, d = rows_of(entry, _AT_ONCE)
+        eight = list(range(8))
+        low, high = _chosen(builder, a, b, eight), _chosen(builder, c, d, eight)
+        found, shares = _chosen(builder, low, high, list(range(16))), weights_of(entry, _AT_ONCE)
+        add(found, _chosen(builder, shares, shares, [k // 4 for k in range(16)]), sums)
+    single = ir.Constant(index, 1)
+    with cgutils.for_range_slice(builder, middle, last, single, index, inc=True) as (entry, _):
+        share = weights_of(entry, 1)
+        add(rows_of(entry, 1)[0], _chosen(builder, share, share, [0] * 4), rest)
+    total = builder.load(sums)
+    for half in (8, 4):
+        lower, upper = list(range(half)), list(range(half, 2 * half))
+        one, other = (_chosen(builder, total, total, part) for part in (lower, upper))
+        total = builder.fadd(one, other, flags=_FLAGS)
+    total = builder.fadd(total, builder.load(rest), flags=_FLAGS)
+    channels = [builder.extract_element(total, ir.Constant(_INT, channel)) for channel in range(4)]
     return context.make_tuple(builder, signature.return_type, channels)
 
 

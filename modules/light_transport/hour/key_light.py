@@ -11,7 +11,7 @@ from light_transport.kernels import dot, hot
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import begin, shift
 from light_transport.rays.ray_table import TRIED
-from light_transport.rays.trace import MISS, blocker, mixed
+from light_transport.rays.trace import BEAM, MISS, bound_beam, mixed, unblocked
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Shadow rays of a patch: at least so many, and from all rows where a third of its view is patches.
@@ -66,10 +66,18 @@ def key_rays_of(
 
 def patch_means(patches: Patches, rays: KeyRays, values: Float32Array) -> Float32Array:
     """Means (M,) over patches of values (N,) of the rows with shadow rays."""
-    sums = np.add.reduceat(
-        np.append(rays.weight * values[patches.member], np.float32(0.0)), patches.start[:-1]
-    )
-    return np.where(np.diff(patches.start) > 0, sums, 0.0).astype(np.float32)
+    means = np.empty(len(patches.start) - 1, np.float32)
+    _fill_means(patches.start, patches.member, rays.weight, values, means)
+    return means
+
+
+@hot
+def _fill_means(start, member, weight, values, means):  # type: ignore[no-untyped-def]
+    for p in range(len(means)):
+        total = np.float32(0.0)
+        for m in range(start[p], start[p + 1]):
+            total += weight[m] * values[member[m]]
+        means[p] = total
 
 
 class KeyShadows:
@@ -112,7 +120,7 @@ def free_rays(tree, receivers, free_start, directions, scratch, first, last, out
     `free_start` (N,): see `KeyRays`. Rays that would begin into their surface are laid along it,
     for the key light itself may stand above.
     """
-    stack, _, _, shifts, weights, place, normal, face, towards = scratch
+    stack, beam, _, shifts, weights, place, normal, face, _ = scratch
     geometry, texels, probes, groups = receivers
     first_probe = len(texels.pixel)
     first_group = first_probe + len(probes.place)
@@ -128,28 +136,33 @@ def free_rays(tree, receivers, free_start, directions, scratch, first, last, out
             begin(
                 geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
             )
+            wanted = 0
             for d in range(len(directions)):
                 cosine = dot(face, directions[d])
-                if cosine < -FARTHEST:
-                    continue
+                if cosine >= -FARTHEST:
+                    wanted |= 1 << d
                 for k in range(3):
-                    towards[k] = directions[d, k] - min(cosine, 0.0) * face[k]
-                found = blocker(
-                    tree,
-                    np.float32(place[0]),
-                    np.float32(place[1]),
-                    np.float32(place[2]),
-                    np.float32(towards[0]),
-                    np.float32(towards[1]),
-                    np.float32(towards[2]),
-                    mixed(row, s),
-                    stack,
-                    likely,
-                )
-                if found == MISS:
+                    beam[BEAM + 3 * d + k] = directions[d, k] - min(cosine, 0.0) * face[k]
+            if wanted == 0:
+                continue
+            bound_beam(beam, len(directions))
+            passing, found = unblocked(
+                tree,
+                np.float32(place[0]),
+                np.float32(place[1]),
+                np.float32(place[2]),
+                beam,
+                len(directions),
+                wanted,
+                mixed(row, s),
+                stack,
+                likely,
+            )
+            if found != MISS:
+                likely = found
+            for d in range(len(directions)):
+                if (passing >> d) & 1:
                     out[d, row] |= np.uint8(1 << s)
-                else:
-                    likely = found
 
 
 @hot

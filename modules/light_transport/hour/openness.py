@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.kernels import hot
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -29,6 +30,22 @@ def open_luminance(open_sky: FloatArray) -> Float32Array:
     """Luminance of irradiance (cells,) under open sky, by its harmonics (25, 3); above 0."""
     light = luminance(_basis() @ np.asarray(open_sky, np.float64))
     return np.maximum(light, 1e-30).astype(np.float32)
+
+
+@hot
+def scaled(light, factor, cell):  # type: ignore[no-untyped-def]
+    """Multiply light (N, 4) by the factors (cells,) of its orientations (N,) or more."""
+    for i in range(len(light)):
+        for k in range(4):
+            light[i, k] *= factor[cell[i]]
+
+
+@hot
+def to_shares(light, open_sky, cell):  # type: ignore[no-untyped-def]
+    """Divide alpha of light (N, 4) by the luminance (cells,) of the open sky; at most 1."""
+    for i in range(len(light)):
+        share = light[i, 3] / open_sky[cell[i]]
+        light[i, 3] = min(max(share, np.float32(0.0)), np.float32(1.0))
 
 
 @lru_cache(maxsize=1)

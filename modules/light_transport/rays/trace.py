@@ -11,6 +11,8 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 FAR = np.float32(1e6)
 MISS = -1
 _LEAF_MASK = (1 << LEAF_BITS) - 1
+# A beam's directions begin at this of its numbers.
+BEAM = 6
 # Least magnitude of a direction's components.
 _TINY = np.float32(1e-12)
 _ONE, _ZERO = np.float32(1.0), np.float32(0.0)
@@ -134,38 +136,97 @@ def nearest_along(tree, place, direction, ray, stack, far_stack):  # type: ignor
     )
 
 
-@hot
-def blocker(tree, ox, oy, oz, dx, dy, dz, ray, stack, likely):  # type: ignore[no-untyped-def]
-    """Some triangle that is in a ray's way, in the tree's order, or MISS.
+@inlined
+def bound_beam(beam, count):  # type: ignore[no-untyped-def]
+    """Fill in the bounds of a beam's first `count` directions.
 
-    `likely` is tried first: neighbours are often in one shadow.
+    `beam` (STACK,) float32 has the directions, three numbers each, from BEAM on; before it come the
+    least and the largest inverse along each axis. An axis along which they have both signs bounds
+    nothing.
+    """
+    for k in range(3):
+        least, most = FAR, -FAR
+        lowest, highest = FAR, -FAR
+        for d in range(count):
+            along = beam[BEAM + 3 * d + k]
+            lowest, highest = min(lowest, along), max(highest, along)
+            inverse = _inverse(along)
+            least, most = min(least, inverse), max(most, inverse)
+        if lowest * highest <= _ZERO:
+            least, most = -_ONE / _TINY, _ONE / _TINY
+        beam[k], beam[3 + k] = least, most
+
+
+@inlined
+def _may_enter(boxes, node, side, ox, oy, oz, beam, turned):  # type: ignore[no-untyped-def]
+    """Whether some direction of a beam may enter a child's box; `turned` has a bit for each axis
+    along which they are negative."""
+    near, out = _ZERO, FAR
+    for k in range(3):
+        origin = ox if k == 0 else (oy if k == 1 else oz)
+        first = 3 * ((turned >> k) & 1)
+        to_near = boxes[node, side + k + first] - origin
+        to_far = boxes[node, side + k + 3 - first] - origin
+        near = max(near, min(to_near * beam[k], to_near * beam[3 + k]))
+        out = min(out, max(to_far * beam[k], to_far * beam[3 + k]))
+    return near <= out
+
+
+@inlined
+def _passing(triangle, opacity, t, ox, oy, oz, beam, count, free, ray):  # type: ignore[no-untyped-def]
+    """The bits of `free` whose directions a triangle is not in the way of."""
+    if _lets_pass(opacity, t, ray):
+        return free
+    for d in range(count):
+        if (free >> d) & 1:
+            at = BEAM + 3 * d
+            distance, _, _ = _crossed(triangle, t, ox, oy, oz, beam[at], beam[at + 1], beam[at + 2])
+            if distance > _ZERO:
+                free &= ~(1 << d)
+    return free
+
+
+@hot
+def unblocked(tree, ox, oy, oz, beam, count, wanted, ray, stack, likely):  # type: ignore[no-untyped-def]
+    """Directions of a beam that nothing is in the way of, and the last triangle that was, or MISS.
+
+    Of `count` directions close to each other (see `bound_beam`) those are asked whose bits `wanted`
+    has; the answer has some of these bits. `likely` is tried first: neighbours are often in one
+    shadow.
     """
     boxes, child, triangle, opacity = tree.boxes, tree.child, tree.triangle, tree.opacity
+    free = wanted
     if likely != MISS:
-        distance, _, _ = _crossed(triangle, likely, ox, oy, oz, dx, dy, dz)
-        if distance > _ZERO and not _lets_pass(opacity, likely, ray):
-            return likely
-    ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
+        free = _passing(triangle, opacity, likely, ox, oy, oz, beam, count, free, ray)
+        if free == 0:
+            return free, likely
+    turned = 0
+    for k in range(3):
+        if beam[3 + k] < _ZERO:
+            turned |= 1 << k
+    found = MISS
     top, node = 0, 0
     while True:
         if node >= 0:
-            a = _enters(boxes, node, 0, ox, oy, oz, ix, iy, iz, FAR)
-            b = _enters(boxes, node, 6, ox, oy, oz, ix, iy, iz, FAR)
-            if a < FAR and b < FAR:
+            a = _may_enter(boxes, node, 0, ox, oy, oz, beam, turned)
+            b = _may_enter(boxes, node, 6, ox, oy, oz, beam, turned)
+            if a and b:
                 stack[top] = child[node, 1]
                 top += 1
-            if a < FAR or b < FAR:
-                node = child[node, 0 if a < FAR else 1]
+            if a or b:
+                node = child[node, 0 if a else 1]
                 continue
         else:
             code = -1 - node
             first = code >> LEAF_BITS
             for t in range(first, first + (code & _LEAF_MASK)):
-                distance, _, _ = _crossed(triangle, t, ox, oy, oz, dx, dy, dz)
-                if distance > _ZERO and not _lets_pass(opacity, t, ray):
-                    return t
+                left = _passing(triangle, opacity, t, ox, oy, oz, beam, count, free, ray)
+                if left != free:
+                    free, found = left, t
+            if free == 0:
+                return free, found
         if top == 0:
-            return MISS
+            return free, found
         top -= 1
         node = stack[top]
 

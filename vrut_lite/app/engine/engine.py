@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer
+from vrut_lite.app.engine.first_light import LOOK_AGAIN_S, FirstLight
 from vrut_lite.app.engine.pacing import Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
@@ -72,6 +73,7 @@ class Engine:
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._adaptation = Adaptation()
+        self._first_light = FirstLight()
         self._finer_light = FinerLight()
         self._finish_at_s: float | None = None
         # A finished picture was given up, and nothing visible has changed since.
@@ -233,6 +235,9 @@ class Engine:
             # A question has injected inputs, as an undo does: pump them first.
             return
         elif self._finish_at_s is not None and now_s >= self._finish_at_s:
+            if self._first_light.is_awaited(stage.kernel, stage.state, now_s):
+                self._finish_at_s = now_s + LOOK_AGAIN_S
+                return
             self._finish_at_s = None
             self._draw_one(stage, "still")
 

@@ -1,0 +1,61 @@
+"""A finished picture waits for the first light of its scene, and for nothing else."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from vrut_lite.app.engine.first_light import FirstLight
+from vrut_lite.daylight.light_map import SLOT
+from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.messages import JobResult
+
+
+class NeverDone:
+    """Starts jobs that others end."""
+
+    def start(self, job, finish):
+        self.job, self.finish = job, finish
+
+
+@pytest.fixture
+def runner():
+    return NeverDone()
+
+
+@pytest.fixture
+def kernel(runner):
+    holders = {SLOT: "holder"}
+    return SimpleNamespace(
+        jobs=JobDesk(runner, lambda result: None, None),
+        slots=SimpleNamespace(holder=lambda slot: holders.get(slot, "")),
+        holders=holders,
+    )
+
+
+def state(scene, light=None):
+    return SimpleNamespace(scene=scene, surface_light=light)
+
+
+def test_a_picture_waits_while_the_holder_of_the_light_map_works(kernel, runner):
+    """Not for others' jobs, nor when light is there, nor after the job's end."""
+    first, scene = FirstLight(), object()
+    kernel.jobs.start(("other", "job"), lambda: None, ())
+    assert not first.is_awaited(kernel, state(scene), 0.0)
+    kernel.jobs.start(("holder", "layout"), lambda: None, ())
+    assert first.is_awaited(kernel, state(scene), 0.1)
+    assert not first.is_awaited(kernel, state(scene, light=object()), 0.2)
+    runner.finish(runner.job, result := JobResult(module="holder", job="layout"))
+    assert kernel.jobs.admit(result)
+    assert not first.is_awaited(kernel, state(scene), 0.3)
+
+
+def test_patience_ends_and_begins_anew_with_another_scene(kernel):
+    """Five seconds from the first question on; and where no module holds the slot, none."""
+    first, scene = FirstLight(), object()
+    kernel.jobs.start(("holder", "layout"), lambda: None, ())
+    assert first.is_awaited(kernel, state(scene), 100.0)
+    assert first.is_awaited(kernel, state(scene), 104.9)
+    assert not first.is_awaited(kernel, state(scene), 105.0)
+    assert first.is_awaited(kernel, state(object()), 106.0)
+    kernel.holders.clear()
+    assert not first.is_awaited(kernel, state(scene), 107.0)
