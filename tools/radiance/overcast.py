@@ -3,7 +3,7 @@
     .venv/bin/python -m tools.radiance.overcast [--rays N]
 
 CIE's sky types 16 and 1 in three scenes and in a room whose window has one clear pane, two, or two
-that pass 0.72; that room in the sun too. Radiance's tint grows with the way through the glass, ours
+X
 does not: the last differs. It needs the extra `radiance`.
 """
 
