@@ -90,6 +90,7 @@ class DaylightPanel(QWidget):
         self.kind.addItems(list(_KINDS))
         self.kind.setAccessibleName("what the plan shows")
         self.plane.setAccessibleName("work plane")
+        self.plane.hide()
         self.view, self.legend = PlaneView(), Legend()
         self.under = faint_label("", wraps=True)
         # The plan stays where it is while the text comes and goes.
@@ -202,6 +203,7 @@ class DaylightPanel(QWidget):
         self._stop()
         self.measured = None
         self.plane.clear()
+        self.plane.hide()
         self.view.show_nothing()
         self.legend.show_values([])
         self.under.clear()

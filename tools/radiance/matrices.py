@@ -1,6 +1,6 @@
 """A year of weather at sensors by Radiance's own matrices, beside the year's product.
 
-    .venv/bin/python -m tools.radiance.matrices prague.epw [--rays N ...] [--points N] [SCENE ...]
+    .venv/bin/python -m tools.radiance.matrices prague.epw [SCENE ...] [--rays N ...] [--points N]
 
 The two-phase method (rfluxmtx; 2,305 patches of Reinhart), in which the sun is apart: bounces
 of it come from the patch that it stands in, its own light by a ray to its disc. Prints
