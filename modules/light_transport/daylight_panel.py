@@ -215,11 +215,9 @@ class DaylightPanel(QWidget):
 
     def _follow(self) -> None:
         """Another hour or sky, once it rests."""
-        if self.measured is None or not self.isVisible():
-            return
         if self._is_busy:
             self._is_outdated = True
-        else:
+        elif self.measured is not None and self.isVisible():
             self.start()
 
     def _take(self, given_up: Event, measured: Measured) -> None:

@@ -72,7 +72,8 @@ def test_a_click_measures_and_the_hour_is_followed(panel, qtbot, tmp_path):
 
 
 def test_a_second_click_stops_the_measurement(panel, qtbot):
-    """Nothing is shown of what was stopped, and another click begins anew."""
+    """Nothing is shown of what was stopped, and another click begins anew; an hour that comes while
+    the first measurement goes on is measured after it."""
     qtbot.mouseClick(panel.measure, Qt.MouseButton.LeftButton)
     assert panel.measure.text() == "Stop"
     assert panel.progress.isVisible()
@@ -83,4 +84,8 @@ def test_a_second_click_stops_the_measurement(panel, qtbot):
     QApplication.processEvents()
     assert panel.measured is None
     qtbot.mouseClick(panel.measure, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: panel.measured is not None, timeout=PATIENCE_MS)
+    later = NOON + timedelta(hours=3)
+    panel._session.send(SetClock(instant=later))
+    qtbot.waitUntil(
+        lambda: panel.measured is not None and panel.measured.instant == later, timeout=PATIENCE_MS
+    )
