@@ -2,7 +2,7 @@
 
     .venv/bin/python -m tools.radiance.overcast [--rays N]
 
-CIE's sky types 16 and 1 in three scenes and in a room whose window has one clear pane, a tinted one,
+CIE's sky types 16 and 1 in three scenes and in a room whose window has one clear pane, one tinted,
 two clear or two tinted ones; that room in the sun too. Between two panes Radiance mixes both
 polarisations: these differ by some 4 %. It needs the extra `radiance`.
 """

@@ -143,7 +143,7 @@ def stack(
     across = ((cosine - ior * bent) / (cosine + ior * bent)) ** 2
     along = ((ior * cosine - bent) / (ior * cosine + bent)) ** 2
     inner, more = np.minimum(tint, 1.0) ** (1.0 / bent), np.maximum(tint, 1.0)
-    passed, sent = 0.0, 0.0
+    passed, sent = np.zeros((2, *np.shape(across * inner)))
     for face in (across, along):
         passes = (1.0 - face) ** 2 * inner / (1.0 - (face * inner) ** 2)
         back = face * (1.0 + inner * passes)
