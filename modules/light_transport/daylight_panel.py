@@ -45,7 +45,7 @@ _IDLE = (
     f"Sensors stand {_HEIGHT_M} m above the floors of rooms, or above open ground, every {_STEP_M} "
     "m. The first measurement takes half a minute or less; then it follows the hour."
 )
-
+_STOPPED = "Stopped: nothing new was measured."
 _AT_WORK = "Rays from the sensors, and light between surfaces \N{HORIZONTAL ELLIPSIS}"
 
 
@@ -90,6 +90,7 @@ class DaylightPanel(QWidget):
         self.kind.addItems(list(_KINDS))
         self.kind.setAccessibleName("what the plan shows")
         self.plane.setAccessibleName("work plane")
+        self.plane.hide()
         self.view, self.legend = PlaneView(), Legend()
         self.under = faint_label("", wraps=True)
         # The plan stays where it is while the text comes and goes.
@@ -140,10 +141,12 @@ class DaylightPanel(QWidget):
             self._demand(on=False)
 
     def start(self) -> None:
-        """Measure the present hour, beside the window's work."""
+        """Measure the present hour, beside the window's work; while that goes on, stop it."""
         scene, light = self._session.last(SceneOpened), self._present_light()
         clock = self._session.last(ClockMoved)
         if self._is_busy:
+            self._stop()
+            self.facts.setText(_STOPPED)
             return
         if scene is None or light is None or clock is None:
             self.facts.setText("There is no scene, or no sky: nothing can be measured yet.")
@@ -197,11 +200,10 @@ class DaylightPanel(QWidget):
         if self._of_scene is not None and scene.content_key == self._of_scene.content_key:
             return
         self._of_scene = scene
-        self._given_up.set()
-        self._given_up = Event()
-        self._rest()
+        self._stop()
         self.measured = None
         self.plane.clear()
+        self.plane.hide()
         self.view.show_nothing()
         self.legend.show_values([])
         self.under.clear()
@@ -213,11 +215,9 @@ class DaylightPanel(QWidget):
 
     def _follow(self) -> None:
         """Another hour or sky, once it rests."""
-        if self.measured is None or not self.isVisible():
-            return
         if self._is_busy:
             self._is_outdated = True
-        else:
+        elif self.measured is not None and self.isVisible():
             self.start()
 
     def _take(self, given_up: Event, measured: Measured) -> None:
@@ -240,13 +240,18 @@ class DaylightPanel(QWidget):
         self._rest()
         self.facts.setText(line)
 
+    def _stop(self) -> None:
+        self._given_up.set()
+        self._given_up = Event()
+        self._rest()
+
     def _rest(self) -> None:
         self._is_busy = False
         self._show_busy(False)
 
     def _show_busy(self, busy: bool) -> None:
         self.progress.setVisible(busy)
-        self.measure.setEnabled(not busy)
+        self.measure.setText("Stop" if busy else "Measure")
         if busy:
             self.facts.setText(_AT_WORK)
 

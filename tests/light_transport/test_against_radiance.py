@@ -6,13 +6,18 @@ Needs the wheel `pyradiance`, which the product does not: skipped where it is no
 import numpy as np
 import pytest
 from boxes import floor, hour, quads
-from light_transport.daylight_numbers.glass import no_glass
+from light_transport.daylight_numbers.glass import no_glass, stack
 from light_transport.daylight_numbers.now import hour_at_sensors
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.sensors import free_sensors
 
 from tools.radiance.grids import GRIDS, Grid, compared_hours
-from tools.radiance.irradiance import Effort, irradiance_by_radiance, radiance_folder
+from tools.radiance.irradiance import (
+    Effort,
+    irradiance_by_radiance,
+    radiance_folder,
+    run_in,
+)
 from tools.radiance.overcast import GLAZED, PANES, compared
 from tools.radiance.year import compared_year
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -105,6 +110,27 @@ def test_hours_of_a_year_of_weather_have_radiance_s_illuminance(scene, tmp_path)
     print(scene, f"{np.sqrt(np.mean(error**2)):.2%} {of_sum.mean():+.2%} {found.ours_cpu_s:.0f}")
     assert np.sqrt(np.mean(of_sum**2)) < 0.05
     assert np.sqrt(np.mean(error**2)) < 0.05
+
+
+@pytest.mark.parametrize("tint", [1.0, 0.65])
+def test_panes_pass_what_radiance_s_glass_does(tint, tmp_path):
+    """One to 0.0001; of two Radiance forgets in between how light is polarised."""
+    angle = np.radians([0.0, 30.0, 50.0, 60.0, 70.0, 80.0])
+    passed, back = stack(np.cos(angle), tint, 1)
+    for panes, expected in ((1, passed), (2, passed**2 / (1.0 - back**2))):
+        lines = [f"void glass g\n0\n0\n4 {tint} {tint} {tint} 1.5\n"]
+        for pane in range(panes):
+            corners = f"-99 -99 {-pane} 99 -99 {-pane} 99 99 {-pane} -99 99 {-pane}"
+            lines.append(f"g polygon pane{pane}\n0\n0\n12 {corners}\n")
+        lines.append("void glow sky\n0\n0\n4 1 1 1 0\nsky source below\n0\n0\n4 0 0 -1 180\n")
+        (tmp_path / "panes.rad").write_text("".join(lines))
+        (tmp_path / "panes.oct").write_bytes(run_in(tmp_path, "oconv", "panes.rad"))
+        rays = "".join(f"0 0 1 {np.sin(a)} 0 {-np.cos(a)}\n" for a in np.repeat(angle, 400))
+        out = run_in(
+            tmp_path, "rtrace", "-h", "-lr", "-12", "-lw", "1e-4", "panes.oct", told=rays.encode()
+        )
+        theirs = np.array(out.split(), float)[::3].reshape(len(angle), -1).mean(axis=1)
+        np.testing.assert_allclose(theirs, expected, atol=2e-4)
 
 
 @pytest.mark.long

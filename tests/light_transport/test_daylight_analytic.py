@@ -10,10 +10,11 @@ import pytest
 from boxes import box, hour, quads
 from light_transport.bake import Bake
 from light_transport.daylight_numbers.cie_skies import cie_hour, relative_luminance
-from light_transport.daylight_numbers.glass import clear_share, no_glass
+from light_transport.daylight_numbers.glass import no_glass, stack, tint_of
 from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors, sun_shares
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.sensors import free_sensors
+from scipy.optimize import brentq
 
 WORST, LEAST = 0.01, 0.5
 SIZE, HEIGHT = 4.0, 3.0
@@ -71,26 +72,38 @@ def component(frame, hole, place, normal, sky, pane):
     cosine = np.maximum(towards @ normal, 0.0)
     light = relative_luminance(sky, np.maximum(towards[..., 1], 0.0)) * (towards[..., 1] > 0)
     if pane:
-        light = light * pane_transmittance(inclined)
+        angles = np.linspace(1e-3, 1.0, 1000)
+        light = light * np.interp(inclined, angles, pane_transmittance(angles))
     steps = (np.arange(100_000) + 0.5) / 100_000
     outside = 2.0 * np.pi * np.mean(relative_luminance(sky, steps) * steps)
     return 100.0 * float(np.sum(light * cosine * inclined / distance**2) * area / outside)
 
 
-def pane_transmittance(cosine, ior=1.5, panes=1):
-    """Of clear panes by adding them one by one, with all bounces between them, by Fresnel."""
-    bent = np.sqrt(1.0 - (1.0 - cosine**2) / ior**2)
+def pane_transmittance(cosine, ior=1.5, panes=1, inner=1.0):
+    """Of panes by the light in each layer, both ways: a linear system of all faces, by Fresnel.
+
+    `inner` is what the glass of a pane leaves on the shortest way through it.
+    """
+    bent = np.sqrt(1 - (1 - cosine**2) / ior**2)
     across = ((cosine - ior * bent) / (cosine + ior * bent)) ** 2
     along = ((ior * cosine - bent) / (ior * cosine + bent)) ** 2
-    share = 0.0
-    for r in (across, along):
-        passes, back = (1 - r) / (1 + r), 2 * r / (1 + r)
-        through, returned = passes, back
-        for _ in range(panes - 1):
-            between = 1.0 / (1.0 - returned * back)
-            through, returned = through * passes * between, returned + through**2 * back * between
-        share = share + 0.5 * through
-    return share
+    return 0.5 * sum(np.vectorize(layered)(r, inner ** (1 / bent), panes) for r in (across, along))
+
+
+def layered(face, inner, panes):
+    """Light through 2 `panes` faces; layers between them leave `inner` in glass, all in air."""
+    faces = 2 * panes
+    leaves = [1.0, *([inner, 1.0] * panes)]
+    # Forward light at the end of layer n is unknown 2 n, backward light at its start 2 n + 1.
+    system, told = np.eye(2 * faces + 2), np.zeros(2 * faces + 2)
+    told[0] = 1.0
+    for n in range(faces):
+        ahead, behind = leaves[n + 1], leaves[n]
+        system[2 * n + 2, 2 * n] -= (1 - face) * ahead
+        system[2 * n + 2, 2 * n + 3] -= face * ahead
+        system[2 * n + 1, 2 * n] -= face * behind
+        system[2 * n + 1, 2 * n + 3] -= (1 - face) * behind
+    return np.linalg.solve(system, told)[2 * faces]
 
 
 PLACES = np.array([[x, 0.0, z] for x in (-1.5, 0.0, 1.5) for z in (-1.2, 0.4)])
@@ -120,26 +133,36 @@ def test_sky_components_through_openings_are_analytic(opening, pane):
             assert np.all(error < WORST), (direction, sky, found[counted], truth[counted])
 
 
+@pytest.mark.parametrize("inner", [1.0, 0.6])
 @pytest.mark.parametrize("panes", [1, 2, 3])
-def test_glazing_of_several_panes_is_that_of_panes_one_by_one(panes):
-    """The closed form that rays use against a sum over panes, at all angles."""
+def test_glazing_of_several_panes_is_that_of_all_their_faces(panes, inner):
+    """Panes added one by one against the light in all layers at once, at all angles."""
     cosine = np.linspace(0.05, 1.0, 20)
-    np.testing.assert_allclose(
-        clear_share(cosine, panes), pane_transmittance(cosine, panes=panes), rtol=1e-9
-    )
+    passed, sent = stack(cosine, inner, panes)
+    np.testing.assert_allclose(passed, pane_transmittance(cosine, panes=panes, inner=inner))
+    if inner == 1.0:
+        np.testing.assert_allclose(passed + sent, 1.0)
+    else:
+        assert (passed + sent < 1.0).all()
 
 
 def test_rays_lose_what_double_panes_of_a_project_take():
-    """Named glass passes its share at right angles, and less the more it is inclined."""
+    """Named glass passes its share and colour at right angles, and darkens as it is inclined."""
     bake, glass, _ = room("facade", HOLES["facade"], pane=True)
-    glass.tint[-2:], glass.panes[-2:] = 0.7 / clear_share(np.ones(1), 2), 2
+    told = np.array([0.6, 0.4, 0.9])
+    glass.tint[-2:], glass.panes[-2:] = tint_of(told, 2), 2
     towards = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.5]])
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     sensors = free_sensors([[0.0, 1.5, 0.0]], [[1.0, 0.0, 0.0]], "eye")
     suns = towards + np.array([0.0, 1e-4, 0.0])
-    passed = sun_shares(bake, glass, sensors, suns)[0, :, 0] / towards[:, 0]
-    expected = 0.7 * clear_share(towards[:, 0], 2) / clear_share(np.ones(1), 2)
-    np.testing.assert_allclose(passed, expected, rtol=1e-3)
+    passed = sun_shares(bake, glass, sensors, suns)[0] / towards[:, :1]
+    np.testing.assert_allclose(passed[0], told, rtol=1e-3)
+    clear = float(pane_transmittance(np.ones(1), panes=2)[0])
+    assert told[2] > clear
+    inner = [brentq(lambda t, T=T: layered(0.04, t, 2) - T, 0.0, 1.0) for T in told[:2]]
+    expected = [pane_transmittance(towards[1:, 0], panes=2, inner=t)[0] for t in inner]
+    coated = told[2] / clear * pane_transmittance(towards[1:, 0], panes=2)[0]
+    np.testing.assert_allclose(passed[1], [*expected, coated], rtol=1e-3)
 
 
 def test_configuration_factors_of_a_glowing_wall_are_analytic():

@@ -48,6 +48,67 @@ def test_open_ground_has_a_grid_where_there_is_no_room():
     assert len(found) == 144
 
 
+def planes_of(*pieces):
+    """Names, heights of floors and areas of the planes that are found."""
+    points = np.array(pieces, float).reshape(-1, 3)
+    found = work_planes(bake_of(*pieces), points.min(axis=0), points.max(axis=0))
+    areas = np.bincount(found.plane) * np.square(found.step_m)
+    first = np.searchsorted(found.plane, np.arange(len(found.names)))
+    return found.names, found.places_m[first, 1] - 0.85, areas
+
+
+def test_a_flat_roof_is_no_floor_of_a_house():
+    """A terrace with a parapet of 1.1 m lies on a room with a door to a garden."""
+    room = box((0, 0, 0), (6, 3, 5), inwards=True)[1:]
+    roof = box((-0.2, 3.2, -0.2), (6.2, 3.4, 5.2))
+    parapet = [
+        *box((-0.2, 3.4, -0.2), (0.0, 4.5, 5.2)), *box((6.0, 3.4, -0.2), (6.2, 4.5, 5.2)),
+        *box((-0.2, 3.4, -0.2), (6.2, 4.5, 0.0)), *box((-0.2, 3.4, 5.0), (6.2, 4.5, 5.2)),
+    ]  # fmt: skip
+    names, floors, areas = planes_of(*room, *roof, *parapet, floor(-8, 14, -8, 13))
+    assert names == ("room 1",)
+    np.testing.assert_allclose(floors, 0.0, atol=2e-3)
+    np.testing.assert_allclose(areas, 30.0, rtol=0.15)
+
+
+def test_a_hall_that_is_open_at_one_end_is_a_room():
+    """Neither its roof, which is as large, nor the sills of its windows are floors."""
+    walls = [
+        *box((-0.5, 0, 0), (0, 8, 20)), *box((10, 0, 0), (10.5, 8, 20)),
+        *box((-0.5, 0, 20), (10.5, 3, 22)), *box((-0.5, 7, 20), (10.5, 8, 22)),
+        *box((-0.5, 8, 0), (10.5, 8.5, 22)),
+    ]  # fmt: skip
+    names, floors, areas = planes_of(*walls, floor(0, 10, 0, 20))
+    assert names == ("room 1",)
+    np.testing.assert_allclose(floors, 0.0, atol=2e-3)
+    np.testing.assert_allclose(areas, 200.0, rtol=0.15)
+
+
+def test_a_yard_among_houses_is_a_court_and_a_street_is_open_ground():
+    """Their roofs are larger."""
+    sides = [*box((-9, 0, -14), (-4, 9, 14)), *box((4, 0, -14), (9, 9, 14))]
+    ends = [*box((-4, 0, -14), (4, 9, -5)), *box((-4, 0, 5), (4, 9, 14))]
+    names, floors, areas = planes_of(*sides, *ends, floor(-9, 9, -14, 14))
+    assert names == ("court 1",)
+    np.testing.assert_allclose(floors, 0.0, atol=2e-3)
+    np.testing.assert_allclose(areas, 80.0, rtol=0.15)
+    names, floors, areas = planes_of(*sides, floor(-9, 9, -14, 14))
+    assert names == ("open ground 1",)
+    np.testing.assert_allclose(floors, 0.0, atol=2e-3)
+    np.testing.assert_allclose(areas, 224.0, rtol=0.15)
+
+
+def test_a_roof_on_columns_is_no_room_unless_there_is_nothing_else():
+    columns = [
+        side for x in (0, 4.6) for z in (0, 4.6) for side in box((x, 0, z), (x + 0.4, 3, z + 0.4))
+    ]
+    pavilion = [*columns, *box((-0.5, 3, -0.5), (5.5, 3.3, 5.5))]
+    names, floors, _ = planes_of(*pavilion, floor(-8, 12, -8, 12))
+    assert names == ("open ground 1",)
+    np.testing.assert_allclose(floors, 0.0, atol=2e-3)
+    assert planes_of(*pavilion, floor(0, 5, 0, 5))[0] == ("covered ground 1",)
+
+
 def test_a_scene_without_floors_has_no_work_planes():
     wall = [[[0, 0, 0], [0, 3, 0], [0, 3, 3], [0, 0, 3]]]
     with pytest.raises(UserError, match="no work plane"):

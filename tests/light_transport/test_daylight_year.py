@@ -16,7 +16,7 @@ from light_transport.daylight_numbers.metrics import (
 from light_transport.daylight_numbers.now import hour_at_sensors
 from light_transport.daylight_numbers.numbers_now import numbers_now
 from light_transport.daylight_numbers.operator import operator_of
-from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
+from light_transport.daylight_numbers.plan_picture import Quantity, drawn_grid, plan_picture
 from light_transport.daylight_numbers.report import Page, Table, write_report
 from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.work import Work
@@ -25,6 +25,7 @@ from light_transport.giving_up import GivenUp, unless
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.geometry.false_colours import scale_of
 from vrut_lite.pictures.image_files import write_png
 
 
@@ -130,6 +131,15 @@ def test_pictures_have_their_values_where_they_are():
     day = by_day_and_hour(np.array([5.0, 500.0]), np.array([12, 364 * HOURS + 12]))
     assert (day[12, 0], day[12, 364], np.count_nonzero(day)) == (5.0, 500.0, 2)
     assert heat_map(day, "room", Quantity("illuminance", "lx")).ndim == 3
+
+
+def test_an_even_room_has_no_lines_where_its_value_is_a_level():
+    """Three hours of sun everywhere but along one wall: lines along that wall alone."""
+    grid = np.full((9, 9), 3.0)
+    grid[:2] = np.linspace(1.0, 20.0, 9)
+    lines = (drawn_grid(grid, scale_of(grid)) == 250).all(axis=-1)
+    assert lines.any()
+    assert not lines[len(lines) // 2 :].any()
 
 
 def test_roof_lights_must_bring_the_target_to_nearly_all_of_the_plane():

@@ -95,20 +95,27 @@ def _traced(
     folder: Path, files: tuple[str, ...], rows: FloatArray, effort: Effort, *options: str
 ) -> FloatArray:
     """What `rtrace` finds (R, 3) along rays (R, 6): places and directions."""
+    (folder / "scene.oct").write_bytes(run_in(folder, "oconv", *files))
+    points = "".join(" ".join(f"{value:.9g}" for value in row) + "\n" for row in rows).encode()
+    ambient = ("-ab", str(effort.bounces), "-ad", str(effort.rays))
+    weight = ("-lw", f"{_LEAST_WEIGHT / effort.rays:.3g}")
+    out = run_in(
+        folder, "rtrace", *options, "-h", *_EXACT, *ambient, *weight, "scene.oct", told=points
+    )
+    return np.array(out.split(), float).reshape(-1, 3)
+
+
+def run_in(folder: Path, *command: str, told: bytes | None = None) -> bytes:
+    """What one of Radiance's programs says that runs in a folder.
+
+    Raises:
+        UserError: Radiance is not installed.
+    """
     home = radiance_folder()
     if home is None:
         raise UserError("Radiance is not installed: pip install pyradiance")
     environment = dict(os.environ, PATH=f"{home / 'bin'}:{os.environ['PATH']}")
     environment["RAYPATH"] = f".:{home / 'lib'}"
-
-    def run(*command: str, told: bytes | None = None) -> bytes:
-        return subprocess.run(
-            command, cwd=folder, env=environment, input=told, capture_output=True, check=True
-        ).stdout
-
-    (folder / "scene.oct").write_bytes(run("oconv", *files))
-    points = "".join(" ".join(f"{value:.9g}" for value in row) + "\n" for row in rows).encode()
-    ambient = ("-ab", str(effort.bounces), "-ad", str(effort.rays))
-    weight = ("-lw", f"{_LEAST_WEIGHT / effort.rays:.3g}")
-    out = run("rtrace", *options, "-h", *_EXACT, *ambient, *weight, "scene.oct", told=points)
-    return np.array(out.split(), float).reshape(-1, 3)
+    return subprocess.run(
+        command, cwd=folder, env=environment, input=told, capture_output=True, check=True
+    ).stdout

@@ -85,40 +85,18 @@ def write_scene(surfaces: Surfaces, hour: Hour, folder: Path, glass: Glass | Non
 
 
 def _panes(glass: Glass, corners: FloatArray) -> list[str]:
-    """Polygons of glass, one behind the other where it has several panes.
-
-    Radiance dims light by a share a way through glass, we by one a pane: they agree at right
-    angles.
-    """
-    lines, face = [], 0.04
+    """Polygons of glass, one behind the other where it has several panes."""
+    lines = []
     for number in np.flatnonzero(glass.clear):
-        count, triangle = int(glass.panes[number]), corners[number]
+        triangle = corners[number]
         side = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
         side *= _PANES_APART_M / np.linalg.norm(side)
-        clear = (1.0 - face) / (1.0 + (2 * count - 1) * face)
-        whole = glass.tint[number].astype(float) * clear
-        one = _passed_by_one(whole, count)
-        # T = (1 - r)^2 t / (1 - r^2 t^2), solved for t.
-        inner = (np.sqrt((1 - face) ** 4 + (2 * face * one) ** 2) - (1 - face) ** 2) / (
-            2 * face**2 * one
-        )
-        lines.append(f"void glass g{number}\n0\n0\n4 {' '.join(f'{t:.7g}' for t in inner)} 1.5\n")
-        for pane in range(count):
+        tint = " ".join(f"{t:.7g}" for t in glass.tint[number])
+        lines.append(f"void glass g{number}\n0\n0\n4 {tint} {glass.ior[number]:.7g}\n")
+        for pane in range(int(glass.panes[number])):
             numbers = " ".join(f"{value:.9g}" for value in (triangle + pane * side).ravel())
             lines.append(f"g{number} polygon g{number}_{pane}\n0\n0\n9 {numbers}\n")
     return lines
-
-
-def _passed_by_one(whole: FloatArray, count: int) -> FloatArray:
-    """What each of equal panes passes that together pass `whole`, with all bounces between them.
-
-    Of panes that pass T and send R back, two pass T^2 / (1 - R^2); R is that of clear glass.
-    """
-    if count == 1:
-        return whole
-    assert count == 2
-    back = 2 * 0.04 / (1 + 0.04)
-    return np.asarray(np.sqrt(whole * (1 - back**2)))
 
 
 def write_sky(hour: Hour, folder: Path) -> str:

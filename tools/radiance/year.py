@@ -1,6 +1,6 @@
 """Hours of a year of weather at sensors, by the year's product and by Radiance, live.
 
-    .venv/bin/python -m tools.radiance.year prague.epw [--hours N] [SCENE ...]
+    .venv/bin/python -m tools.radiance.year prague.epw [--hours N] [--points N] [SCENE ...]
 
 The sun is in it. Prints for each scene: mean and rms of the differences of sampled hours, in
 percent of each hour's mean light, of all light and without the sun's own; those of the sum of the
@@ -10,21 +10,29 @@ sampled hours; and CPU seconds of both. It needs the extra `radiance`.
 import argparse
 import resource
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from light_transport.daylight_numbers.annual import solved_year, year_matrices, year_of
+from light_transport.daylight_numbers.annual import Year, solved_year, year_matrices, year_of
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.sensors import free_sensors
-from light_transport.daylight_numbers.work import work_of
-from light_transport.daylight_numbers.year_light import HOURS, lit_hours, middle_of, year_light
-from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.daylight_numbers.work import Work, work_of
+from light_transport.daylight_numbers.year_light import (
+    HOURS,
+    YearLight,
+    lit_hours,
+    middle_of,
+    year_light,
+)
+from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 
 from tools.radiance.grids import GRIDS, Grid
 from tools.radiance.irradiance import Effort, both_by_radiance
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.numeric_types import FloatArray, IntArray
+from vrut_lite.numeric_types import BoolArray, FloatArray, IntArray
 from vrut_lite.project import project_of_path, with_weather
 
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
@@ -69,48 +77,76 @@ class ComparedYear:
         return np.asarray((self.ours.sum(axis=1) - total) / total.mean())
 
 
-def compared_year(
-    grid: Grid, weather: str, sampled: int, effort: Effort, tolerance: float = 0.1
-) -> ComparedYear:
-    """Compare some hours of a year, evenly spread, at nine points of a grid."""
+@dataclass(frozen=True, eq=False)
+class YearHere:
+    """Some hours of a year at points of an open scene, and the CPU seconds that they took."""
+
+    opened: OpenedScene
+    surfaces: Surfaces
+    work: Work
+    light: YearLight
+    year: Year
+    cpu_s: float
+
+    @property
+    def is_day(self) -> BoolArray:
+        """Which hours (H,) count: others hold less than a thousandth of the year's light."""
+        return np.asarray(self.light.diffuse_lux > _LEAST_LX)
+
+
+@contextmanager
+def year_here(grid: Grid, weather: str, points: int, tolerance: float = 0.1) -> Iterator[YearHere]:
+    """The year at evenly spread points of a grid, at CLOCKS of each day."""
     project = project_of_path(str(Path("scenes") / grid.file))
     opened = OpenedScene(with_weather(project, weather))
     try:
         began = time.process_time()
-        columns, rows = grid.counts
-        places = grid.places_m.reshape(rows, columns, 3)
-        shown = places[:: rows // 2, :: columns // 2].reshape(-1, 3)
+        shown = grid.places_m[np.linspace(0, len(grid.places_m) - 1, points).astype(int)]
         up = np.tile([0.0, 1.0, 0.0], (len(shown), 1))
         work = work_of(opened.scene, free_sensors(shown, up, grid.scene), tolerance)
         offset_h = opened.standard_offset_h
         hours = lit_hours(opened.place, offset_h)
         hours = hours[np.isin(hours % HOURS, CLOCKS)]
         light = year_light(opened, hours, offset_h, range(len(hours)))
-        matrices = year_matrices(work, light, solved_year(work.bake, light))
-        year = year_of(matrices, light)
-        ours_s = time.process_time() - began
-        # Hours before the sun is up hold less than a thousandth of the year's light.
-        day = np.flatnonzero(light.diffuse_lux > _LEAST_LX)
-        chosen = day[np.linspace(0, len(day) - 1, sampled).astype(int)]
-        surfaces = surfaces_of(opened.scene)
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        theirs = []
-        for hour in hours[chosen]:
-            opened.go_to(middle_of(int(hour), offset_h))
-            found = both_by_radiance(surfaces, opened.hour(), shown, up, effort)
-            theirs.append([luminance(part) * LUMENS_PER_WATT for part in found])
-        radiance_s = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        year = year_of(year_matrices(work, light, solved_year(work.bake, light)), light)
+        cpu_s = time.process_time() - began
+        yield YearHere(opened, surfaces_of(opened.scene), work, light, year, cpu_s)
     finally:
         opened.close()
+
+
+def compared_year(
+    grid: Grid,
+    weather: str,
+    sampled: int,
+    effort: Effort,
+    tolerance: float = 0.1,
+    points: int = 9,
+) -> ComparedYear:
+    """Compare some hours of a year, evenly spread, at some points of a grid."""
+    with year_here(grid, weather, points, tolerance) as here:
+        opened, sensors = here.opened, here.work.sensors
+        day = np.flatnonzero(here.is_day)
+        chosen = day[np.linspace(0, len(day) - 1, sampled).astype(int)]
+        hours = here.light.hour[chosen]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        theirs = []
+        for hour in hours:
+            opened.go_to(middle_of(int(hour), opened.standard_offset_h))
+            found = both_by_radiance(
+                here.surfaces, opened.hour(), sensors.places_m, sensors.normals, effort
+            )
+            theirs.append([luminance(part) * LUMENS_PER_WATT for part in found])
+        radiance_s = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     whole, of_sun = np.array(theirs).transpose(1, 2, 0)
     return ComparedYear(
-        year.total[:, chosen].astype(float),
+        here.year.total[:, chosen].astype(float),
         whole,
-        year.sun[:, chosen].astype(float),
+        here.year.sun[:, chosen].astype(float),
         of_sun,
-        hours[chosen],
-        len(hours),
-        ours_s,
+        hours,
+        len(here.light.hour),
+        here.cpu_s,
         radiance_s,
     )
 
@@ -121,14 +157,15 @@ def main() -> None:
     parser.add_argument("weather")
     parser.add_argument("scenes", nargs="*", default=SCENES)
     parser.add_argument("--hours", type=int, default=24)
+    parser.add_argument("--points", type=int, default=9)
     told = parser.parse_args()
     for scene in told.scenes:
         grid = next(grid for grid in GRIDS if grid.scene == scene)
-        found = compared_year(grid, told.weather, told.hours, Effort(_RAYS))
+        found = compared_year(grid, told.weather, told.hours, Effort(_RAYS), points=told.points)
         of_sum = found.of_sum
         print(
             f"{scene}: all light {_said(found.error)}; without the sun's own "
-            f"{_said(found.of_rest)}; sum {of_sum.mean():+.2%} mean, {_rms(of_sum):.2%} rms, "
+            f"{_said(found.of_rest)}; sum {of_sum.mean():+.2%} mean, {rms(of_sum):.2%} rms, "
             f"{np.abs(of_sum).max():.2%} most; the sun reaches {(found.their_sun > 0).mean():.0%}, "
             f"or {(found.our_sun > 0).mean():.0%}; CPU {found.ours_cpu_s:.0f} s for {found.hours} "
             f"hours, Radiance {found.radiance_cpu_s:.0f} s for {told.hours}",
@@ -137,10 +174,11 @@ def main() -> None:
 
 
 def _said(error: FloatArray) -> str:
-    return f"{error.mean():+.2%} mean, {_rms(error):.2%} rms"
+    return f"{error.mean():+.2%} mean, {rms(error):.2%} rms"
 
 
-def _rms(values: FloatArray) -> float:
+def rms(values: FloatArray) -> float:
+    """Root of the mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 

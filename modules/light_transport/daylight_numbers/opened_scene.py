@@ -128,9 +128,11 @@ class OpenedScene:
     def coarser(self) -> None:
         """Ask for light that is fine enough for the cells of the ray table, for many hours.
 
-        Nothing else is made any more: no background, no stars, no moon.
+        Nothing else is made any more: no background, no stars, no moon, no irradiance of the open
+        sky; that of later hours is the last one's.
         """
         self._demand(_COARSE_CUBE)
+        self._kernel.inject(Demand(consumer=_CONSUMER, message=AmbientChanged.__name__, size=0))
         night = self._kernel.last(NightLightChanged)
         for module in ("scene", "" if night is None else night.source):
             if module:

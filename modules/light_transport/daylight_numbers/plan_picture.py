@@ -120,7 +120,9 @@ def _smooth(grid: FloatArray, size: int) -> tuple[FloatArray, NDArray[np.bool_]]
             weight += share
     with np.errstate(invalid="ignore"):
         fine = total / weight
-    return np.nan_to_num(fine), np.kron(known, np.ones((size, size), bool)) & (weight > 0.0)
+    # Sums of equal values differ by rounding: lines would speckle where a whole room has a level's.
+    fine = np.nan_to_num(fine).astype(np.float32).astype(float)
+    return fine, np.kron(known, np.ones((size, size), bool)) & (weight > 0.0)
 
 
 def draw_legend(sheet: Image.Image, scale: Scale, quantity: Quantity) -> None:

@@ -48,22 +48,36 @@ def ends_of(
 
 
 @inlined
-def _passes(cosine, ior, panes):  # type: ignore[no-untyped-def]
-    """Share of unpolarised light that passes one face of a body, or panes; see `clear_share`."""
+def _through(face, inner, panes):  # type: ignore[no-untyped-def]
+    """Share of light of one polarisation that passes panes; see `glass.stack`."""
+    passes = (1.0 - face) * (1.0 - face) * inner / (1.0 - face * face * inner * inner)
+    back = face * (1.0 + inner * passes)
+    through, returned = passes, back
+    for _ in range(1, panes):
+        between = 1.0 / (1.0 - returned * back)
+        returned += through * through * back * between
+        through *= passes * between
+    return through
+
+
+@inlined
+def _passes(cosine, ior, panes, tint):  # type: ignore[no-untyped-def]
+    """Share of unpolarised light that passes one face of a body, or panes; see `glass.stack`."""
     bent = math.sqrt(max(1.0 - (1.0 - cosine * cosine) / (ior * ior), 0.0))
     across = (cosine - ior * bent) / (cosine + ior * bent)
     along = (ior * cosine - bent) / (ior * cosine + bent)
     across, along = across * across, along * along
-    if panes > 0:
-        more = 2.0 * panes - 1.0
-        return 0.5 * ((1.0 - across) / (1.0 + more * across) + (1.0 - along) / (1.0 + more * along))
-    return 1.0 - 0.5 * (across + along)
+    if panes == 0:
+        return tint * (1.0 - 0.5 * (across + along))
+    inner = min(tint, 1.0) ** (1.0 / bent)
+    both = _through(across, inner, panes) + _through(along, inner, panes)
+    return 0.5 * max(tint, 1.0) * both
 
 
 @hot
 def _ends(tree, receivers, first_group, glass, origin, direction, scratch, target, share):  # type: ignore[no-untyped-def]
     geometry, texels, _, groups = receivers
-    stack, far_stack, pixel, left, _, place, _, _, ray = scratch
+    stack, far_stack, pixel, left, passed, place, _, _, ray = scratch
     for i in range(len(origin)):
         for k in range(3):
             place[k], ray[k], left[k] = origin[i, k], direction[i, k], 1.0
@@ -83,14 +97,20 @@ def _ends(tree, receivers, first_group, glass, origin, direction, scratch, targe
                 break
             faces = geometry.faces
             cosine = abs(faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2])
-            through = _passes(max(cosine, 1e-6), glass.ior[t], glass.panes[t])
+            through = 0.0
+            for k in range(3):
+                if k == 0 or glass.tint[t, k] != glass.tint[t, k - 1]:
+                    through = _passes(
+                        max(cosine, 1e-6), glass.ior[t], glass.panes[t], float(glass.tint[t, k])
+                    )
+                passed[k] = through
             if panes == 0:
                 met = met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel)
                 target[i, 1] = met if met >= 0 else NOTHING
                 for k in range(3):
-                    share[i, 1, k] = 1.0 - glass.tint[t, k] * through
+                    share[i, 1, k] = 1.0 - passed[k]
             for k in range(3):
-                left[k] *= glass.tint[t, k] * through
+                left[k] *= passed[k]
                 place[k] += _BEHIND * ray[k]
         for k in range(3):
             share[i, 0, k] = left[k]

@@ -1,7 +1,9 @@
 """Work planes that are found: level grids above the floors of rooms, or above open ground.
 
-A floor is a level that most of the scene's lowest places with head room share; a room is what of it
-one gets to at the height of the plane without meeting a wall.
+A floor is a level that many places with head room share. What of it one gets to at the height of
+the plane without meeting a wall is a room where it lies under a roof and walls stand along half of
+its outline; what is left is a court where it lies among walls and rooms that hide most of the sky.
+Where there is neither, the lowest large level is the ground.
 """
 
 from typing import NamedTuple
@@ -32,8 +34,15 @@ _AROUND = 16
 # Share of directions upwards in which a place in the open sees fronts, or nothing.
 _LEAST_OPEN = 0.75
 _SINES = (0.15, 0.4, 0.65, 0.9)
-# What has a roof and sees more sky, an awning or an arcade, is no room.
-_MOST_SKY_OF_A_ROOM = 0.15
+# Share of a room's outline that is wall: the rest opens onto other floors, or ends. An awning has
+# none, an arcade more than half.
+_LEAST_WALL = 0.5
+# Of a court's outline, rooms counted as walls; and the share of directions upwards that are sky.
+_LEAST_WALL_OF_A_COURT, _MOST_SKY_OF_A_COURT = 0.95, 0.5
+# Of the scene's area: smaller rooms, a hut or a dense tree's inside, are not what it shows.
+_LEAST_ENCLOSED = 0.01
+# Of the largest level: a lower one of that area is the ground.
+_LEAST_GROUND = 0.1
 # The finding of floors looks at so many places at least along the longer side.
 _COARSE = 64
 # A plain is looked over in so many cells at most.
@@ -49,19 +58,32 @@ class _Hits(NamedTuple):
     level: BoolArray
 
 
+class _Floor(NamedTuple):
+    """Places (N, 3) of a grid of `shape` over a level; `region` (N,) is -1 where none is free, and
+    `sky` (N,) the share of directions upwards in which nothing is met."""
+
+    kind: str
+    level_m: float
+    step_m: float
+    at_m: FloatArray
+    shape: tuple[int, int]
+    region: NDArray[np.int64]
+    sky: FloatArray
+
+
 class _Look:
-    """Casts rays in metres."""
+    """Casts rays in metres; they always meet glass, and what has holes."""
 
     def __init__(self, scene: RayScene):
-        self._scene, self._surfaces = scene, scene.surfaces
-        self._faces = scene.receivers.geometry.faces
+        self._surfaces, self._faces = scene.surfaces, scene.receivers.geometry.faces
+        self._tree = scene.tree._replace(opacity=np.ones_like(scene.tree.opacity))
 
     def __call__(self, places_m: FloatArray, towards: FloatArray) -> _Hits:
         """What rays from places (R, 3) towards unit vectors (R, 3) meet first."""
         radius = self._surfaces.radius_m
         direction = np.broadcast_to(np.asarray(towards, float), places_m.shape)
         origin = (places_m - self._surfaces.centre_m) / radius + _OFF * direction
-        hit, distance = first_hits(self._scene.tree, origin, np.ascontiguousarray(direction))
+        hit, distance = first_hits(self._tree, origin, np.ascontiguousarray(direction))
         met = hit != MISS
         faces = self._faces[np.where(met, hit, 0)]
         front = met & (np.einsum("ri,ri->r", faces, direction) < 0.0)
@@ -86,15 +108,35 @@ def work_planes(
     extent = np.maximum(upper_m - lower_m, 1e-6)
     coarse = max(step_m, float(max(extent[0], extent[2])) / _COARSE)
     heights, has_roof = _floors(look, lower_m, upper_m, coarse)
+    roofed, bare = _levels(heights[has_roof], coarse), _levels(heights[~has_roof], coarse)
     step_m = max(step_m, float(np.sqrt(extent[0] * extent[2] / _MOST_CELLS)))
-    for roofed in (True, False):
-        floors = _levels(heights[has_roof], coarse) if roofed else _levels(heights, coarse)[:1]
-        made = _grids(look, lower_m, upper_m, floors, roofed, height_m, step_m)
+
+    def floors(levels: list[float], kind: str, step: float) -> list[_Floor]:
+        return [_floor(look, lower_m, upper_m, one, height_m, step, kind) for one in levels]
+
+    least = _LEAST_ENCLOSED * len(heights)
+    yards = [one for one in bare if _shared(heights[~has_roof], one) >= least]
+
+    ground = _ground(_levels(heights, coarse), heights)
+
+    def enclosed(step: float) -> list[_Floor]:
+        rooms = [_walled(look, room, []) for room in floors(roofed, "room", step)]
+        return rooms + [_walled(look, court, rooms) for court in floors(yards, "court", step)]
+
+    def open_ground(step: float) -> list[_Floor]:
+        return floors(ground, "open ground", step)
+
+    def covered_ground(step: float) -> list[_Floor]:
+        return floors(ground, "covered ground", step)
+
+    large = _LEAST_ENCLOSED * extent[0] * extent[2]
+    for find, least_m2 in ((enclosed, large), (open_ground, 0), (enclosed, 0), (covered_ground, 0)):
         step = step_m
+        made = _sensors(look, find(step))
         while made is not None and len(made) > MOST_POINTS:
             step *= max(1.05, float(np.sqrt(len(made) / MOST_POINTS)))
-            made = _grids(look, lower_m, upper_m, floors, roofed, height_m, step)
-        if made is not None:
+            made = _sensors(look, find(step))
+        if made is not None and len(made) * step**2 >= least_m2:
             return made
     raise UserError(
         f"no work plane is found in the scene: no level floor of {_LEAST_AREA_M2:g} m2 has "
@@ -156,42 +198,90 @@ def _levels(heights: FloatArray, step_m: float) -> list[float]:
     return found
 
 
-def _grids(
+def _shared(heights: FloatArray, level: float) -> int:
+    """How many places share a level."""
+    return int(np.count_nonzero(np.abs(heights - level) <= _SAME_FLOOR_M))
+
+
+def _ground(levels: list[float], heights: FloatArray) -> list[float]:
+    """The lowest of levels that enough places share, or none."""
+    shared = [_shared(heights, level) for level in levels]
+    large = _LEAST_GROUND * max(shared, default=0)
+    return sorted(level for level, count in zip(levels, shared, strict=True) if count >= large)[:1]
+
+
+def _floor(
     look: _Look,
     lower_m: FloatArray,
     upper_m: FloatArray,
-    floors: list[float],
-    roofed: bool,
+    level: float,
     height_m: float,
     step_m: float,
-) -> Sensors | None:
-    """A grid for each room of each floor; None where no point is free."""
-    xs, zs = _columns(lower_m, upper_m, step_m)
-    x, z = np.meshgrid(xs, zs)
-    row, column = (index.ravel() for index in np.indices(x.shape))
+    kind: str,
+) -> _Floor:
+    """A grid over a level: a room's under a roof, open ground under none, a court under either."""
+    x, z = np.meshgrid(*_columns(lower_m, upper_m, step_m))
+    at = np.stack([x.ravel(), np.full(x.size, level + height_m), z.ravel()], axis=1)
+    below, above = look(at, -_UP), look(at, _UP)
+    free = below.front & (below.distance_m < height_m + 2.0 * _SAME_FLOOR_M)
+    if kind == "open ground":
+        free &= ~np.isfinite(above.distance_m)
+    elif kind != "court":
+        free &= above.front
+    is_open, sky = np.zeros((2, len(at)))
+    is_open[free], sky[free] = _upwards(look, at[free])
+    free &= is_open >= _LEAST_OPEN
+    region = _regions(look, at, free, x.shape, step_m)
+    return _Floor(kind, level, step_m, at, x.shape, region, sky)
+
+
+def _walled(look: _Look, floor: _Floor, rooms: list[_Floor]) -> _Floor:
+    """What of a floor is rooms, or courts among walls and `rooms`; all else has region -1."""
+    near = [one.region >= 0 for one in rooms if abs(one.level_m - floor.level_m) < _HEAD_ROOM_M]
+    in_room = np.any(near, axis=0) if near else np.zeros(len(floor.at_m), bool)
+    free = (floor.region >= 0) & ~in_room
+    floor = floor._replace(region=_regions(look, floor.at_m, free, floor.shape, floor.step_m))
+    share = _share_of_wall(look, floor, in_room)
+    kept = share >= _LEAST_WALL
+    if floor.kind == "court":
+        here = floor.region[free]
+        sky = np.bincount(here, floor.sky[free], len(share)) / np.bincount(here)
+        kept = (share >= _LEAST_WALL_OF_A_COURT) & (sky <= _MOST_SKY_OF_A_COURT)
+    return floor._replace(region=np.where(np.append(kept, False)[floor.region], floor.region, -1))
+
+
+def _share_of_wall(look: _Look, floor: _Floor, shut: BoolArray) -> FloatArray:
+    """Share of each region's outline where a wall stands, or where places (N,) are `shut`."""
+    rows, columns = floor.shape
+    count = int(floor.region.max(initial=-1)) + 1
+    region = np.pad(floor.region.reshape(floor.shape), 1, constant_values=-1)
+    others = np.pad(shut.reshape(floor.shape), 1)
+    edges, walls = np.zeros((2, count))
+    for down, right in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        beyond = slice(1 + down, 1 + down + rows), slice(1 + right, 1 + right + columns)
+        edge = np.flatnonzero((floor.region >= 0) & (region[beyond].ravel() != floor.region))
+        met = look(floor.at_m[edge], np.array([right, 0.0, down])).distance_m
+        is_wall = (met < floor.step_m) | others[beyond].ravel()[edge]
+        edges += np.bincount(floor.region[edge], minlength=count)
+        walls += np.bincount(floor.region[edge], is_wall, minlength=count)
+    return np.asarray(walls / np.maximum(edges, 1.0))
+
+
+def _sensors(look: _Look, floors: list[_Floor]) -> Sensors | None:
+    """A grid for each region that is large enough; None where there is none."""
     places, cells, planes = [], [], []
     names: list[str] = []
+    numbers: dict[str, int] = {}
     for floor in floors:
-        at = np.stack([x.ravel(), np.full(x.size, floor + height_m), z.ravel()], axis=1)
-        below, above = look(at, -_UP), look(at, _UP)
-        is_roofed = np.isfinite(above.distance_m)
-        free = below.front & (below.distance_m < height_m + 2.0 * _SAME_FLOOR_M)
-        free &= above.front if roofed else ~is_roofed
-        is_open, sky = np.zeros((2, len(at)))
-        is_open[free], sky[free] = _upwards(look, at[free])
-        free &= is_open >= _LEAST_OPEN
-        room = _rooms(look, at, free, x.shape, step_m)
-        for number in range(int(room.max(initial=-1)) + 1):
-            here = np.flatnonzero(room == number)
-            if len(here) * step_m**2 < _LEAST_AREA_M2:
+        for number in range(int(floor.region.max(initial=-1)) + 1):
+            here = np.flatnonzero(floor.region == number)
+            if len(here) * floor.step_m**2 < _LEAST_AREA_M2:
                 continue
-            if roofed and float(np.mean(sky[here])) > _MOST_SKY_OF_A_ROOM:
-                continue
-            name = f"room {len(names) + 1}" if roofed else f"open ground {len(names) + 1}"
             planes.append(np.full(len(here), len(names)))
-            names.append(name)
-            places.append(at[here])
-            cells.append(np.stack([row[here], column[here]], axis=1))
+            numbers[floor.kind] = numbers.get(floor.kind, 0) + 1
+            names.append(f"{floor.kind} {numbers[floor.kind]}")
+            places.append(floor.at_m[here])
+            cells.append(np.stack(np.divmod(here, floor.shape[1]), axis=1))
     if not places:
         return None
     points = np.concatenate(places)
@@ -202,14 +292,14 @@ def _grids(
         np.concatenate(cells).astype(np.int64),
         _away_from_walls(look, points),
         tuple(names),
-        (step_m,) * len(names),
+        (floors[0].step_m,) * len(names),
     )
 
 
-def _rooms(
+def _regions(
     look: _Look, at: FloatArray, free: BoolArray, shape: tuple[int, ...], step_m: float
 ) -> NDArray[np.int64]:
-    """The room (N,) of each place, -1 where it is not free; the largest first."""
+    """The region (N,) of each place, -1 where it is not free; the largest first."""
     number = np.arange(len(at)).reshape(shape)
     pairs = []
     for one, other, towards in (

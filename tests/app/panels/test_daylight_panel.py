@@ -69,3 +69,23 @@ def test_a_click_measures_and_the_hour_is_followed(panel, qtbot, tmp_path):
     panel._session.send(LoadScene(path=str(box_file(tmp_path, "other.obj", boxes=((0.0, 3.0),)))))
     qtbot.waitUntil(lambda: panel.measured is None, timeout=PATIENCE_MS)
     assert panel.legend.values == []
+
+
+def test_a_second_click_stops_the_measurement(panel, qtbot):
+    """Nothing is shown of what was stopped, and another click begins anew; an hour that comes while
+    the first measurement goes on is measured after it."""
+    qtbot.mouseClick(panel.measure, Qt.MouseButton.LeftButton)
+    assert panel.measure.text() == "Stop"
+    assert panel.progress.isVisible()
+    qtbot.mouseClick(panel.measure, Qt.MouseButton.LeftButton)
+    assert panel.measure.text() == "Measure"
+    assert "Stopped" in panel.facts.text()
+    panel._thread.submit(lambda: None).result()
+    QApplication.processEvents()
+    assert panel.measured is None
+    qtbot.mouseClick(panel.measure, Qt.MouseButton.LeftButton)
+    later = NOON + timedelta(hours=3)
+    panel._session.send(SetClock(instant=later))
+    qtbot.waitUntil(
+        lambda: panel.measured is not None and panel.measured.instant == later, timeout=PATIENCE_MS
+    )

@@ -35,7 +35,10 @@ class LightProbe(QObject):
     @property
     def text(self) -> str:
         """cd/m2, and lux on the surface; empty without a pointer."""
-        parts = (self._luminance, self._illuminance) if self._at is not None else ()
+        parts = [self._luminance, self._illuminance] if self._at is not None else []
+        # A picture of illuminance has said the first figure already.
+        if self._luminance and self._illuminance.startswith(self._luminance):
+            parts = parts[1:]
         return "   ".join(part for part in parts if part)
 
     def point_at(self, x: float, y: float) -> None:

@@ -306,7 +306,10 @@ class Viewport(QWidget):
         for overlay in (self._sun_path, self._compass):
             overlay.paint(painter, place, self.camera)
         edge, corner = place.adjusted(10.0, 8.0, -10.0, -8.0), Qt.AlignmentFlag
-        write(painter, edge, corner.AlignLeft | corner.AlignBottom, self.probe.text)
+        shown = self._session.shown
+        has_legend = shown is not None and shown.picture.values is not None
+        side = corner.AlignTop if has_legend else corner.AlignBottom
+        write(painter, edge, corner.AlignLeft | side, self.probe.text)
         if self.mode is CameraMode.SPACE or self.rig.eye_m[1] > 1000.0:
             height = height_text(float(self.rig.eye_m[1]))
             write(painter, edge, corner.AlignRight | corner.AlignBottom, height)
