@@ -74,7 +74,7 @@ def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSize
     if rung == "draft":
         return replace(usual, **{k: min(getattr(usual, k), size) for k, size in _MOST.items()})
     larger = {k: max(getattr(usual, k), size) for k, size in _LEAST[rung].items()}
-    return replace(usual, **larger, higher_azimuth=None, higher_bins=None)
+    return replace(usual, **larger, higher_azimuth=None, later_bins=None)
 
 
 def rung_tolerance(atmosphere: Atmosphere, rung: SolverRung = "usual") -> float:
