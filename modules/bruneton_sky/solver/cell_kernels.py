@@ -62,8 +62,8 @@ def empty_cells(count):  # type: ignore[no-untyped-def]
     """Arrays for `count` cells."""
     return Cells(
         np.empty(count, _f4), np.empty(count, _f4), np.empty(count, np.int32),
-        np.empty(count, np.int32), np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4),
-        np.empty(count, _f4),
+        np.empty(count, np.int32), np.empty(count, _f4), np.empty(count, _f4),
+        np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4),
     )  # fmt: skip
 
 

@@ -42,8 +42,9 @@ _USUAL_TOP_M, _MOST_DEEPER = 60_000.0, 2.0
 # salt 0.12, continental aerosol 0.02. Of dust from 300 km the rms error falls from 0.6 to 0.2 %.
 _SHARP, _SHARP_DEGREE = 0.05, 24
 # Sizes for suns to 18.5 degrees down, at least: their light scattered once comes from a thin
-# sunlit layer at the ends of long rays.
-_NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 56, "later_bins": 12}
+# sunlit layer at the ends of long rays, of which haze hides more.
+_NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 64, "later_bins": 12}
+_HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 56}
 
 
 class _Sum(NamedTuple):
@@ -145,7 +146,8 @@ def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
     if not reaches_night(atmosphere):
         return sizes
     known = {**vars(sizes), "mu_s": 0, "later_bins": sizes.bins_of(LATER)}
-    return replace(sizes, **{k: max(known[k], size) for k, size in _NIGHT_SIZES.items()})
+    least = _HAZY_NIGHT_SIZES if is_hazy(atmosphere) else _NIGHT_SIZES
+    return replace(sizes, **{k: max(known[k], size) for k, size in least.items()})
 
 
 def _sum_orders(
