@@ -44,7 +44,7 @@ _SHARP, _SHARP_DEGREE = 0.05, 24
 # Sizes for suns to 18.5 degrees down, at least: their light scattered once comes from a thin
 # sunlit layer at the ends of long rays, of which haze hides more.
 _NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 64, "later_bins": 12}
-_HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 56}
+_HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 52}
 
 
 class _Sum(NamedTuple):
