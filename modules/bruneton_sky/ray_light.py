@@ -185,7 +185,8 @@ def _bends(field: SourceField) -> FloatArray:
     """`sun_bend` of each wavelength's group (altitudes, suns, C)."""
     by_group = [sun_bend(*tables) for tables in zip(field.rayleigh, field.mie, strict=True)]
     count = len(field.atmosphere.wavelength_nm)
-    return np.repeat(np.stack(by_group, axis=-1), LANES, axis=-1)[..., :count]
+    by_lane = np.repeat(np.stack(by_group, axis=-1), LANES, axis=-1)[..., :count]
+    return np.asarray(by_lane, dtype=float)
 
 
 def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:
