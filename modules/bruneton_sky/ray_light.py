@@ -183,7 +183,8 @@ def _level(field: SourceField, height: FloatArray, sun: FloatArray) -> FloatArra
 @lru_cache(maxsize=4)
 def _bends(field: SourceField) -> FloatArray:
     """`sun_bend` of each wavelength's group (altitudes, suns, C)."""
-    by_group = [sun_bend(*tables) for tables in zip(field.rayleigh, field.mie, strict=True)]
+    mu_s, groups = SunGrid(field.atmosphere, field.sizes.mu_s).mu_s, range(len(field.rayleigh))
+    by_group = [sun_bend(field.rayleigh[k], field.mie[k], mu_s) for k in groups]
     count = len(field.atmosphere.wavelength_nm)
     by_lane = np.repeat(np.stack(by_group, axis=-1), LANES, axis=-1)[..., :count]
     return np.asarray(by_lane, dtype=float)
