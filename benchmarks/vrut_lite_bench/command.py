@@ -29,7 +29,7 @@ _TRIES = 2
     "--only",
     metavar="NAMES",
     help="Some of the computations, as sun,tables: sun, hosek-wilkie, single-scattering, solver, "
-    "sky-view, tables, air, light-map, first-light, dispatch, frame, frame-peers, window.",
+    "sky-view, tables, air, light-map, first-light, dispatch, night, frame, frame-peers, window.",
 )
 @click.option(
     "--compare",

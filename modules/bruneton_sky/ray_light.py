@@ -27,6 +27,7 @@ from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.source_field import sun_bend
 from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
 from vrut_lite.numeric_types import FloatArray
 
@@ -162,7 +163,31 @@ def source_at(
     if mie.size:
         places = height, 0.5 * mu + 0.5, np.sqrt(0.5 * (1.0 - turn)), sun
         out[1] = _blend(mie, places)
-    return out
+    return out * _level(field, height, sun)
+
+
+def _level(field: SourceField, height: FloatArray, sun: FloatArray) -> FloatArray:
+    """The light (n, C) between two suns over that of lines; places as in `source_at`."""
+    bends = _bends(field)
+    if not bends.size:
+        return np.ones((1, 1))
+    place = sun * (bends.shape[1] - 1)
+    low = np.minimum(place.astype(np.intp), bends.shape[1] - 2)
+    far = place - low
+    i = np.minimum((height * (len(bends) - 1)).astype(np.intp), len(bends) - 2)
+    u = (height * (len(bends) - 1) - i)[:, None]
+    bend = (1.0 - u) * bends[i, low] + u * bends[i + 1, low]
+    return np.asarray(1.0 - bend * (far * (1.0 - far))[:, None])
+
+
+@lru_cache(maxsize=4)
+def _bends(field: SourceField) -> FloatArray:
+    """`sun_bend` of each wavelength's group (altitudes, suns, C)."""
+    mu_s, groups = SunGrid(field.atmosphere, field.sizes.mu_s).mu_s, range(len(field.rayleigh))
+    by_group = [sun_bend(field.rayleigh[k], field.mie[k], mu_s) for k in groups]
+    count = len(field.atmosphere.wavelength_nm)
+    by_lane = np.repeat(np.stack(by_group, axis=-1), LANES, axis=-1)[..., :count]
+    return np.asarray(by_lane, dtype=float)
 
 
 def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ from typing import Literal, get_args
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver import SolverSizes, order_tolerance, real_time_sizes
+from bruneton_sky.solver.sizes import LATER
 
 SolverRung = Literal["draft", "usual", "fine", "finer", "finest"]
 SOLVER_RUNGS: tuple[SolverRung, ...] = get_args(SolverRung)
@@ -73,8 +74,10 @@ def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSize
         return usual
     if rung == "draft":
         return replace(usual, **{k: min(getattr(usual, k), size) for k, size in _MOST.items()})
-    larger = {k: max(getattr(usual, k), size) for k, size in _LEAST[rung].items()}
-    return replace(usual, **larger, higher_azimuth=None, higher_bins=None)
+    least = _LEAST[rung]
+    larger = {k: max(getattr(usual, k), size) for k, size in least.items()}
+    later = max(usual.bins_of(LATER), least["node_bins"])
+    return replace(usual, **larger, higher_azimuth=None, later_bins=later)
 
 
 def rung_tolerance(atmosphere: Atmosphere, rung: SolverRung = "usual") -> float:

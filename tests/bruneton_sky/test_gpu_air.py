@@ -102,4 +102,4 @@ def test_field_is_uploaded_once(fields):
     assert first[1] == again[1]
     sent = [dict(job.buffers) for job, _ in (first, other)]
     kept = [binding for binding in sent[0] if sent[0][binding] is sent[1][binding]]
-    assert sorted(kept) == [4, 5, 6, 7]
+    assert sorted(kept) == [4, 5, 6, 7, 8]

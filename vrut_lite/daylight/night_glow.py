@@ -37,12 +37,12 @@ def glow_cube(glow: Array, size: int, ground_rgb: Vector) -> NDArray[np.float32]
     values = glow.values
     found = _look_up(size, *values.shape[:2])
     # Imported on first use: by day nothing is compiled.
-    from vrut_lite.daylight.night_kernels import fill_upper
+    from vrut_lite.daylight.night_kernels import fill_glow
 
     cube = np.empty((6, size, size, 3), np.float32)
-    cube[...] = ground_rgb
     flat = np.ascontiguousarray(values.reshape(-1, 3), np.float32)
-    fill_upper(cube.reshape(-1, 3), found.upper, found.nodes, found.weights, flat)
+    ground = np.array(ground_rgb, np.float32)
+    fill_glow(cube.reshape(-1, 3), found.upper, found.nodes, found.weights, flat, ground)
     cube.flags.writeable = False
     return cube
 

@@ -10,16 +10,22 @@ _SHIFT, _REBIAS = np.uint32(13), np.float32(2.0**112)
 
 
 @_compiled
-def fill_upper(cube, upper, nodes, weights, light):  # type: ignore[no-untyped-def]
-    """Write the sum of four weighted nodes of `light` (n, 3) to each upper texel (m,)."""
-    for i in range(upper.shape[0]):
+def fill_glow(cube, upper, nodes, weights, light, ground):  # type: ignore[no-untyped-def]
+    """Write the sum of four weighted nodes of `light` (n, 3) to each upper texel (m,), rising, and
+    `ground` (3,) to the others of the cube (texels, 3)."""
+    red, green, blue, k = ground[0], ground[1], ground[2], 0
+    for i in range(cube.shape[0]):
+        if k == upper.size or upper[k] != i:
+            cube[i, 0], cube[i, 1], cube[i, 2] = red, green, blue
+            continue
         for c in range(3):
-            cube[upper[i], c] = (
-                weights[i, 0] * light[nodes[i, 0], c]
-                + weights[i, 1] * light[nodes[i, 1], c]
-                + weights[i, 2] * light[nodes[i, 2], c]
-                + weights[i, 3] * light[nodes[i, 3], c]
+            cube[i, c] = (
+                weights[k, 0] * light[nodes[k, 0], c]
+                + weights[k, 1] * light[nodes[k, 1], c]
+                + weights[k, 2] * light[nodes[k, 2], c]
+                + weights[k, 3] * light[nodes[k, 3], c]
             )
+        k += 1
 
 
 @_compiled

@@ -8,7 +8,7 @@ The factor is one number a channel; the moon's colour differs smoothly from the 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import msgspec
 import numpy as np
@@ -114,8 +114,7 @@ class SkyAtNight(Sky):
         """Radiance (3,) of the ground by all of the glow."""
         if self.glow is None:
             return np.zeros(3)
-        lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
-        return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * lit)
+        return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * _on_level(self.glow))
 
     def _dark_cube(self, like: Background) -> Float32Array:
         """The glow's share, one's own to change."""
@@ -127,8 +126,12 @@ class SkyAtNight(Sky):
     def _glow_cube(self, size: int) -> NDArray[np.float32]:
         """All of the glow over lit ground."""
         assert self.glow is not None
+        return glow_cube(self.glow, size, self._lit_ground)
+
+    @property
+    def _lit_ground(self) -> Vector:
         red, green, blue = self._glow_ground.tolist()
-        return glow_cube(self.glow, size, (red, green, blue))
+        return red, green, blue
 
     # --- the sky ---------------------------------------------------------------------------
 
@@ -177,8 +180,7 @@ class SkyAtNight(Sky):
         if self.by_moon is not None:
             harmonics = harmonics + self._moon_share * self.by_moon.ambient()
         if self.glow is not None:
-            of_glow = irradiance_coefficients(self._glow_cube(_LIGHT_SIZE))
-            harmonics = harmonics + self.share * of_glow
+            harmonics = harmonics + self.share * _harmonics(self.glow, self._lit_ground)
         return harmonics
 
     def ground_albedo_rgb(self) -> FloatArray:
@@ -234,13 +236,25 @@ class SkyAtNight(Sky):
             sky = evaluate_irradiance(np.asarray(self.by_moon.ambient()), _UP)
             moon = np.maximum(self._moon_share * sky, 0.0)
         if self.glow is not None:
-            lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
-            glow = self.share * lit
+            glow = self.share * _on_level(self.glow)
         return sun, moon, glow
 
 
 _NOBODY = Sky()
 _BLACK = (0.0, 0.0, 0.0)
+
+
+# A map of the glow serves for minutes.
+@lru_cache(maxsize=2)
+def _on_level(glow: Array) -> FloatArray:
+    """Irradiance (3,) of level ground by all of the glow."""
+    return horizontal_irradiance(glow_cube(glow, _LIGHT_SIZE, _BLACK))
+
+
+@lru_cache(maxsize=2)
+def _harmonics(glow: Array, ground_rgb: Vector) -> FloatArray:
+    """Those (25, 3) of the irradiance by all of the glow over ground."""
+    return irradiance_coefficients(glow_cube(glow, _LIGHT_SIZE, ground_rgb))
 
 
 def _add(total: Float32Array, more: Background, share: FloatArray) -> None:

@@ -4,7 +4,7 @@ The CPU computes the matter along the rays, row by row, the GPU the light of all
 """
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,9 @@ from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture, Number
+
+if TYPE_CHECKING:
+    from bruneton_sky.solver.later_order_kernels import Source
 
 _GROUP = 8
 # Kinds of particles that the shader keeps apart: aerosol, aerosol aloft, fog.
@@ -102,6 +105,7 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             (4, Array(transmittance.view())),
             (5, Array(_or_one(source.rayleigh).view())),
             (6, Array(_or_one(source.mie).view())),
+            (8, _floats(_bends(source))),
         ),
         uniforms={
             "transmittances": (transmittance.shape[0], transmittance.shape[1] // LANES),
@@ -124,6 +128,12 @@ def _angles(field: SourceField, altitude_m: float) -> Array:
         np.pad(phases.channels, ((0, 0), (0, 1))),
     )
     return Array(np.concatenate(padded, axis=1).astype(np.float32))
+
+
+def _bends(source: "Source") -> NDArray[np.float32]:
+    """The shader's `Bends` (altitudes, suns, 2); of a dark field one altitude's more."""
+    bend = source.bend if source.bend.size else np.zeros((2, source.bend.shape[1]), np.float32)
+    return np.stack(np.broadcast_arrays(bend, source.pace), axis=-1)
 
 
 def _or_one(table: NDArray[np.float32]) -> NDArray[np.float32]:

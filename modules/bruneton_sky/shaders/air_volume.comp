@@ -32,6 +32,9 @@ struct Phases {
 // Uniform in the sine of half the angle to the sun.
 layout(std430, binding = 7) restrict readonly buffer Angles { Phases angles[]; };
 
+// Of the source functions, by altitude and sun: see Source.bend and Source.pace.
+layout(std430, binding = 8) restrict readonly buffer Bends { vec2 bends[]; };
+
 uniform ivec3 shape;            // slices, rows, columns
 uniform ivec2 transmittances;   // altitudes, columns
 uniform ivec2 altitudes;        // of both source functions; 0: it is none
@@ -134,13 +137,24 @@ vec4 source_of_aerosol(Slice s, Place sun, Place turn) {
                altitude.far);
 }
 
+// The light between two suns and along a slice over that of lines at its centre: see the twin.
+float level_of(Slice s, float sun, float nu, Place at) {
+    int nodes = max(altitudes.x, altitudes.y);
+    if (nodes == 0) return 1.0;
+    Place altitude = place_on(s.centre.w, nodes);
+    int here = altitude.low * directions.x + at.low;
+    float bend = mix(bends[here].x, bends[here + directions.x].x, altitude.far);
+    float moved = (nu - s.centre.y * sun) * (s.place.z - s.place.y) * s.centre.x;
+    return 1.0 - bend * (at.far * (1.0 - at.far) - bends[here].y * moved * moved);
+}
+
 // Light scattered twice and more toward the eye.
 vec4 scattered_again(Slice s, float sun, float nu) {
     float sines = max((1.0 - sun) * (1.0 + sun), 1e-9);
     float cosine = clamp((nu - s.centre.y * sun) * s.centre.z * inversesqrt(sines), -1.0, 1.0);
     Place turn = place_before_last(sqrt(0.5 - 0.5 * cosine), directions.y), at = sun_place(sun);
-    return s.molecules * source_of_molecules(s, at, turn)
-           + s.aerosol * source_of_aerosol(s, at, turn);
+    return level_of(s, sun, nu, at) * (s.molecules * source_of_molecules(s, at, turn)
+                                       + s.aerosol * source_of_aerosol(s, at, turn));
 }
 
 vec3 coloured(Slice s, vec4 spectral) {

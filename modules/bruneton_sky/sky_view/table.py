@@ -41,6 +41,8 @@ _STANDING_IN_FOG = 0.2
 # the limb alone.
 _DAY, _TWILIGHT, _TWILIGHT_ALOFT = (48, 24, 12), (96, 48, 12), (64, 32, 12)
 _TWILIGHT_BELOW_MU_S = 0.1
+# In deep twilight light scattered more than once grows with the altitude, and wants as many bins.
+_DEEP_BELOW_MU_S, _DEEP_BINS = -0.06, 32
 # Bins for light scattered more than once in haze, for an observer inside the air: it changes
 # within shorter distances.
 _HAZE_BINS = 16
@@ -163,7 +165,9 @@ def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tupl
         counts = _DAY
     else:
         counts = _TWILIGHT if altitude_m <= standing_m(atmosphere) else _TWILIGHT_ALOFT
-    return _in_this_air(atmosphere, counts, inside)
+    steps, once, more = _in_this_air(atmosphere, counts, inside)
+    deep = inside and mu_s < _DEEP_BELOW_MU_S
+    return steps, once, max(more, _DEEP_BINS) if deep else more
 
 
 def _in_this_air(

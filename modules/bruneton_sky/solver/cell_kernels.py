@@ -38,18 +38,21 @@ _Value = Any
 
 
 class Cells(NamedTuple):
-    """Arrays over cells (n,), float32 but for `offset`.
+    """Arrays over cells (n,), float32 but for `offset` and `sun`.
 
-    `mu_s`, `nu`: the suns. The rest is scratch of the passes: `offset` into a table, the
-    shares `along` and `across` of the next nodes, and `shadow_from`, `shadow_to`, the
-    distances between which the ray lies in the planet's shadow.
+    `mu_s`, `nu`: the suns. The rest is scratch of the passes: `offset` into a table and its node
+    `sun`, the shares `along` and `across` of the next nodes, `moved`, by how much squared the sun's
+    cosine changes, and `shadow_from`, `shadow_to`, the distances between which the ray lies in the
+    planet's shadow.
     """
 
     mu_s: NDArray[np.float32]
     nu: NDArray[np.float32]
     offset: NDArray[np.int32]
+    sun: NDArray[np.int32]
     along: NDArray[np.float32]
     across: NDArray[np.float32]
+    moved: NDArray[np.float32]
     shadow_from: NDArray[np.float32]
     shadow_to: NDArray[np.float32]
 
@@ -59,7 +62,8 @@ def empty_cells(count):  # type: ignore[no-untyped-def]
     """Arrays for `count` cells."""
     return Cells(
         np.empty(count, _f4), np.empty(count, _f4), np.empty(count, np.int32),
-        np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4),
+        np.empty(count, np.int32), np.empty(count, _f4), np.empty(count, _f4),
+        np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4),
     )  # fmt: skip
 
 
@@ -68,7 +72,8 @@ def some_cells(cells, start, stop):  # type: ignore[no-untyped-def]
     """The cells from `start` to before `stop`."""
     return Cells(
         cells.mu_s[start:stop], cells.nu[start:stop], cells.offset[start:stop],
-        cells.along[start:stop], cells.across[start:stop],
+        cells.sun[start:stop], cells.along[start:stop], cells.across[start:stop],
+        cells.moved[start:stop],
         cells.shadow_from[start:stop], cells.shadow_to[start:stop],
     )  # fmt: skip
 

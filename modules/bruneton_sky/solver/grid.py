@@ -16,7 +16,7 @@ from vrut_lite.numeric_types import FloatArray
 # Where the axis of suns is densest, as sqrt(1 - mu_s), and over what width; in air for suns lower
 # than 12.5 degrees down it is lower and wider.
 _CENTRE, _WIDTH = 1.034, 0.12
-_NIGHT_CENTRE, _NIGHT_WIDTH = 1.06, 0.2
+_NIGHT_CENTRE, _NIGHT_WIDTH = 1.06, 0.25
 _NIGHT_MU_S = -0.2164
 
 

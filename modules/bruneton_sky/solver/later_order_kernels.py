@@ -26,26 +26,33 @@ class Source(NamedTuple):
     `rayleigh` (altitudes, 4, suns * 4): coefficients of 1, 3 mu^2 - 1, mu sin(theta) cos(phi)
     and sin^2(theta) cos(2 phi). `mie` (altitudes, mu, azimuths, suns * 4). An array without
     altitudes is left out. `azimuth_cosine` (azimuths,), `grid` (4,): see `SunGrid.constants`.
+    `bend` (altitudes, suns): half the second difference of the light between a sun and the next,
+    over the light; `pace` (suns,): 1 / 12 of the squared number of nodes in a unit of mu_s there.
     """
 
     rayleigh: NDArray[np.float32]
     mie: NDArray[np.float32]
     azimuth_cosine: NDArray[np.float32]
     grid: NDArray[np.float32]
+    bend: NDArray[np.float32]
+    pace: NDArray[np.float32]
 
 
 class Slab(NamedTuple):
-    """Scratch of `gather_later`: `light` (azimuths * suns * 4,), `rows` (4, suns * 4)."""
+    """Scratch of `gather_later`: `light` (azimuths * suns * 4,), `rows` (4, suns * 4), `bend`
+    (suns,)."""
 
     light: NDArray[np.float32]
     rows: NDArray[np.float32]
+    bend: NDArray[np.float32]
 
 
 @inner
 def empty_slab(source):  # type: ignore[no-untyped-def]
     """Arrays for the light of one bin."""
     columns = source.rayleigh.shape[2]
-    return Slab(np.empty(source.azimuth_cosine.size * columns, _f4), np.empty((4, columns), _f4))
+    light, rows = np.empty(source.azimuth_cosine.size * columns, _f4), np.empty((4, columns), _f4)
+    return Slab(light, rows, np.empty(columns // 4, _f4))
 
 
 @inner
@@ -57,7 +64,7 @@ def gather_later(air, altitude, bins, cells, source, slab, out):  # type: ignore
             first, last = _suns_in_sight(air, altitude, bins, b, extremes, source)
             _blend(air, bins, b, source, 4 * first, 4 * last + 4, slab)
             _place_cells(air, altitude, bins, b, source, cells)
-            _add_cells(slab, cells, out)
+            _add_cells(slab, source.pace, cells, out)
 
 
 @inner
@@ -100,6 +107,9 @@ def _blend(air, bins, b, source, low, high, slab):  # type: ignore[no-untyped-de
     place = altitude_place(air, bins.centre[b, 1]) * (count - 1)
     i = min(int(place), count - 2)
     u = place - i
+    near, far = _f4(1.0 - u), _f4(u)
+    for k in range(low // 4, high // 4):
+        slab.bend[k] = near * source.bend[i, k] + far * source.bend[i + 1, k]
     if source.rayleigh.shape[0] > 0:
         _set_rayleigh(source, i, u, mu, bins.weight[b, 0], low, high, slab)
     else:
@@ -180,24 +190,32 @@ def _place_cells(air, altitude, bins, b, source, cells):  # type: ignore[no-unty
     row = np.int32(suns)
     grid0, grid1, grid2, grid3 = source.grid[0], source.grid[1], source.grid[2], source.grid[3]
     mu_s, nu = cells.mu_s, cells.nu
+    per_length = _f4((bins.edge[b + 1] - bins.edge[b]) * inverse_r)
     for n in range(mu_s.size):
         sun = min(ONE, max(-ONE, (radius * mu_s[n] + distance * nu[n]) * inverse_r))
+        moved = (nu[n] - mu * sun) * per_length
         k = min(last_sun, sun_place(sun, grid0, grid1, grid2, grid3) * sun_scale)
         sines = max((ONE - sun) * (ONE + sun), _TINY)
         turn = min(ONE, max(-ONE, (nu[n] - mu * sun) * inverse_sine / math.sqrt(sines)))
         t = min(last_turn, math.sqrt((ONE - turn) * HALF) * turn_scale)
         i, j = np.int32(k), np.int32(t)
-        cells.along[n], cells.across[n] = k - _f4(i), t - _f4(j)
-        cells.offset[n] = (j * row + i) * np.int32(4)
+        cells.along[n], cells.across[n], cells.moved[n] = k - _f4(i), t - _f4(j), moved * moved
+        cells.offset[n], cells.sun[n] = (j * row + i) * np.int32(4), i
 
 
 @inner
-def _add_cells(slab, cells, out):  # type: ignore[no-untyped-def]
-    """Add a bin's light to the cells."""
+def _add_cells(slab, pace, cells, out):  # type: ignore[no-untyped-def]
+    """Add a bin's light to the cells.
+
+    Of light that falls by a factor with every degree, lines are too bright between their nodes, and
+    the centre of a bin is too dark: `level` is the light over both.
+    """
     next_row = np.uintp(slab.rows.shape[1])
     for n in range(cells.offset.size):
         place, offset = np.uintp(4 * n), np.uintp(cells.offset[n])
-        k, t = cells.along[n], cells.across[n]
+        sun, k, t = np.uintp(cells.sun[n]), cells.along[n], cells.across[n]
+        level = ONE - slab.bend[sun] * (k * (ONE - k) - pace[sun] * cells.moved[n])
+        k *= level
         w11 = k * t
-        w10, w01 = t - w11, k - w11
-        add_four(out, place, slab.light, offset, next_row, ONE - k - w10, w01, w10, w11)
+        w10, w01 = t * level - w11, k - w11
+        add_four(out, place, slab.light, offset, next_row, level - k - w10, w01, w10, w11)

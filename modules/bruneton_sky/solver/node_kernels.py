@@ -20,7 +20,7 @@ _FAR_RAD, _FEWEST_BINS = 0.1, 3
 
 
 @fast
-def bin_nodes(air, altitude, mu, downward, steps, bins, higher):  # type: ignore[no-untyped-def]
+def bin_nodes(air, altitude, mu, downward, steps, bins, later):  # type: ignore[no-untyped-def]
     """Bins of the rays from all nodes, twice: as in `Bins`, with axes (altitudes, mu) before.
 
     A ray that crosses a part of the air gets as large a part of its bins: along it the source
@@ -31,9 +31,9 @@ def bin_nodes(air, altitude, mu, downward, steps, bins, higher):  # type: ignore
         for q in range(mu.shape[1]):
             fill_steps(air, altitude[i], mu[i, q], downward[q], scratch, bins.end[i, q])
             for c in range(bins.end.shape[2]):
-                higher.end[i, q, c] = bins.end[i, q, c]
+                later.end[i, q, c] = bins.end[i, q, c]
             share = _share_crossed(air, altitude[i], mu[i, q], downward[q])
-            for some in (bins, higher):
+            for some in (bins, later):
                 most = some.centre.shape[2]
                 count = min(max(int(most * share + 1.0), _FEWEST_BINS), most)
                 here = _bins_at(some, i, q, count)

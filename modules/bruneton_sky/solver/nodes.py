@@ -18,7 +18,7 @@ from bruneton_sky.solver.scattering_operator import (
     ScatteringOperator,
     scattering_operator,
 )
-from bruneton_sky.solver.sizes import HIGHER, SolverSizes
+from bruneton_sky.solver.sizes import LATER, SolverSizes
 from bruneton_sky.solver.source_field import make_source
 from bruneton_sky.solver.wavelength_groups import LANES, Air, in_lanes
 from vrut_lite.numeric_types import FloatArray
@@ -36,7 +36,7 @@ _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
-    `higher_bins` are for the light of orders four and up; `bins_left_out` counts the bins that rays
+    `later_bins` are for the light of orders three and up; `bins_left_out` counts the bins that rays
     through little air do not need. `mie_chi` (altitudes or 1, degrees, 4): of the particles' phase
     functions.
     """
@@ -47,7 +47,7 @@ class Nodes(NamedTuple):
     suns: SunGrid
     operator: ScatteringOperator
     bins: "Bins"
-    higher_bins: "Bins"
+    later_bins: "Bins"
     bins_left_out: int
     mie_chi: Lanes
 
@@ -81,11 +81,10 @@ class Nodes(NamedTuple):
         from bruneton_sky.solver.node_kernels import next_radiance
 
         directions, turn = self.operator.directions, azimuths(self.sizes.azimuths_of(order))
-        bins = self.bins if order < HIGHER else self.higher_bins
         shape = *directions.mu.shape, turn.size, radiance.shape[-1]
         following = np.empty(shape, dtype=np.float32)
         next_radiance(
-            self.air, self.altitude_m, directions.mu, directions.downward, bins, source,
+            self.air, self.altitude_m, directions.mu, directions.downward, self.later_bins, source,
             self.suns.mu_s, np.cos(turn), self._sky_on_ground(radiance),
             following.reshape(*shape[:2], -1),
         )  # fmt: skip
@@ -134,14 +133,14 @@ def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes, group: int 
         altitude = layer_nodes(air, nodes_of_axis(sizes.altitude, air.layer_share))
     operator = scattering_operator(atmosphere.ground_radius_m, tuple(altitude), sizes)
     mu, downward = operator.directions.mu, operator.directions.downward
-    bins, higher = (
-        _empty_bins(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(HIGHER))
+    bins, later = (
+        _empty_bins(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(LATER))
     )
-    left_out = bin_nodes(air, altitude, mu, downward, sizes.steps, bins, higher)
+    left_out = bin_nodes(air, altitude, mu, downward, sizes.steps, bins, later)
     chi = in_lanes(mixed_coefficients(atmosphere, sizes.degree, altitude))[group]
     suns = SunGrid(atmosphere, sizes.mu_s)
     return Nodes(
-        air, sizes, altitude, suns, operator, bins, higher, left_out, chi.astype(np.float32)
+        air, sizes, altitude, suns, operator, bins, later, left_out, chi.astype(np.float32)
     )
 
 

@@ -12,7 +12,7 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver.delta_m import forward_shares, thinned
 from bruneton_sky.solver.grid import reaches_night
 from bruneton_sky.solver.nodes import Nodes, fed_phase_tables, make_nodes, make_transmittance
-from bruneton_sky.solver.sizes import SolverSizes
+from bruneton_sky.solver.sizes import LATER, SolverSizes
 from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.wavelength_groups import (
     LANES,
@@ -41,8 +41,10 @@ _USUAL_TOP_M, _MOST_DEEPER = 60_000.0, 2.0
 # Share of scattered light beyond 16 degrees of harmonics from which on 24 are kept: dust has 0.13,
 # salt 0.12, continental aerosol 0.02. Of dust from 300 km the rms error falls from 0.6 to 0.2 %.
 _SHARP, _SHARP_DEGREE = 0.05, 24
-# Factors on sizes for suns to 18.5 degrees down: their light errs by 1 % in place of 3 to 4.
-_NIGHT_SIZES = (("mu_s", 7.0 / 6.0), ("steps", 4.0 / 3.0), ("node_bins", 1.4))
+# Sizes for suns to 18.5 degrees down, at least: their light scattered once comes from a thin
+# sunlit layer at the ends of long rays, of which haze hides more.
+_NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 64, "later_bins": 12}
+_HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 52}
 
 
 class _Sum(NamedTuple):
@@ -143,8 +145,9 @@ def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
     )
     if not reaches_night(atmosphere):
         return sizes
-    more = {name: math.ceil(getattr(sizes, name) * by) for name, by in _NIGHT_SIZES}
-    return replace(sizes, **more)
+    known = {**vars(sizes), "mu_s": 0, "later_bins": sizes.bins_of(LATER)}
+    least = _HAZY_NIGHT_SIZES if is_hazy(atmosphere) else _NIGHT_SIZES
+    return replace(sizes, **{k: max(known[k], size) for k, size in least.items()})
 
 
 def _sum_orders(

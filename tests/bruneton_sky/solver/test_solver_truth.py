@@ -186,7 +186,8 @@ def test_float32_is_enough() -> None:
 def _sum_in_float64(
     field: SourceField, source: object, bins: Bins, altitude: float, mu_s: float, nu: float
 ) -> np.ndarray:
-    """Weights times source functions at the bins' centres, looked up multilinearly."""
+    """Weights times source functions at the bins' centres, looked up multilinearly, times what
+    `sun_bend` makes of lines between suns and of the sun's way along a bin."""
     from scipy.interpolate import RegularGridInterpolator
 
     sizes, air = field.sizes, field.atmosphere
@@ -197,6 +198,15 @@ def _sum_in_float64(
     azimuth = np.sqrt(0.5 - 0.5 * np.clip(turn, -1.0, 1.0))
     level = np.sqrt(height * (2.0 * radius + height) / (top * (2.0 * radius + top)))
     suns = SunGrid(air, sizes.mu_s).place(sun)
+    place = np.minimum(suns * (sizes.mu_s - 1), sizes.mu_s - 1.001)
+    k = place.astype(int)
+    moved = (nu - mu * sun) * np.diff(bins.edge) / (radius + height)
+    spread = (moved / np.diff(SunGrid(air, sizes.mu_s).mu_s)[k]) ** 2 / 12.0
+    bend = np.array([
+        np.interp(at * (sizes.altitude - 1), np.arange(sizes.altitude), source.bend[:, i])
+        for at, i in zip(level, k, strict=True)
+    ])  # fmt: skip
+    factor = 1.0 - bend * ((place - k) * (1.0 - place + k) - spread)
     unit = [
         np.linspace(0.0, 1.0, count) for count in (sizes.altitude, sizes.source_azimuth, sizes.mu_s)
     ]
@@ -207,12 +217,13 @@ def _sum_in_float64(
         (unit[0], np.linspace(-1, 1, sizes.source_mu), unit[1], unit[2]),
         field.mie[0].astype(float).reshape(shape),
     )
-    total = (bins.weight[:, 1] * mie(np.stack([level, mu, azimuth, suns], axis=-1))).sum(axis=0)
+    of_aerosol = mie(np.stack([level, mu, azimuth, suns], axis=-1))
+    total = (factor[:, None] * bins.weight[:, 1] * of_aerosol).sum(axis=0)
     for b in range(len(mu)):
         across = (1.0 - mu[b]) * (1.0 + mu[b])
         turned = mu[b] * np.sqrt(across) * cosine[:, None, None]
         twice = across * (2.0 * cosine[:, None, None] ** 2 - 1.0)
         light = c[:, 0] + c[:, 1] * (3.0 * mu[b] ** 2 - 1.0) + c[:, 2] * turned + c[:, 3] * twice
         look_up = RegularGridInterpolator(unit, light)
-        total += bins.weight[b, 0] * look_up([level[b], azimuth[b], suns[b]])[0]
+        total += factor[b] * bins.weight[b, 0] * look_up([level[b], azimuth[b], suns[b]])[0]
     return np.asarray(total)

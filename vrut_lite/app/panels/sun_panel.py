@@ -20,6 +20,7 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock
 _TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
               (-18.0, "astronomical twilight"))  # fmt: skip
 _NO_SUN = "none, it is below the horizon"
+_ECLIPSED = "none, the moon hides it"
 _NO_MOON = "below the horizon"
 
 
@@ -99,7 +100,9 @@ class SunPanel(QWidget):
 
         lux = float(luminance(light.key_light.irradiance_rgb)) * LUMENS_PER_WATT
         moon = "moon, " if light.key_light.body == "moon" else ""
-        self.sunlight.setText(moon + lux_text(lux) if lux > 0.0 else _NO_SUN)
+        sun = self._session.last(SunMoved)
+        hidden = _ECLIPSED if sun is not None and sun.visible_disc_fraction > 0.0 else _NO_SUN
+        self.sunlight.setText(moon + lux_text(lux) if lux > 0.0 else hidden)
         up = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
         self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
 
