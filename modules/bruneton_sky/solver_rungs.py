@@ -77,7 +77,7 @@ def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSize
     least = _LEAST[rung]
     larger = {k: max(getattr(usual, k), size) for k, size in least.items()}
     later = max(usual.bins_of(LATER), least["node_bins"])
-    return replace(usual, **larger, higher_azimuth=None, later_bins=later)
+    return replace(usual, **larger, higher_azimuth=None, higher_bins=later)
 
 
 def rung_tolerance(atmosphere: Atmosphere, rung: SolverRung = "usual") -> float:

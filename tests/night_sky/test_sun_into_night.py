@@ -124,7 +124,7 @@ def test_hosek_and_wilkies_light_is_its_reference_curve(degrees):
 def _finer(air):
     sizes = replace(
         rung_sizes(air, "finest"), altitude=40, mu_s=128, direction_mu=32, direction_azimuth=16,
-        steps=256, node_bins=128, later_bins=36,
+        steps=256, node_bins=128, higher_bins=36,
     )  # fmt: skip
     field = solve(air, sizes=sizes, all_orders=True, tolerance=order_tolerance(air) / 4.0)
     seen = {"steps": 384, "single_bins": 192, "multiple_bins": 96}

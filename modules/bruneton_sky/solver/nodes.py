@@ -36,7 +36,7 @@ _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
-    `later_bins` are for the light of orders three and up; `bins_left_out` counts the bins that rays
+    `higher_bins` are for the light of orders three and up; `bins_left_out` counts the bins that rays
     through little air do not need. `mie_chi` (altitudes or 1, degrees, 4): of the particles' phase
     functions.
     """
@@ -47,7 +47,7 @@ class Nodes(NamedTuple):
     suns: SunGrid
     operator: ScatteringOperator
     bins: "Bins"
-    later_bins: "Bins"
+    higher_bins: "Bins"
     bins_left_out: int
     mie_chi: Lanes
 
@@ -84,7 +84,7 @@ class Nodes(NamedTuple):
         shape = *directions.mu.shape, turn.size, radiance.shape[-1]
         following = np.empty(shape, dtype=np.float32)
         next_radiance(
-            self.air, self.altitude_m, directions.mu, directions.downward, self.later_bins, source,
+            self.air, self.altitude_m, directions.mu, directions.downward, self.higher_bins, source,
             self.suns.mu_s, np.cos(turn), self._sky_on_ground(radiance),
             following.reshape(*shape[:2], -1),
         )  # fmt: skip

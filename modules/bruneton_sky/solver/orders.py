@@ -43,7 +43,7 @@ _USUAL_TOP_M, _MOST_DEEPER = 60_000.0, 2.0
 _SHARP, _SHARP_DEGREE = 0.05, 24
 # Sizes for suns to 18.5 degrees down, at least: their light scattered once comes from a thin
 # sunlit layer at the ends of long rays, of which haze hides more.
-_NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 64, "later_bins": 12}
+_NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 64, "higher_bins": 12}
 _HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 52}
 
 
@@ -145,7 +145,7 @@ def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
     )
     if not reaches_night(atmosphere):
         return sizes
-    known = {**vars(sizes), "mu_s": 0, "later_bins": sizes.bins_of(LATER)}
+    known = {**vars(sizes), "mu_s": 0, "higher_bins": sizes.bins_of(LATER)}
     least = _HAZY_NIGHT_SIZES if is_hazy(atmosphere) else _NIGHT_SIZES
     return replace(sizes, **{k: max(known[k], size) for k, size in least.items()})
 

@@ -25,11 +25,12 @@ class SolverSizes:
         direction_mu, direction_azimuth: directions at each node, over all zenith angles (half
             of them below the horizon) and over half a turn of azimuth.
         later_azimuth: azimuths for the light of orders two and up, which varies less.
-        higher_azimuth, later_bins: of orders four and up, where these do with fewer.
+        higher_azimuth: of orders four and up, where these do with fewer.
         degree: of the spherical harmonics in which light is scattered.
         source_mu, source_azimuth: directions in which the source function is tabulated.
         steps: fine steps along a ray, which are merged into bins; in fog twice as many.
         node_bins: bins of a ray between nodes, at most: of one through all of the air.
+        higher_bins: of such a ray for the light of orders three and up.
         single_bins, multiple_bins: bins of a table's ray, for light scattered once and more.
         irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
 
@@ -43,7 +44,7 @@ class SolverSizes:
     direction_azimuth: int = 16
     later_azimuth: int = 8
     higher_azimuth: int | None = None
-    later_bins: int | None = None
+    higher_bins: int | None = None
     degree: int = 16
     source_mu: int = 32
     source_azimuth: int = 12
@@ -63,7 +64,7 @@ class SolverSizes:
                 as_count(f"{field.name} of the solver", size, least, _MOST)
         if self.direction_mu % 2:
             raise ValueError("direction_mu of the solver must be even: half looks down")
-        bins = self.node_bins, self.later_bins or 0, self.single_bins, self.multiple_bins
+        bins = self.node_bins, self.higher_bins or 0, self.single_bins, self.multiple_bins
         if max(bins) > self.steps:
             raise ValueError("steps of the solver must not be fewer than its bins")
 
@@ -73,13 +74,13 @@ class SolverSizes:
 
     def bins_of(self, order: int) -> int:
         """Bins of a ray between nodes for the light of an order of two and up."""
-        return self.node_bins if order < LATER else self.later_bins or self.node_bins
+        return self.node_bins if order < LATER else self.higher_bins or self.node_bins
 
     @classmethod
     def in_clear_air(cls) -> Self:
         """For a picture of clear air: fewer directions and higher orders change it by 0.02 % in the
         mean. The light of deep twilight needs more bins of the first orders."""
-        return cls(direction_mu=24, higher_azimuth=6, node_bins=18, later_bins=8)
+        return cls(direction_mu=24, higher_azimuth=6, node_bins=18, higher_bins=8)
 
     @classmethod
     def in_fog(cls) -> Self:
@@ -103,7 +104,7 @@ class SolverSizes:
             source_azimuth=16,
             steps=72,
             node_bins=20,
-            later_bins=14,
+            higher_bins=14,
             multiple_bins=18,
         )
 

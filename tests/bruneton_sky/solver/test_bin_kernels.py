@@ -72,13 +72,13 @@ def test_rays_have_bins_by_the_air_they_cross(other_planet: Atmosphere) -> None:
     """A ray down through a tenth of the altitudes has a tenth of the bins, and more by its length,
     one up through all of them has all; what others do without is counted. The sky that so few
     make is Monte Carlo's (test_haze_against_truth, test_rays_against_truth)."""
-    nodes = nodes_of(other_planet, replace(SIZES, altitude=21, node_bins=40, later_bins=20))
+    nodes = nodes_of(other_planet, replace(SIZES, altitude=21, node_bins=40, higher_bins=20))
     used = (nodes.bins.centre[..., 3] > 0.0).sum(axis=-1)
     length_m, crossed = nodes.bins.edge[:, 5, -1], np.linspace(0.0, 1.0, 21)
     share = crossed + length_m / (0.1 * (other_planet.ground_radius_m + nodes.altitude_m))
     assert np.all(used[1:, 5] <= np.maximum(40.0 * share[1:] + 1.0, 3.0))
     assert np.all(used[1:, 5] >= np.minimum(40.0 * crossed[1:], 36.0))
     assert used[0, -1] >= 36
-    both = nodes.bins, nodes.later_bins
+    both = nodes.bins, nodes.higher_bins
     empty = [(bins.edge[..., 1:] == bins.edge[..., :-1]).sum() for bins in both]
     assert sum(empty) >= nodes.bins_left_out > 0.2 * used.size * (40 + 20)

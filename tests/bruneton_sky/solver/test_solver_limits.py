@@ -61,7 +61,7 @@ def test_furnace(order: int) -> None:
     few the bins and azimuths of the higher orders."""
     air, sizes = conservative(Atmosphere.earth(), 1.0), replace(SMALL, higher_azimuth=5)
     group = groups_of_air(air)[0]
-    nodes = make_nodes(air, group, replace(sizes, later_bins=6))
+    nodes = make_nodes(air, group, replace(sizes, higher_bins=6))
     shape = (12, 16, sizes.azimuths_of(order), 24 * 4)
     ones = np.ones(shape, dtype=np.float32)
     source = nodes.source(nodes.operator.project(ones))
