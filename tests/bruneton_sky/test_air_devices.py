@@ -78,6 +78,7 @@ def test_pictures_agree_whether_cpu_or_gpu_filled_the_air(host, height_m, instan
     np.testing.assert_allclose(gpu.radiance, cpu.radiance, rtol=1e-3, atol=1e-5)
 
 
+@pytest.mark.long
 def test_air_of_the_gpu_follows_the_sun(host):
     """Each hour has the air of its own job, not that of the hour before."""
     pictures = {}

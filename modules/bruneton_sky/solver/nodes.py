@@ -36,9 +36,9 @@ _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
-    `higher_bins` are for the light of orders three and up; `bins_left_out` counts the bins that rays
-    through little air do not need. `mie_chi` (altitudes or 1, degrees, 4): of the particles' phase
-    functions.
+    `higher_bins` are for the light of orders three and up; `bins_left_out` counts the bins that
+    rays through little air do not need. `mie_chi` (altitudes or 1, degrees, 4): of the particles'
+    phase functions.
     """
 
     air: Air

@@ -58,6 +58,7 @@ def choose(box, data):
     box.activated.emit(box.currentIndex())
 
 
+@pytest.mark.long
 def test_two_models_are_shown_at_equal_haze(driver):
     """Hosek-Wilkie beside Bruneton at AOD 0.20, turbidity 3 (Preetham 1999), or itself."""
     two = driver.comparisons[0].two

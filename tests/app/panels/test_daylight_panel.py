@@ -41,6 +41,7 @@ def panel(qtbot, tmp_path, monkeypatch):
     QApplication.processEvents()
 
 
+@pytest.mark.long
 def test_a_click_measures_and_the_hour_is_followed(panel, qtbot, tmp_path):
     """Lux and daylight factor of the hour; an hour later other lux and the same factor; what the
     pointer shows is the sensor's; another scene has nothing measured."""
