@@ -21,6 +21,7 @@ from bruneton_sky.solver import (
 from bruneton_sky.solver_job import solve_air
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from long_parameters import mostly_long
 
 TRUTH = np.load(Path(__file__).parents[2] / "data" / "fog_truth.npz")
 AIR = earth_spectral((600.0, 450.0)).with_aerosol(0.1)
