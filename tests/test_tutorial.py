@@ -120,6 +120,7 @@ def test_benchmark(desk) -> None:
     assert (desk / "bench" / "bench.json").exists()
 
 
+@pytest.mark.long
 def test_module(desk) -> None:
     """The module posts two golden hours a day, and the journal replays."""
     (desk / "my_modules").mkdir()

@@ -56,6 +56,7 @@ def information(wheel: zipfile.ZipFile, name: str) -> str:
     return wheel.read(f"{folder}/{name}").decode()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_file_of_the_packages_is_in_the_wheel(wheel, package):
     """Code, data, shaders and py.typed alike, byte for byte."""

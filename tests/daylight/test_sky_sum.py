@@ -130,6 +130,7 @@ def test_invisible_changes_are_not_summed_again(stage):
     assert len(stage.sums) == made + 1
 
 
+@pytest.mark.long
 def test_the_real_clouds_darken_the_real_sky():
     """Coverage 1 in the product's kernel: the sun goes, the light falls to a third, so the ground.
 

@@ -104,6 +104,7 @@ sys.stdout.buffer.write(np.ascontiguousarray(tables.scattering).tobytes())
 """
 
 
+@pytest.mark.long
 def test_two_processes_build_the_same_tables(tmp_path):
     """Two processes that write one cache both get the tables, and so does a later one."""
     line = [sys.executable, "-c", BUILDER, tmp_path]
@@ -309,6 +310,7 @@ def moved(value):
 """
 
 
+@pytest.mark.long
 def test_a_kernel_is_compiled_again_when_what_it_is_made_of_changes(tmp_path):
     """A change in an imported file of constants compiles the kernel again."""
     package = tmp_path / "kernels_here"

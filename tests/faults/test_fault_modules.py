@@ -2,6 +2,7 @@
 
 import signal
 
+import pytest
 from fault_stage import SMALL_SKY, is_one_line, outcome, start, wait_for
 
 HOSTILE = """
@@ -44,6 +45,7 @@ def test_a_handler_that_never_returns_is_named_when_it_is_ended(tmp_path):
     assert is_one_line(complaints) == "vrut-lite: interrupted in on_clock of the module hostile"
 
 
+@pytest.mark.long
 def test_a_panic_in_a_job_ends_the_command_in_one_line(tmp_path):
     """The command neither hangs nor shows a traceback."""
     deed = "self.link.start_job('work', work)"

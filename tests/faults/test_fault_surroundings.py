@@ -140,6 +140,7 @@ ODD = {
 }
 
 
+@pytest.mark.long
 def test_odd_variables(tmp_path):
     """An unknown locale, ASCII output and invalid numbers in the environment do not matter."""
     path = tmp_path / "ráno.npz"

@@ -44,6 +44,7 @@ def hour(**changes):
     return sky_file.Hour(**(place | air | when | {"rows": 32} | changes))
 
 
+@pytest.mark.long
 def test_the_lamp_shines_from_where_the_sun_stands(child, tmp_path):
     """Its +Z axis, turned by its angles about X and then Z, points to the sun of the facts: east
     by north by up are Blender's axes."""
@@ -66,6 +67,7 @@ def test_the_lamp_shines_from_where_the_sun_stands(child, tmp_path):
     assert math.degrees(lamp.angle) == pytest.approx(0.533, abs=0.01)
 
 
+@pytest.mark.long
 def test_what_is_refused_is_one_sentence_and_the_child_goes_on(child, tmp_path):
     """A wrong place, a program that is none, a child that was killed: the next request works."""
     path = tmp_path / "sky.exr"

@@ -115,6 +115,7 @@ def mitsuba_of(cube):
     return mitsuba.load_dict(sky_emitter(mitsuba, cube))
 
 
+@pytest.mark.long
 def test_our_hosek_wilkie_lights_a_scene_as_mitsubas_own_sunsky_does(box_file, monkeypatch):
     """Same scene, same samples: means of the picture and of each quarter agree within noise.
 

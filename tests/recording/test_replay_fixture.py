@@ -47,6 +47,7 @@ def author(tmp_path):
     return run
 
 
+@pytest.mark.long
 def test_a_journal_passes_fails_and_is_accepted(author, tmp_path):
     """Unchanged it passes; changed it fails and says how; --update-journals accepts the change."""
     before = (tmp_path / "journal.mcap").read_bytes()

@@ -44,6 +44,7 @@ def scene(request: pytest.FixtureRequest) -> LoadedScene:
     return load_scene(SCENES / request.param)
 
 
+@pytest.mark.long
 def test_script_makes_the_committed_bytes(rebuilt: Path) -> None:
     """The committed scenes are the script's output, byte for byte."""
     assert [path.name for path in assets()] == sorted(path.name for path in rebuilt.iterdir())

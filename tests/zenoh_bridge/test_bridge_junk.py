@@ -171,6 +171,7 @@ def frames(draw):
     return type(message).__name__, msgspec.json.encode(content), held
 
 
+@pytest.mark.long
 @pytest.mark.gl
 @given(st.lists(frames(), min_size=1, max_size=6))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
