@@ -156,6 +156,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("names", nargs="*")
     chosen = parser.parse_args()
+    chosen.folder.mkdir(parents=True, exist_ok=True)
     app = QApplication([])
     apply_theme(app)
     free = app.primaryScreen().availableGeometry()
