@@ -5,10 +5,12 @@ holds Python's lock meanwhile, which stops a window; PyOpenGL, by ctypes, releas
 this on the GL thread.
 """
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+Number = TypeVar("Number", bound=np.generic)
 
 
 def draw_triangle(program: Any, vertex_array: Any) -> None:
@@ -52,21 +54,20 @@ def read_rgba(texture: Any) -> NDArray[np.float32]:
     """The numbers (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
     from OpenGL import GL
 
-    width, height = texture.size
-    numbers = np.empty((height, width, 4), np.float32)
-    GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
-    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, GL.GL_FLOAT, numbers)
-    GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
-    return numbers
+    return _read(texture, GL.GL_FLOAT, np.empty((*texture.size[::-1], 4), np.float32))
 
 
 def read_bytes(texture: Any) -> NDArray[np.uint8]:
     """The bytes (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
     from OpenGL import GL
 
-    width, height = texture.size
-    pixels = np.empty((height, width, 4), np.uint8)
+    return _read(texture, GL.GL_UNSIGNED_BYTE, np.empty((*texture.size[::-1], 4), np.uint8))
+
+
+def _read(texture: Any, kind: int, out: NDArray[Number]) -> NDArray[Number]:
+    from OpenGL import GL
+
     GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
-    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, pixels)
+    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, kind, out)
     GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
-    return pixels
+    return out
