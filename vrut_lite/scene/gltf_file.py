@@ -160,7 +160,7 @@ def read_gltf_file(
 
     Raises:
         SceneFileError: if it is damaged, requires an unsupported extension, names files that are
-            missing or outside its folder, or does not fit the budget.
+            missing or outside its folder, other than pictures, or does not fit the budget.
     """
     folder = SceneFolder(path.parent, budget)
     data = folder.read(path)

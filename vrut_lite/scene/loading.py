@@ -76,8 +76,8 @@ class OpenScene:
     the names of lamps; `glazing` says which materials are glass.
 
     Raises:
-        UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
-            anything outside its own folder.
+        UserError: in one sentence, if a file is damaged, too large or empty, or more than a
+            picture or material library of it is missing or outside its folder.
     """
 
     def __init__(

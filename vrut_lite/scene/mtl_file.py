@@ -116,7 +116,7 @@ def portable_name(name: str, folder: SceneFolder) -> str:
 
     Programs on Windows write `maps\\brick.png`, and often a full path of the machine that they ran
     on, or one that climbs out of the folder: of those, the longest end that is a file beside the
-    scene.
+    scene. A name of which no end is one stays as it is.
     """
     slashed = name.replace("\\", "/")
     parts = _DRIVE.sub("", slashed).split("/")

@@ -34,8 +34,7 @@ def read_obj_scene(
     `notices` takes what is left out.
 
     Raises:
-        SceneFileError: if it is damaged, names files that are missing or outside its folder, or
-            does not fit the budget.
+        SceneFileError: if it is damaged or does not fit the budget.
     """
     folder = SceneFolder(path.parent, budget)
     obj = parse_obj(folder.read(path), budget)

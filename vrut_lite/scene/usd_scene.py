@@ -49,8 +49,8 @@ def read_usd_scene(
     """Meshes and cameras in the file's axes and units, and what it says of these.
 
     Raises:
-        SceneFileError: usd-core is missing, or the file is damaged, too large, or names anything
-            outside its own folder.
+        SceneFileError: usd-core is missing, or the file is damaged, too large, or a layer of it
+            lies outside its folder.
     """
     try:
         from pxr import Tf, Usd
