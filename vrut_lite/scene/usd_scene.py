@@ -2,7 +2,8 @@
 
 Native instances and point instancers share their prototypes' meshes. A subdivision surface is shown
 as its cage. usd-core reads the files itself, so that memory is counted from their sizes and then
-from the arrays that are taken, and every layer and picture must lie in the scene's folder.
+from the arrays that are taken. Layers must lie in the scene's folder; pictures elsewhere are left
+out.
 """
 
 from collections.abc import Iterator
