@@ -25,9 +25,9 @@ from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import SunGrid
-from bruneton_sky.solver.source_field import light_over_lines, sun_bend
 from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
 from vrut_lite.numeric_types import FloatArray
 

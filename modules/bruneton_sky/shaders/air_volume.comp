@@ -35,7 +35,7 @@ layout(std430, binding = 7) restrict readonly buffer Angles { Phases angles[]; }
 // Of the source functions, by altitude and sun: see Source.bend and Source.pace.
 layout(std430, binding = 8) restrict readonly buffer Bends { vec2 bends[]; };
 
-const float SUN_TILT = 0.47140452;  // see source_field.py
+const float SUN_TILT = 0.47140452;  // see between_suns.py
 
 uniform ivec3 shape;            // slices, rows, columns
 uniform ivec2 transmittances;   // altitudes, columns

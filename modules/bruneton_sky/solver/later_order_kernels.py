@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bruneton_sky.solver.between_suns import SUN_TILT
 from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_four, inner
 from bruneton_sky.solver.ray_kernels import altitude_place
-from bruneton_sky.solver.source_field import SUN_TILT
 
 _f4 = np.float32
 _TINY, _TILT = np.float32(1e-9), np.float32(SUN_TILT)
@@ -41,7 +41,7 @@ class Source(NamedTuple):
 
 class Slab(NamedTuple):
     """Scratch of `gather_later`: `light` (azimuths * suns * 4,), `rows` (4, suns * 4), `bend` and
-    `tilt` (suns,): see `source_field.SUN_TILT`."""
+    `tilt` (suns,): see `between_suns.SUN_TILT`."""
 
     light: NDArray[np.float32]
     rows: NDArray[np.float32]

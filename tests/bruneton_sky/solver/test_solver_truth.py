@@ -16,9 +16,10 @@ from bruneton_sky.solver import (
     multiple_scattering,
     solve,
 )
+from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.bin_kernels import Bins, bins_of_ray
 from bruneton_sky.solver.grid import SunGrid
-from bruneton_sky.solver.source_field import light_over_lines, source_of_group, sun_bend
+from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.parametrisations import node_states
