@@ -30,7 +30,7 @@ def moon_samples(moon: MoonDiscChanged) -> tuple[FloatArray, FloatArray]:
         lit = lit * shadow_share(moon.shadow, place)
     radiance = _albedo(moon, normal)[:, None] * (lit + np.asarray(moon.dark_rgb))
     solid_angle = moon.flattening * (2.0 * sine / _ACROSS) ** 2
-    up = place[:, 1] > 0.0
+    up = place[:, 1] > np.sin(moon.horizon_rad)
     return place[up], radiance[up] * solid_angle
 
 

@@ -91,7 +91,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
 
 
 class StarsChanged(Derived, frozen=True, kw_only=True):
-    """Stars and planets above the horizon, points of light, brightest first.
+    """Stars and planets that the planet does not hide from the eye, points, brightest first.
 
     direction (n, 3) float32: apparent, in world axes. irradiance_rgb (n, 3) float32: behind the
     air, on a plane that faces the star, linear sRGB, W m^-2.
@@ -145,7 +145,8 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     `axes` (9 numbers, row by row) are the moon's own in world axes: x to the mean Earth, z north.
     `flattening` is the disc's height over its width: refraction raises the lower limb more.
     `sun_left_rgb` is below 1 while the moon hides a part of the sun. `shadow` is the Earth's, near
-    a full moon that it reaches.
+    a full moon that it reaches. `horizon_rad` is the horizon's elevation, below 0 for an eye aloft;
+    of the disc below it nothing is seen.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -161,6 +162,7 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     source: str
     sun_left_rgb: Vector = NO_ECLIPSE
     shadow: EarthShadow | None = None
+    horizon_rad: float = 0.0
 
     def check(self) -> None:
         """A disc in the sky."""
@@ -176,6 +178,7 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
         checks.light(self, "dark_rgb", MOST_LIGHT)
         checks.arrays(self, {"albedo": ("<f4", ("rows", "columns"))})
         checks.light(self, "sun_left_rgb", 1.0)
+        checks.number(self, "horizon_rad", -0.5 * math.pi, 0.0)
         checks.text(self, "source")
 
     def check_arrays(self) -> None:

@@ -112,6 +112,7 @@ class NightPass:
         screen.set("moon_upper", np.cross(right, middle))
         screen.set("sine_of_radius", float(np.sin(moon.angular_radius_rad)))
         screen.set("flattening", moon.flattening)
+        screen.set("horizon_sine", float(np.sin(moon.horizon_rad)))
         screen.set("to_sun", moon.to_sun)
         screen.set("moon_axes", np.reshape(moon.axes, (3, 3)).T.ravel())
         screen.set("lit_radiance", moon.lit_rgb)

@@ -6,6 +6,7 @@ uniform vec3 moon_right;             // along the horizon
 uniform vec3 moon_upper;
 uniform float sine_of_radius;
 uniform float flattening;
+uniform float horizon_sine;          // of its elevation
 uniform vec3 to_sun;
 uniform mat3 moon_axes;
 uniform vec3 lit_radiance;
@@ -35,7 +36,7 @@ vec3 sunlight_left(vec3 d) {
 }
 
 vec3 moon(vec3 d) {
-    if (d.y <= 0.0 || dot(d, moon_direction) <= 0.0) return vec3(0.0);
+    if (d.y <= horizon_sine || dot(d, moon_direction) <= 0.0) return vec3(0.0);
     vec2 p = vec2(dot(d, moon_right), dot(d, moon_upper) / flattening) / sine_of_radius;
     float beside = dot(p, p);
     if (beside >= 1.0) return vec3(0.0);
