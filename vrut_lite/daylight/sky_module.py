@@ -29,7 +29,7 @@ from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.daylight.night import SLOT as NIGHT
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.refraction import seen_from_aloft
+from vrut_lite.daylight.refraction import dip_rad, eye_aloft_m, seen_from_aloft
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
     AmbientChanged,
@@ -300,6 +300,7 @@ class SkyModule(Module):
             key=key_body(hour.sun, moon, hour.eye_height_m),
             sun_share=sun_share(hour.sun),
             sun_left_rgb=night.sun_left_rgb,
+            horizon_rad=-dip_rad(eye_aloft_m(hour.eye_height_m)),
         )
 
     def _demand(self, kind: type[Derived]) -> Demand | None:
