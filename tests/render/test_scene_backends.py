@@ -62,7 +62,7 @@ def test_a_matte_plane_under_a_uniform_sky_has_albedo_times_its_radiance(any_bac
 
 
 def test_by_night_the_eye_sees_less_detail_in_every_picture(any_backend, box_file):
-    """Under 3e-5 cd/m2 the eye parts 0.7 cycles a degree: an edge is soft, by each pixel's angle."""
+    """Under 3e-5 cd/m2 the eye parts 0.7 cycles a degree: an edge is soft, by a pixel's angle."""
     show_box(any_backend, box_file, albedo=0.1)
     light(any_backend, uniform_sky(5e-8))
     eye = SetExposure(mode="manual", ev100=-15.0, tone_map="eye")
