@@ -21,15 +21,16 @@ RGB_NM = np.array([610.0, 550.0, 465.0])
 # Share of the light that the air takes from an even sky and that reaches the ground.
 SENT_DOWN = 0.45
 _NODES = 181
-_RADIUS_M, _TOP_M = 6_360_000.0, 120_000.0
+RADIUS_M, TOP_M = 6_360_000.0, 120_000.0
 # Of a part of a ray, denser where the air is.
 _STEPS = 48
 
 
 class NightAir(NamedTuple):
     """Transmittance (n, 3) of the air from an eye to space by the sine (n,) of the apparent
-    elevation, from the horizon up."""
+    elevation, from the horizon up, in a haze."""
 
+    haze: SetHaze
     sine: FloatArray
     transmittance: FloatArray
 
@@ -45,7 +46,7 @@ def night_air(haze: SetHaze, eye_height_m: float = 0.0) -> NightAir:
     """The air of the place's haze before an eye."""
     lowest = -dip_rad(eye_height_m)
     elevation = lowest + (0.5 * np.pi - lowest) * np.linspace(0.0, 1.0, _NODES) ** 2
-    return NightAir(np.sin(elevation), np.exp(-_depth(haze, eye_height_m, elevation)))
+    return NightAir(haze, np.sin(elevation), np.exp(-_depth(haze, eye_height_m, elevation)))
 
 
 def _depth(haze: SetHaze, eye_height_m: float, elevation: FloatArray) -> FloatArray:
@@ -54,9 +55,9 @@ def _depth(haze: SetHaze, eye_height_m: float, elevation: FloatArray) -> FloatAr
     A ray is followed by its distance from where it is nearest to the planet, forth and, of one that
     descends, back.
     """
-    impact = (_RADIUS_M + eye_height_m) * np.cos(elevation)
-    eye = (_RADIUS_M + eye_height_m) * np.sin(elevation)
-    top = np.sqrt(np.maximum((_RADIUS_M + _TOP_M) ** 2 - impact**2, 0.0))
+    impact = (RADIUS_M + eye_height_m) * np.cos(elevation)
+    eye = (RADIUS_M + eye_height_m) * np.sin(elevation)
+    top = np.sqrt(np.maximum((RADIUS_M + TOP_M) ** 2 - impact**2, 0.0))
     start = np.clip(eye, -top, top)
     up = _part(haze, impact, np.maximum(start, 0.0), top)
     return up + _part(haze, impact, np.zeros_like(start), np.maximum(-start, 0.0))
@@ -67,6 +68,6 @@ def _part(haze: SetHaze, impact: FloatArray, near: FloatArray, far: FloatArray) 
     x, weight = np.polynomial.legendre.leggauss(_STEPS)
     place, weight = 0.5 * (x + 1.0), 0.5 * weight
     along = near[:, None] + (far - near)[:, None] * place**2
-    altitude = np.maximum(np.hypot(impact[:, None], along) - _RADIUS_M, 0.0)
+    altitude = np.maximum(np.hypot(impact[:, None], along) - RADIUS_M, 0.0)
     metres = (far - near)[:, None] * (2.0 * place * weight)
     return np.asarray((extinction_per_m(haze, altitude, RGB_NM) * metres[..., None]).sum(axis=1))
