@@ -159,10 +159,10 @@ class SolvedSky:
         steps = max(sizes.steps, _TWILIGHT_BINS)
         field = replace(self.field, sizes=replace(sizes, steps=steps, **_IRRADIANCE_SIZES))
         low = suns < _TWILIGHT_BELOW_MU_S
-        for part, bins in ((low, _TWILIGHT_BINS), (~low, sizes.single_bins)):
+        for chosen, bins in ((low, _TWILIGHT_BINS), (~low, sizes.single_bins)):
             # Above the top of the atmosphere the sky is dark.
-            for height in np.unique(heights[part & (heights < air.top_altitude_m)]):
-                same = part & (heights == height)
+            for height in np.unique(heights[chosen & (heights < air.top_altitude_m)]):
+                same = chosen & (heights == height)
                 sky[same] = sky_irradiance(field, np.array([height]), suns[same], bins)[0]
         shape = (*altitude.shape, len(air.wavelength_nm))
         return disc.reshape(shape), sky.reshape(shape)

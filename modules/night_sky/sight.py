@@ -5,7 +5,6 @@ from datetime import datetime
 from typing import NamedTuple
 
 import msgspec
-import numpy as np
 
 from night_sky.disc import disc_of
 from night_sky.earth_shadow import earth_shadow
@@ -33,8 +32,7 @@ class Sight(NamedTuple):
 
     def disc(self, air: NightAir, source: str) -> MoonDiscChanged:
         """The moon's disc behind the air before this eye."""
-        through = air.through(np.array(self.moon.direction[1]))
-        disc = disc_of(self.moon, through, source, self.eye_height_m)
+        disc = disc_of(self.moon, air, source, self.eye_height_m)
         return msgspec.structs.replace(disc, sun_left_rgb=self.sun_left_rgb, shadow=self.shadow)
 
 

@@ -92,6 +92,23 @@ def test_the_moon_sets_behind_the_planet_and_not_at_the_level():
     assert over.max() > 10.0
 
 
+def test_the_lower_limb_is_behind_more_air():
+    """Each place of a moon on the horizon from 100 km has the air of its own height."""
+    eye_m, places = 100_000.0, []
+    air = night_air(HAZE, eye_m)
+    for minute in range(0, 40, 2):
+        instant = datetime(2026, 7, 1, 4, 20, tzinfo=UTC) + timedelta(minutes=minute)
+        seen = sight(instant, PRAGUE, 2.0, eye_m)
+        disc = seen.disc(air, "test")
+        through = np.reshape(disc.through_rgb, (-1, 3))
+        assert (np.diff(through, axis=0) >= 0.0).all()
+        middle = air.through(np.array(seen.moon.direction[1]))
+        np.testing.assert_allclose(through[4], middle, atol=1e-3)
+        places.append(through[[0, -1], 1])
+    low, high = np.array(places).T
+    assert ((high > 0.6) & (low < 0.3)).any()
+
+
 def test_an_eye_that_climbs_is_told_other_stars_without_other_light():
     kernel = Kernel()
     kernel.add_module(NightSky)

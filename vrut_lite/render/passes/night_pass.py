@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
-from vrut_lite.daylight.night import EDGE_OVER_MIDDLE, MoonDiscChanged, StarsChanged
+from vrut_lite.daylight.night import (
+    EDGE_OVER_MIDDLE,
+    THROUGH_PLACES,
+    MoonDiscChanged,
+    StarsChanged,
+)
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
@@ -117,6 +122,8 @@ class NightPass:
         screen.set("moon_axes", np.reshape(moon.axes, (3, 3)).T.ravel())
         screen.set("lit_radiance", moon.lit_rgb)
         screen.set("dark_radiance", moon.dark_rgb)
+        through = np.array(moon.through_rgb or (1.0,) * (3 * THROUGH_PLACES), np.float32)
+        screen.program["through"].write(through.tobytes())
         shadow = moon.shadow
         screen.set("umbra", 0.0 if shadow is None else shadow.umbra_rad)
         if shadow is not None:
