@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, TableSizes, earth_spectral, precompute, preset
 from bruneton_sky import single_scattering as scatter
-from bruneton_sky.atmosphere import raise_ground
+from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import SolverSizes, multiple_scattering, solve
 from dynamic_skylight import HosekWilkieSky, sun_events, sun_position
 from hypothesis import given

@@ -3,12 +3,24 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
-from typing import Literal, NamedTuple, Self, get_args
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.arguments import as_flag, as_number, as_numbers, check_choice
+from bruneton_sky.atmosphere_numbers import (
+    LAYERS,
+    LENGTHS_M,
+    NO_NUMBERS,
+    SERIES,
+    SPECTRAL,
+    MiePhaseForm,
+    as_series,
+    as_tuple,
+    check_numbers,
+    per_wavelength,
+)
+from vrut_lite.arguments import as_flag, as_number, as_numbers
 from vrut_lite.daylight.aerosol import (
     ANGSTROM_EXPONENT,
     ASYMMETRY,
@@ -18,45 +30,9 @@ from vrut_lite.daylight.aerosol import (
 from vrut_lite.daylight.aerosols import AerosolOptics, PhaseTable
 from vrut_lite.numeric_types import FloatArray
 
-# Fields of an atmosphere with a number for each wavelength; those of layers may be left out.
-SPECTRAL_FIELDS = (
-    "solar_irradiance",
-    "rayleigh_scattering",
-    "mie_scattering",
-    "mie_extinction",
-    "absorption_extinction",
-    "ground_albedo",
-)
-_LAYERS = ("aloft_scattering", "aloft_extinction", "fog_scattering", "fog_extinction")
-_SPECTRAL = (*SPECTRAL_FIELDS, *_LAYERS)
-_SERIES = (
-    "wavelength_nm",
-    "absorber_altitude_m",
-    "absorber_density",
-    "rayleigh_more",
-    "rayleigh_more_scale_height_m",
-)
-_POSITIVE = (
-    "ground_radius_m",
-    "top_altitude_m",
-    "rayleigh_scale_height_m",
-    "mie_scale_height_m",
-    "fog_scale_height_m",
-    "aloft_scale_height_m",
-    "sun_angular_radius_rad",
-)
-# Accepted lengths: squares of shorter and longer ones lose digits or overflow.
-_LENGTHS, _LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
-_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
-_TABLES = ("mie_table", "aloft_table", "fog_table")
-_NO_NUMBERS = ("mie_phase", *_TABLES)
-# Where a density of several exponentials is looked at.
-_PLACES = 241
-_NEGATIVE = "must leave a density above zero at all altitudes"
-MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
 class Scatterer(NamedTuple):
@@ -134,20 +110,20 @@ class Atmosphere:
 
     def __post_init__(self) -> None:
         for name in self._numeric():
-            object.__setattr__(self, name, _as_numbers(name, getattr(self, name)))
-        for name in _LAYERS:
+            object.__setattr__(self, name, as_series(name, getattr(self, name)))
+        for name in LAYERS:
             # `replace` may change the number of wavelengths: no layer fits any.
-            if not any(_as_tuple(getattr(self, name))):
+            if not any(as_tuple(getattr(self, name))):
                 object.__setattr__(self, name, 0.0)
-        if not any(_as_tuple(self.rayleigh_more)):
+        if not any(as_tuple(self.rayleigh_more)):
             object.__setattr__(self, "rayleigh_more", 0.0)
             object.__setattr__(self, "rayleigh_more_scale_height_m", 8000.0)
-        count = len(_as_tuple(self.wavelength_nm))
-        for name in _SERIES:
-            object.__setattr__(self, name, _as_tuple(getattr(self, name)))
-        for name in _SPECTRAL:
-            object.__setattr__(self, name, _per_wavelength(name, getattr(self, name), count))
-        self._check()
+        count = len(as_tuple(self.wavelength_nm))
+        for name in SERIES:
+            object.__setattr__(self, name, as_tuple(getattr(self, name)))
+        for name in SPECTRAL:
+            object.__setattr__(self, name, per_wavelength(name, getattr(self, name), count))
+        check_numbers(vars(self), self.molecules)
 
     @classmethod
     def earth(cls, ozone: bool = True) -> Self:
@@ -281,8 +257,8 @@ class Atmosphere:
         Raises:
             ValueError: a length is not from 1e-3 to 1e12 m.
         """
-        visibility_m = as_number("visibility_m", visibility_m, *_LENGTHS_M, "m")
-        scale_height_m = as_number("scale_height_m", scale_height_m, *_LENGTHS_M, "m")
+        visibility_m = as_number("visibility_m", visibility_m, *LENGTHS_M, "m")
+        scale_height_m = as_number("scale_height_m", scale_height_m, *LENGTHS_M, "m")
         order = np.argsort(self.wavelength_nm)
         clear = np.sum(
             [self.rayleigh_scattering, self.mie_extinction, self.aloft_extinction], axis=0
@@ -379,125 +355,9 @@ class Atmosphere:
 
     @classmethod
     def _numeric(cls) -> list[str]:
-        return [field.name for field in fields(cls) if field.name not in _NO_NUMBERS]
-
-    def _check(self) -> None:
-        check_choice("mie_phase of the atmosphere", self.mie_phase, get_args(MiePhaseForm))
-        for name in _TABLES:
-            table, rows = getattr(self, name), len(self.wavelength_nm)
-            if table is not None:
-                _require(isinstance(table, PhaseTable), name, "must be a PhaseTable")
-                fits = len(table.values) == rows
-                _require(fits, name, f"needs {rows} rows, one per wavelength")
-        for name in _SCALAR:
-            _require(isinstance(getattr(self, name), float), name, "must be a single number")
-        for name in _POSITIVE:
-            _require(getattr(self, name) > 0, name, f"must be positive, not {getattr(self, name)}")
-        for name in _LENGTHS:
-            as_number(f"{name} of the atmosphere", getattr(self, name), *_LENGTHS_M, "m")
-        for name in ("wavelength_nm", *_SPECTRAL, "absorber_density"):
-            least = min(getattr(self, name))
-            _require(least >= 0, name, f"must not be negative, but holds {least}")
-        steps = np.diff(self.wavelength_nm)
-        ordered = bool(np.all(steps > 0) or np.all(steps < 0))
-        _require(ordered, "wavelength_nm", "must increase or decrease throughout")
-        _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
-        most = max(self.ground_albedo)
-        _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
-        more = self.rayleigh_more_scale_height_m
-        _require(len(more) == len(self.rayleigh_more), "rayleigh_more", "needs as many heights")
-        _require(min(more) > 0, "rayleigh_more_scale_height_m", "must be positive")
-        places = np.linspace(0.0, self.top_altitude_m, _PLACES)
-        _require(bool((self.molecules(places) >= 0.0).all()), "rayleigh_more", _NEGATIVE)
-        _require(-1 < self.mie_g < 1, "mie_g", f"must lie between -1 and 1, not {self.mie_g}")
-        within = -1 <= self.mu_s_min < 1
-        _require(within, "mu_s_min", f"must be a cosine below 1, not {self.mu_s_min}")
-        for name in ("mie", "aloft", "fog"):
-            scattering = getattr(self, f"{name}_scattering")
-            pairs = zip(scattering, getattr(self, f"{name}_extinction"), strict=True)
-            # Rounding of scattering = albedo * extinction may pass the extinction by one unit.
-            bounded = all(s <= e * (1 + 1e-12) for s, e in pairs)
-            _require(bounded, f"{name}_scattering", f"must not exceed {name}_extinction")
-        heights = self.absorber_altitude_m
-        rising = len(heights) >= 2 and all(np.diff(heights) > 0) and heights[0] >= 0
-        _require(rising, "absorber_altitude_m", "must hold two or more rising altitudes")
-        same = len(heights) == len(self.absorber_density)
-        _require(same, "absorber_density", "must have one value per absorber_altitude_m")
-
-
-def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
-    """The same air above a ground at `altitude_m`; altitudes are then measured from there.
-
-    A plateau cuts off the air below it, a basin below sea level is filled with more. The
-    exponential profiles keep their form: their coefficients are those at the new ground.
-
-    Raises:
-        ValueError: the ground would lie above the air, or below the planet's centre.
-    """
-    altitude_m = as_number("altitude_m of the ground", altitude_m)
-    if not -atmosphere.ground_radius_m < altitude_m < atmosphere.top_altitude_m:
-        raise ValueError(
-            f"a ground at {altitude_m:g} m lies outside the planet's air, "
-            f"whose top is at {atmosphere.top_altitude_m:g} m"
-        )
-    molecules = float(atmosphere.molecules(altitude_m))
-    more = zip(atmosphere.rayleigh_more, atmosphere.rayleigh_more_scale_height_m, strict=True)
-    aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
-    aloft = np.exp(-altitude_m / atmosphere.aloft_scale_height_m)
-    layers, density = _cut_layers(atmosphere, altitude_m)
-    return replace(
-        atmosphere,
-        ground_radius_m=atmosphere.ground_radius_m + altitude_m,
-        top_altitude_m=atmosphere.top_altitude_m - altitude_m,
-        rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
-        rayleigh_more=tuple(share * math.exp(-altitude_m / h) / molecules for share, h in more),
-        mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
-        mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
-        aloft_scattering=tuple(np.asarray(atmosphere.aloft_scattering) * aloft),
-        aloft_extinction=tuple(np.asarray(atmosphere.aloft_extinction) * aloft),
-        absorber_altitude_m=layers,
-        absorber_density=density,
-    )
-
-
-def _cut_layers(
-    atmosphere: Atmosphere, altitude_m: float
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Altitudes and densities of the absorber's nodes above the new ground."""
-    above = np.asarray(atmosphere.absorber_altitude_m) - altitude_m
-    density = np.asarray(atmosphere.absorber_density)
-    if above[0] >= 0:
-        return tuple(above), tuple(density)
-    kept = above > 0
-    at_ground = float(np.interp(0.0, above, density, right=0.0))
-    if kept.any():
-        return (0.0, *above[kept]), (at_ground, *density[kept])
-    # All of the absorber lies below the ground.
-    return (0.0, atmosphere.top_altitude_m - altitude_m), (0.0, 0.0)
+        return [field.name for field in fields(cls) if field.name not in NO_NUMBERS]
 
 
 def _column_m(scale_height_m: float, top_m: float) -> float:
     """Matter above a square metre, up to the top, over the density on the ground."""
     return -scale_height_m * math.expm1(-top_m / scale_height_m)
-
-
-def _as_tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:
-    return value if isinstance(value, tuple) else (value,)
-
-
-def _as_numbers(name: str, value: ArrayLike) -> float | tuple[float, ...]:
-    """A float, or a tuple of floats: hashable, so that an atmosphere can key a cache."""
-    array = as_numbers(f"{name} of the atmosphere", value)
-    _require(array.size > 0, name, "must not be empty")
-    return float(array) if array.ndim == 0 else tuple(float(v) for v in array.ravel())
-
-
-def _per_wavelength(name: str, value: float | tuple[float, ...], count: int) -> tuple[float, ...]:
-    values = value if isinstance(value, tuple) else (value,) * count
-    _require(len(values) == count, name, f"needs {count} values, one per wavelength")
-    return values
-
-
-def _require(holds: bool, name: str, demand: str) -> None:
-    if not holds:
-        raise ValueError(f"{name} of the atmosphere {demand}")

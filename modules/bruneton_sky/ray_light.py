@@ -25,9 +25,9 @@ from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import SunGrid
-from bruneton_sky.solver.source_field import sun_bend
 from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
 from vrut_lite.numeric_types import FloatArray
 
@@ -177,7 +177,7 @@ def _level(field: SourceField, height: FloatArray, sun: FloatArray) -> FloatArra
     i = np.minimum((height * (len(bends) - 1)).astype(np.intp), len(bends) - 2)
     u = (height * (len(bends) - 1) - i)[:, None]
     bend = (1.0 - u) * bends[i, low] + u * bends[i + 1, low]
-    return np.asarray(1.0 - bend * (far * (1.0 - far))[:, None])
+    return light_over_lines(bend, far[:, None])
 
 
 @lru_cache(maxsize=4)

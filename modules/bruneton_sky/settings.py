@@ -8,8 +8,10 @@ from typing import Annotated, ClassVar, Literal
 import msgspec
 import numpy as np
 
-from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm, raise_ground
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.atmosphere_numbers import MiePhaseForm
 from bruneton_sky.presets import earth_at_night, earth_spectral, preset
+from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.daylight.aerosol import (
     ANGSTROM_EXPONENT,

@@ -38,6 +38,9 @@ _LARGEST_CUBE = 8192
 # Directions over which irradiance is summed: twice as many each way as for a picture, whose light
 # errs by 0.4 % in haze (these: 0.1 %).
 _IRRADIANCE_SIZES = {"irradiance_mu": 32, "irradiance_azimuth": 24}
+# In twilight the planet's shadow cuts through the rays: with as many bins as by day a sky 6 degrees
+# after sunset is 3 % too dark.
+_TWILIGHT_BELOW_MU_S, _TWILIGHT_BINS = 0.1, 96
 # Rays times wavelengths of a batch: they fit a processor's cache.
 _BATCH = 3000
 
@@ -77,7 +80,7 @@ class SolvedSky:
     radiance is that of the reference (0.06 to 0.3 %), and no ray errs by more than 0.2 % beyond
     three standard errors; with the sun 0 to 6 degrees below the horizon 1 to 2 % rms, in haze of
     turbidity 3 0.2 to 0.7 %, of turbidity 10 0.6 to 2.3 %, in fog 1 to 3 %. Sky irradiance by day
-    is within 0.4 %. A ray takes 0.04 ms at three wavelengths.
+    is within 0.4 %, in twilight that of its radiance. A ray takes 0.04 ms at three wavelengths.
 
     Raises:
         ValueError: in every method, a value is out of range or no number, or shapes do not
@@ -152,12 +155,15 @@ class SolvedSky:
         disc, sky = np.zeros((2, heights.size, len(air.wavelength_nm)))
         for part in self._batches(heights.size):
             disc[part] = seen_irradiance(air, heights[part], suns[part])
-        field = replace(self.field, sizes=replace(self.field.sizes, **_IRRADIANCE_SIZES))
-        # Above the top of the atmosphere the sky is dark.
-        for height in np.unique(heights[heights < air.top_altitude_m]):
-            same = heights == height
-            bins = field.sizes.single_bins
-            sky[same] = sky_irradiance(field, np.array([height]), suns[same], bins)[0]
+        sizes = self.field.sizes
+        steps = max(sizes.steps, _TWILIGHT_BINS)
+        field = replace(self.field, sizes=replace(sizes, steps=steps, **_IRRADIANCE_SIZES))
+        low = suns < _TWILIGHT_BELOW_MU_S
+        for chosen, bins in ((low, _TWILIGHT_BINS), (~low, sizes.single_bins)):
+            # Above the top of the atmosphere the sky is dark.
+            for height in np.unique(heights[chosen & (heights < air.top_altitude_m)]):
+                same = chosen & (heights == height)
+                sky[same] = sky_irradiance(field, np.array([height]), suns[same], bins)[0]
         shape = (*altitude.shape, len(air.wavelength_nm))
         return disc.reshape(shape), sky.reshape(shape)
 

@@ -6,10 +6,11 @@ import numpy as np
 
 from night_sky.moon import Moon
 from night_sky.moon_light import earthshine_radiance_rgb, irradiance_rgb
+from night_sky.night_air import NightAir
 from night_sky.sky_axes import unit
 from vrut_lite.array import Array
-from vrut_lite.daylight.night import MoonDiscChanged
-from vrut_lite.daylight.refraction import apparent_elevation
+from vrut_lite.daylight.night import THROUGH_PLACES, MoonDiscChanged
+from vrut_lite.daylight.refraction import apparent_elevation, dip_rad
 from vrut_lite.numeric_types import FloatArray, Vector
 
 # Selenographic longitude and latitude (deg) and diameter (km) of the maria (IAU gazetteer), and how
@@ -57,20 +58,25 @@ def albedo_map() -> Array:
     return Array((1.0 - (1.0 - _MARE_ALBEDO) * dark).astype(np.float32))
 
 
-def disc_of(moon: Moon, through_air: FloatArray, source: str) -> MoonDiscChanged:
-    """The disc behind air of this transmittance (3,); its light is the moon's irradiance."""
-    lit = irradiance_rgb(moon.phase) * through_air / _lit_integral(moon)
-    dark = earthshine_radiance_rgb(moon.phase) * through_air
+def disc_of(moon: Moon, air: NightAir, source: str, eye_height_m: float = 0.0) -> MoonDiscChanged:
+    """The disc behind the air before an eye; above it its light is the moon's irradiance."""
+    lit = irradiance_rgb(moon.phase) / _lit_integral(moon)
+    dark = earthshine_radiance_rgb(moon.phase)
+    flattening = _flattening(moon, eye_height_m)
+    across = flattening * moon.angular_radius_rad * np.linspace(-1.0, 1.0, THROUGH_PLACES)
+    through = air.through(np.sin(np.arcsin(moon.direction[1]) + across))
     return MoonDiscChanged(
         direction=_vector(moon.direction),
         angular_radius_rad=moon.angular_radius_rad,
-        flattening=_flattening(moon),
+        flattening=flattening,
         to_sun=_vector(moon.to_sun),
         axes=tuple(float(value) for value in moon.axes.ravel()),
         lit_rgb=_vector(np.maximum(lit, 0.0)),
         dark_rgb=_vector(dark),
         albedo=albedo_map(),
         source=source,
+        horizon_rad=-dip_rad(eye_height_m),
+        through_rgb=tuple(map(float, through.ravel())),
     )
 
 
@@ -95,11 +101,11 @@ def _lit_integral(moon: Moon) -> float:
     return max(mean, 1e-5) * np.pi * moon.angular_radius_rad**2
 
 
-def _flattening(moon: Moon) -> float:
+def _flattening(moon: Moon, eye_height_m: float) -> float:
     """Height over width of the refracted disc."""
     true = float(np.arcsin(np.clip(moon.true_direction[1], -1.0, 1.0)))
     edges = true + moon.angular_radius_rad * np.array([-1.0, 1.0])
-    low, high = apparent_elevation(edges)
+    low, high = apparent_elevation(edges, eye_height_m)
     return float(np.clip((high - low) / (edges[1] - edges[0]), 0.1, 1.0))
 
 

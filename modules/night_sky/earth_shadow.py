@@ -24,8 +24,10 @@ _COLOURS = ((1, 0.8, 0.7), (1, 0.6, 0.4), (1, 0.25, 0.08), (1, 0.32, 0.1), (1, 0
 _ACROSS = 48
 
 
-def earth_shadow(at: Watch, moon: Moon, danjon: float) -> EarthShadow | None:
-    """The shadow as a place sees it; None where it does not reach the moon."""
+def earth_shadow(
+    at: Watch, moon: Moon, danjon: float, eye_height_m: float = 0.0
+) -> EarthShadow | None:
+    """The shadow as an eye above a place sees it; None where it does not reach the moon."""
     sun = _vector(astronomy.GeoVector(astronomy.Body.Sun, at.time, True))
     centre = _vector(astronomy.GeoVector(astronomy.Body.Moon, at.time, True))
     sun_km, moon_km = float(np.linalg.norm(sun)), float(np.linalg.norm(centre))
@@ -40,7 +42,7 @@ def earth_shadow(at: Watch, moon: Moon, danjon: float) -> EarthShadow | None:
     apart = float(np.linalg.norm(np.cross(true, moon.true_direction)))
     if true @ moon.true_direction < 0.0 or apart > penumbra + moon.angular_radius_rad:
         return None
-    x, y, z = refracted(true).tolist()
+    x, y, z = refracted(true, eye_height_m).tolist()
     return EarthShadow(
         direction=(x, y, z), umbra_rad=umbra, penumbra_rad=penumbra, umbra_rgb=umbra_rgb(danjon)
     )

@@ -11,6 +11,7 @@ import astronomy
 import numpy as np
 
 from night_sky.data_files import night_data, table
+from night_sky.lamp_sky import lamp_share
 from night_sky.night_air import SENT_DOWN, NightAir
 from night_sky.sky_axes import Watch, body_km, ecliptic_of_j2000, unit
 from night_sky.stars import colour_of, planck_colour
@@ -50,7 +51,7 @@ def glow(direction: FloatArray, at: Watch, air: NightAir, sources: Sources) -> F
     sine = np.maximum(flat[:, 1], 0.0)
     through = air.through(sine)
     lit = through * above + SENT_DOWN * (1.0 - through) * mean_outside(at, air, sources)
-    lit += lamp_glow(through, air, sources)
+    lit += lamp_glow(sine, air, sources)
     return lit.reshape(direction.shape)
 
 
@@ -107,13 +108,13 @@ def zodiacal_cd(j2000: FloatArray, at: Watch) -> FloatArray:
     return _ZODIACAL_CD * np.exp(_zodiacal()(np.stack([longitude, latitude], axis=-1)))
 
 
-def lamp_glow(through: FloatArray, air: NightAir, sources: Sources) -> FloatArray:
-    """Radiance (n, 3) of air over ground that shines evenly: as 1 - T, of the zenith asked for."""
+def lamp_glow(sine: FloatArray, air: NightAir, sources: Sources) -> FloatArray:
+    """Radiance (n, 3) of air over ground that shines evenly, of the zenith asked for."""
     extra = 10.0 ** (-0.4 * sources.zenith_magnitude) - 10.0 ** (-0.4 * NATURAL_MAGNITUDE)
     if extra <= 0.0:
         return np.zeros(3)
-    shape = (1.0 - through) * planck_colour(np.array(_LAMP_K))
-    at_zenith = (1.0 - air.through(np.ones(1))[0]) * planck_colour(np.array(_LAMP_K))
+    shape = lamp_share(air.haze, sine) * planck_colour(np.array(_LAMP_K))
+    at_zenith = lamp_share(air.haze, np.ones(1))[0] * planck_colour(np.array(_LAMP_K))
     level = _ZENITH_CD * extra / LUMENS_PER_WATT / float(luminance(at_zenith))
     return np.asarray(level * shape)
 

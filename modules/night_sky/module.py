@@ -1,19 +1,21 @@
 """The night on the bus: from clock and place to moonlight, glow, stars and the moon's disc.
 
-Skies add the light (`sky_at_night.py`); the frame and panoramas draw stars and disc. By day there
-is the moon alone. Nothing is computed where the setting `night` is off or nobody wants light of the
+Skies add the light (`sky_at_night.py`), which is the ground's; the frame and panoramas draw stars
+and disc, which are what the eye sees, from aloft too. By day there is the moon alone, and above the
+air the stars. Nothing is computed where the setting `night` is off or nobody wants light of the
 sky.
 """
 
 import math
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-import msgspec
 import numpy as np
 
 from night_sky.settings import NightSkySettings
 from vrut_lite.array import Array
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.eye import eye_height_m
 from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import (
@@ -25,6 +27,8 @@ from vrut_lite.daylight.night import (
 )
 from vrut_lite.daylight.night_glow import map_directions
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.refraction import dip_rad, eye_aloft_m, horizon_elevation
+from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky_module import PRODUCTS
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
@@ -34,6 +38,7 @@ from vrut_lite.numeric_types import FloatArray, Vector
 if TYPE_CHECKING:
     from night_sky.moon import Moon
     from night_sky.night_air import NightAir
+    from night_sky.sight import Sight
     from night_sky.sky_axes import Watch
 
 NAME = "night_sky"
@@ -41,13 +46,15 @@ _DRAWN: tuple[type, ...] = StarsChanged, MoonDiscChanged, MoonPathChanged
 _DEMANDED = {kind.__name__ for kind in (*_DRAWN, *PRODUCTS)}
 # Rows and columns of the glow's map, and how long one serves: a quarter of a texel.
 _ROWS, _COLUMNS = 45, 90
-_GLOW_SERVES = timedelta(minutes=4)
-# Above this elevation of the sun there is neither glow nor star to be seen.
-_DAY_DEG = 0.6
+_GLOW_SERVES_DAYS = 4.0 / 1440.0
 # Below this elevation the moon lights nothing: a hundredth of the moonless night.
 _MOON_GONE_DEG = -8.0
-# Sine of the elevation below which nothing is raised over the horizon.
-_HIDDEN_SINE = -0.012
+# How far below the horizon a body may be that refraction raises over it, in units of the sine.
+_HIDDEN_SINE = 0.002
+# From this height up stars are seen by day.
+_SPACE_M = 100_000.0
+# An eye whose height changes by a smaller share sees the same: its horizon moves by 0.5 %.
+_UNSEEN_SHARE = 0.01
 # Irradiance (W m^-2) behind the air below which a star is not told: magnitude 10.
 _FAINTEST = 4e-13
 
@@ -67,10 +74,13 @@ class NightSky(Module):
         super().__init__(link, settings)
         self._told = False
         self._glow_of: tuple[object, ...] = ()
-        self._glow_at: datetime | None = None
+        self._glow_at: float | None = None
         self._glow: Array | None = None
         self._air_of: SetHaze | None = None
-        self._air: NightAir | None = None
+        # By the eye's height, which is 0 near the ground.
+        self._air: dict[float, NightAir] = {}
+        self._eye_m = 0.0
+        self._disc_shown = False
         self._path_of: tuple[object, ...] = ()
 
     @handles(ClockMoved)
@@ -80,6 +90,17 @@ class NightSky(Module):
     def inputs_changed(self, _message: ClockMoved | SetPlace | SetHaze | SlotChanged) -> None:
         """Another hour, place or air."""
         self._update()
+
+    @handles(MoveCamera)
+    @handles(SceneNeeds)
+    def view_changed(self, _message: MoveCamera | SceneNeeds) -> None:
+        """Another eye sees stars and disc elsewhere; what lights the ground stays."""
+        eye_m = eye_aloft_m(eye_height_m(self.link))
+        if abs(eye_m - self._eye_m) > _UNSEEN_SHARE * self._eye_m:
+            self._eye_m = eye_m
+            clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
+            if self._told and clock is not None and place is not None:
+                self._tell_points(self._present_sight(clock.instant, place))
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
@@ -110,41 +131,45 @@ class NightSky(Module):
             self.ledger.skip("night: unwanted")
             return
         # Imported when needed: whoever only lists modules needs no ephemeris.
-        from night_sky.disc import disc_of
-        from night_sky.earth_shadow import earth_shadow, light_left
-        from night_sky.eclipse import sun_left
-        from night_sky.moon import moon_at
-        from night_sky.sky_axes import sun_elevation_rad, watch
+        from night_sky.earth_shadow import light_left
+        from night_sky.sight import sight
 
         self._told = True
         where = place.latitude_deg, place.longitude_deg, place.altitude_m, place.north_offset_rad
-        at = watch(clock.instant, *where)
-        air = self._present_air()
-        moon = moon_at(at)
-        by_day = math.degrees(sun_elevation_rad(at)) > _DAY_DEG
-        shadow = earth_shadow(at, moon, self.settings.danjon)
-        light = moon_light(moon, place.north_offset_rad, light_left(moon, shadow))
-        left = _vector(sun_left(at))
+        below = sight(clock.instant, place, self.settings.danjon)
+        lit = light_left(below.moon, below.shadow)
+        light = moon_light(below.moon, place.north_offset_rad, lit)
         self.ledger.did("moon")
         self._post(
             NightLightChanged(
                 instant=clock.instant,
                 moon=light,
-                glow_rgb=None if by_day else self._present_glow(clock.instant, at, air, where),
+                glow_rgb=None if below.by_day else self._present_glow(below.at, where),
                 source=NAME,
-                sun_left_rgb=left,
+                sun_left_rgb=below.sun_left_rgb,
             )
         )
-        if light is not None and self.link.wanted(MoonDiscChanged) is not None:
-            disc = disc_of(moon, air.through(np.array(moon.direction[1])), NAME)
-            self._post(msgspec.structs.replace(disc, sun_left_rgb=left, shadow=shadow))
+        self._tell_points(self._present_sight(clock.instant, place) if self._eye_m else below)
+
+    def _present_sight(self, instant: datetime, place: SetPlace) -> "Sight":
+        from night_sky.sight import sight
+
+        return sight(instant, place, self.settings.danjon, self._eye_m)
+
+    def _tell_points(self, seen: "Sight") -> None:
+        """Post the moon's disc and the stars as the eye sees them."""
+        air = self._present_air(self._eye_m)
+        shown = seen.moon.visible_disc_fraction > 0.0
+        if (shown or self._disc_shown) and self.link.wanted(MoonDiscChanged) is not None:
+            self._disc_shown = shown
+            self._post(seen.disc(air, NAME))
         if self.link.wanted(StarsChanged) is None:
             self.ledger.skip("stars: unwanted")
-        elif by_day or not self.settings.show_stars:
+        elif not self.settings.show_stars or (seen.by_day and self._eye_m < _SPACE_M):
             self.ledger.skip("stars: by day, or off")
             self._post(_no_stars())
         else:
-            self._post(stars_seen(at, air))
+            self._post(stars_seen(seen.at, air, self._eye_m))
             self.ledger.did("stars")
 
     def _tell_path(self, instant: datetime, place: SetPlace | None) -> None:
@@ -169,26 +194,29 @@ class NightSky(Module):
         self._post(moon_path(instant, place, NAME))
         self.ledger.did("path")
 
-    def _present_air(self) -> "NightAir":
+    def _present_air(self, eye_m: float = 0.0) -> "NightAir":
+        """The air before an eye; the ground's is kept beside it."""
         from night_sky.night_air import night_air
 
         haze = haze_of(self.link)
-        if self._air is None or haze != self._air_of:
-            self._air_of, self._air = haze, night_air(haze)
-        return self._air
+        if haze != self._air_of:
+            self._air_of, self._air = haze, {}
+        if eye_m not in self._air:
+            ground = {0.0: self._air[0.0]} if 0.0 in self._air else {}
+            self._air = {**ground, eye_m: night_air(haze, eye_m)}
+        return self._air[eye_m]
 
-    def _present_glow(
-        self, instant: datetime, at: "Watch", air: "NightAir", where: tuple[float, ...]
-    ) -> Array:
+    def _present_glow(self, at: "Watch", where: tuple[float, ...]) -> Array:
         from night_sky.glow import Sources, glow
 
         sources = Sources(self.settings.solar_flux_sfu, self.settings.zenith_magnitude)
         made_of = where, sources, self._air_of
-        turned = self._glow_at is None or abs(instant - self._glow_at) >= _GLOW_SERVES
+        air, days = self._present_air(), at.time.ut
+        turned = self._glow_at is None or abs(days - self._glow_at) >= _GLOW_SERVES_DAYS
         if self._glow is None or turned or made_of != self._glow_of:
             light = glow(map_directions(_ROWS, _COLUMNS), at, air, sources)
             self._glow = Array(np.maximum(light, 0.0).astype(np.float32))
-            self._glow_at, self._glow_of = instant, made_of
+            self._glow_at, self._glow_of = days, made_of
             self.ledger.did("glow")
         else:
             self.ledger.skip("glow: turned unseen")
@@ -226,8 +254,8 @@ def moon_light(
     )
 
 
-def stars_seen(at: "Watch", air: "NightAir") -> StarsChanged:
-    """Stars and planets above the horizon, behind the air, brightest first."""
+def stars_seen(at: "Watch", air: "NightAir", eye_height_m: float = 0.0) -> StarsChanged:
+    """Stars and planets over an eye's horizon, behind the air before it, brightest first."""
     from night_sky.planets import planets_at
     from night_sky.sky_axes import refracted
     from night_sky.stars import stars_at
@@ -235,11 +263,12 @@ def stars_seen(at: "Watch", air: "NightAir") -> StarsChanged:
     found = [stars_at(at), planets_at(at)]
     direction = np.concatenate([some.direction for some in found])
     # Those that refraction may raise over the horizon.
-    near = direction[:, 1] > _HIDDEN_SINE
-    direction = refracted(direction[near])
+    near = direction[:, 1] > math.sin(horizon_elevation(eye_height_m)) - _HIDDEN_SINE
+    direction = refracted(direction[near], eye_height_m)
     light = np.concatenate([some.irradiance_rgb for some in found])[near]
     light *= air.through(direction[:, 1])
-    seen = (direction[:, 1] > 0.0) & (light[:, 1] > _FAINTEST)
+    horizon_sine = -math.sin(dip_rad(eye_height_m))
+    seen = (direction[:, 1] > horizon_sine) & (light[:, 1] > _FAINTEST)
     light, direction = light[seen], direction[seen]
     order = np.argsort(-light[:, 1], kind="stable")
     return StarsChanged(

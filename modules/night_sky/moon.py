@@ -7,6 +7,7 @@ import numpy as np
 
 from night_sky.moon_light import Phase
 from night_sky.sky_axes import AU_KM, Watch, body_km, moon_axes, refracted
+from vrut_lite.daylight.refraction import dip_rad
 from vrut_lite.numeric_types import FloatArray
 
 RADIUS_KM = 1737.4
@@ -39,8 +40,8 @@ class Moon(NamedTuple):
         return float(0.5 * (1.0 + np.cos(self.phase.angle_rad)))
 
 
-def moon_at(at: Watch) -> Moon:
-    """The moon of an instant and a place."""
+def moon_at(at: Watch, eye_height_m: float = 0.0) -> Moon:
+    """The moon of an instant and a place, as an eye above it sees it refracted."""
     from_observer = body_km(astronomy.Body.Moon, at)
     sun = body_km(astronomy.Body.Sun, at) - from_observer
     distance, sun_km = float(np.linalg.norm(from_observer)), float(np.linalg.norm(sun))
@@ -48,7 +49,7 @@ def moon_at(at: Watch) -> Moon:
     own = moon_axes(at.time)
     seen, lit = own @ -to_moon, own @ to_sun
     true = at.world @ to_moon
-    apparent = refracted(true)
+    apparent = refracted(true, eye_height_m)
     radius = float(np.arcsin(RADIUS_KM / distance))
     phase = Phase(
         angle_rad=float(np.arccos(np.clip(-to_moon @ to_sun, -1.0, 1.0))),
@@ -64,12 +65,14 @@ def moon_at(at: Watch) -> Moon:
         to_sun=at.world @ to_sun,
         axes=own @ at.world.T,
         angular_radius_rad=radius,
-        visible_disc_fraction=visible_fraction(float(np.arcsin(apparent[1])), radius),
+        visible_disc_fraction=visible_fraction(
+            float(np.arcsin(apparent[1])) + dip_rad(eye_height_m), radius
+        ),
         phase=phase,
     )
 
 
-def visible_fraction(apparent_elevation_rad: float, angular_radius_rad: float) -> float:
-    """Share of a round disc's area above a level horizon."""
-    t = float(np.clip(apparent_elevation_rad / angular_radius_rad, -1.0, 1.0))
+def visible_fraction(over_horizon_rad: float, angular_radius_rad: float) -> float:
+    """Share of a round disc's area above the horizon."""
+    t = float(np.clip(over_horizon_rad / angular_radius_rad, -1.0, 1.0))
     return float(np.clip(0.5 + (t * np.sqrt(1.0 - t * t) + np.arcsin(t)) / np.pi, 0.0, 1.0))

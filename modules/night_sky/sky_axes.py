@@ -67,10 +67,10 @@ def aberrated(direction: FloatArray, at: Watch) -> FloatArray:
     return np.asarray(moved / np.linalg.norm(moved, axis=-1, keepdims=True))
 
 
-def refracted(direction: FloatArray) -> FloatArray:
+def refracted(direction: FloatArray, eye_height_m: float = 0.0) -> FloatArray:
     """World directions (..., 3) raised by refraction."""
     sine = np.clip(direction[..., 1], -1.0, 1.0)
-    raised = apparent_elevation(np.arcsin(sine))
+    raised = apparent_elevation(np.arcsin(sine), eye_height_m)
     level = np.sqrt(np.maximum(1.0 - sine * sine, 1e-30))
     stretch = np.cos(raised) / level
     return np.stack(

@@ -36,10 +36,11 @@ class PathTracedBackend:
             GivenUp: `is_given_up()`, called between batches, returned true.
         """
         state.check_drawable()
-        tracer = Tracer(Subject(state), self.settings)
+        subject = Subject(state)
+        tracer = Tracer(subject, self.settings)
         radiance = tracer.trace(
             0, self.settings.spp, is_given_up or (lambda: False), traced=self._traced
         )
         if radiance is None:
             raise GivenUp
-        return developed(radiance, state.exposure)
+        return developed(radiance, state.exposure, subject.camera.pixel_rad(len(radiance)))

@@ -209,6 +209,7 @@ class PathTracer(Module):
                 height_px=mean.shape[0],
                 samples=self._samples,
                 samples_wanted=self.settings.spp,
+                pixel_rad=Subject(self._state).camera.pixel_rad(len(mean)),
             )
         )
         self._next_pass()

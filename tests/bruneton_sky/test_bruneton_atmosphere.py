@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, earth_spectral, single_scattering
-from bruneton_sky.atmosphere import SPECTRAL_FIELDS, raise_ground
+from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
+from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver.particles import KINDS, kinds_of, shares_at
 
 from vrut_lite.daylight.aerosol import optical_depth_of_turbidity

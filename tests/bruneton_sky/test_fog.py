@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, earth_spectral, precompute, single_scattering
-from bruneton_sky.atmosphere import KOSCHMIEDER, raise_ground
+from bruneton_sky.atmosphere import KOSCHMIEDER
 from bruneton_sky.geometry import horizon_mu, make_ray, y_at_top
 from bruneton_sky.precompute import march_tables, transmittance_table
+from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.reference.pipeline.pipeline import run_pipeline
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
 from bruneton_sky.single_scattering import (

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from bruneton_sky.atmosphere import Atmosphere, raise_ground
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.single_scattering import optical_depth_to_top, single_scattering
 
 

@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
-from bruneton_sky.atmosphere import SPECTRAL_FIELDS
+from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from bruneton_sky.background import surroundings
 from bruneton_sky.ground_light import ground_radiance
 from bruneton_sky.phase import aerosol_phase, rayleigh_phase

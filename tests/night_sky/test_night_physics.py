@@ -8,13 +8,14 @@ from night_sky.earth_shadow import earth_shadow, light_left
 from night_sky.eclipse import left_of_disc, sun_left
 from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
 from night_sky.glow import Sources, airglow_cd, glow
+from night_sky.lamp_sky import lamp_share
 from night_sky.moon import moon_at
 from night_sky.moon_light import Phase, earthshine_radiance_rgb, irradiance_rgb
-from night_sky.night_air import SENT_DOWN, night_air
+from night_sky.night_air import RGB_NM, SENT_DOWN, night_air
 from night_sky.sky_axes import unit, watch
 from night_sky.stars import LUX_OF_MAGNITUDE_0, irradiance_of, stars_at
 
-from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.daylight.refraction import apparent_elevation, refraction_rad, trace
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
@@ -87,6 +88,45 @@ def test_lamps_brighten_the_zenith_to_the_magnitude_asked_for():
     up, here, air = np.array([[0.0, 1.0, 0.0]]), watch(SPRING_NIGHT, 50.0, 14.0), night_air(CLEAR)
     by_lamps = glow(up, here, air, Sources(zenith_magnitude=18.0)) - glow(up, here, air, Sources())
     assert lux(by_lamps[0]) == pytest.approx(7.1e-3 - 1.78e-4, rel=0.01)
+
+
+@pytest.mark.parametrize("elevation_deg", [90.0, 30.0, 10.0])
+def test_the_sky_over_towns_is_light_of_the_ground_that_air_scatters(elevation_deg):
+    """By chance: a place on the ray, a direction from the ground, two paths through flat air; in
+    blue, where there is no ozone."""
+    haze, rng, count = SetHaze(optical_depth_550=0.2), np.random.default_rng(7), 200_000
+    sine, blue = np.sin(np.radians(elevation_deg)), RGB_NM[2:]
+    layers = [(8000.0, 1.24062e-6 * (blue / 1000.0) ** -4.0 * 8000.0, np.ones(1), None)]
+    share = haze.optical_depth_550 / haze.optics.optical_depth_550
+    for layer in haze.optics.layers:
+        table = layer.phase_at(blue).values[0]
+        depth = share * layer.depth_at(blue)
+        layers.append((layer.height_m, depth, layer.albedo_at(blue), table))
+    up, turn = rng.random(count), rng.random(count) * 2.0 * np.pi
+    cosine = -up * sine - np.sqrt((1.0 - up**2) * (1.0 - sine**2)) * np.cos(turn)
+    total = 0.0
+    for height_m, depth, albedo, table in layers:
+        altitude = rng.exponential(height_m, count)
+        below = sum(d * -np.expm1(-altitude / h) for h, d, _, _ in layers)
+        phase = 3.0 / (16.0 * np.pi) * (1.0 + cosine**2)
+        if table is not None:
+            at = np.sqrt(0.5 - 0.5 * cosine)
+            phase = np.interp(at, np.linspace(0.0, 1.0, table.size), table)
+        seen = depth / sine * albedo * phase * np.exp(-below / up - below / sine)
+        total += 2.0 * np.pi * seen.mean()
+    assert lamp_share(haze, sine)[2] == pytest.approx(total, rel=0.03)
+
+
+def test_a_suburbs_sky_grows_towards_the_horizon_as_one_photographed():
+    """A photograph has 5.6 times as much light at 8 deg as at 85 deg, in the mean over azimuths."""
+    azimuth, seen = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False), {}
+    for degrees in (8.0, 85.0):
+        level, up = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        around = [level * np.sin(azimuth), np.full(36, up), level * np.cos(azimuth)]
+        here, air = watch(SPRING_NIGHT, 50.0, 14.0), night_air(DEFAULT_HAZE)
+        sky = glow(np.stack(around, axis=-1), here, air, Sources(zenith_magnitude=20.0))
+        seen[degrees] = luminance(sky).mean()
+    assert seen[8.0] / seen[85.0] == pytest.approx(5.6, rel=0.1)
 
 
 def test_the_air_refills_an_even_sky_as_the_solved_field_does():

@@ -1,5 +1,6 @@
 """Stars and the moon in the frame: their light is kept, and surfaces hide them."""
 
+import msgspec
 import numpy as np
 import pytest
 from box_stage import uniform_sky
@@ -8,7 +9,7 @@ from stateful_backend import opened
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.moon_disc import moon_samples
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
+from vrut_lite.daylight.night import THROUGH_PLACES, MoonDiscChanged, StarsChanged
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
 from vrut_lite.geometry.sun_disc import points_radiance
 
@@ -97,6 +98,8 @@ def test_surfaces_hide_stars_and_moon(backend):
 def test_the_moon_gives_the_picture_its_light_at_any_width(backend, radius):
     """Of 1 and of 30 pixels' width: as much as its samples add up to, within 2 %."""
     moon = moon_at(around(30.0, 5.0), (1.0, 0.3, 0.4), radius)
+    air = np.linspace([0.4, 0.6, 0.8], [0.6, 0.8, 1.0], THROUGH_PLACES)
+    moon = msgspec.structs.replace(moon, through_rgb=tuple(map(float, air.ravel())))
     backend.change(moon_disc=moon)
     seen = (picture(backend) * solid_angles()[..., None]).sum(axis=(0, 1))
     np.testing.assert_allclose(seen, moon_samples(moon)[1].sum(axis=0), rtol=0.02)

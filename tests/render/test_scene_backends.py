@@ -18,6 +18,7 @@ from stateful_backend import StatefulBackend, opened
 from vrut_lite.daylight.camera import look_at, perspective
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
+from vrut_lite.pictures.display import display_picture
 
 WIDTH, HEIGHT = 160, 120
 DRAWING = [pytest.param("opengl", marks=pytest.mark.gl), "path tracer"]
@@ -58,6 +59,25 @@ def test_a_matte_plane_under_a_uniform_sky_has_albedo_times_its_radiance(any_bac
     light(any_backend, uniform_sky(3.0))
     picture = look(any_backend, (30.0, 5.0, 0.0), (40.0, 0.0, 0.0))
     even(any_backend, picture.radiance[80:], 0.4 * 3.0, rtol=5e-3)
+
+
+def test_by_night_the_eye_sees_less_detail_in_every_picture(any_backend, box_file):
+    """Under 3e-5 cd/m2 the eye parts 0.7 cycles a degree: an edge is soft, by a pixel's angle."""
+    show_box(any_backend, box_file, albedo=0.1)
+    light(any_backend, uniform_sky(5e-8))
+    eye = SetExposure(mode="manual", ev100=-15.0, tone_map="eye")
+    any_backend.change(exposure=eye)
+    picture = look(any_backend, (30.0, 5.0, 0.0), (40.0, 5.0, 0.0), field_of_view_rad=0.3)
+    angle = 2.0 * np.tan(0.15) / HEIGHT
+    assert picture.pixel_rad == pytest.approx(angle)
+    sharp = display_picture(picture.radiance, -15.0, "eye")
+
+    def steepest(display):
+        rows = display.astype(float).mean(axis=(1, 2))
+        return np.abs(np.diff(rows)).max() / np.ptp(rows)
+
+    assert steepest(sharp) > 0.5
+    assert steepest(picture.display) < 0.4
 
 
 @pytest.mark.parametrize(

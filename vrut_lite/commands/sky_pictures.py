@@ -19,7 +19,7 @@ from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import FaultCollector, demand_light
 from vrut_lite.daylight.moon_disc import moon_samples
-from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
+from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import ModuleFailed
@@ -173,13 +173,12 @@ class SkyStudio:
     def _points(self) -> NDArray[np.float32]:
         """Radiance of stars, planets and the moon; black where no module tells of them."""
         sky_map = self._plan.sky_map
-        stars, night = self._kernel.last(StarsChanged), self._kernel.last(NightLightChanged)
-        moon = self._kernel.last(MoonDiscChanged)
+        stars, moon = self._kernel.last(StarsChanged), self._kernel.last(MoonDiscChanged)
         nothing = np.zeros((0, 3))
         found = [(nothing, nothing)]
         if stars is not None:
             found.append((stars.direction.values, stars.irradiance_rgb.values))
-        if moon is not None and night is not None and night.moon is not None:
+        if moon is not None:
             found.append(moon_samples(moon))
         directions, energy = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return points_radiance(sky_map, directions, energy)

@@ -39,6 +39,10 @@ class MoveCamera(Input, frozen=True, kw_only=True):
                 f"{checks.shown(angle)}"
             )
 
+    def pixel_rad(self, height_px: int) -> float:
+        """The angle that a pixel in the middle of a picture of such a height sees."""
+        return 2.0 * math.tan(0.5 * self.vertical_field_of_view_rad) / height_px
+
 
 def look_at(eye_m: ArrayLike, target_m: ArrayLike) -> FloatArray:
     """View matrix (4, 4), world to camera (-Z forward), upright unless looking straight along Y.

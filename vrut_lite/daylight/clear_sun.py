@@ -51,6 +51,30 @@ def slant_depth(
     return np.asarray(depth)
 
 
+def extinction_per_m(
+    haze: SetHaze, altitude_m: FloatArray, wavelength_nm: FloatArray
+) -> FloatArray:
+    """Extinction (..., n) of the same air at altitudes (...,), 1/m."""
+    return np.asarray(extinctions_per_m(haze, altitude_m, wavelength_nm).sum(axis=0))
+
+
+def extinctions_per_m(
+    haze: SetHaze, altitude_m: FloatArray, wavelength_nm: FloatArray
+) -> FloatArray:
+    """The same by ozone, molecules and each layer of aerosol, (2 + layers, ..., n)."""
+    altitude = np.asarray(altitude_m, dtype=float)[..., None]
+    optics = haze.optics
+    share = haze.optical_depth_550 / optics.optical_depth_550
+    rayleigh = _RAYLEIGH_AT_1_UM * (wavelength_nm / 1000.0) ** -4.0
+    ozone = ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M)
+    tent = np.maximum(1.0 - np.abs(altitude - _OZONE_AT_M) / _OZONE_TENT_M, 0.0)
+    found = [ozone * tent, rayleigh * np.exp(-altitude / _MOLECULES_M)]
+    for layer in optics.layers:
+        at_foot = share / layer.height_m * layer.depth_at(wavelength_nm)
+        found.append(at_foot * np.exp(-altitude / layer.height_m))
+    return np.stack(found)
+
+
 def _air_mass(sine: float, scale_height_m: float) -> float:
     half = 0.5 * _RADIUS_M / scale_height_m
     return math.sqrt(math.pi * half) * _erfcx(math.sqrt(half) * sine)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vrut_lite.daylight.night import EDGE_OVER_MIDDLE, EarthShadow, MoonDiscChanged
+from vrut_lite.daylight.night import EDGE_OVER_MIDDLE, THROUGH_PLACES, EarthShadow, MoonDiscChanged
 from vrut_lite.numeric_types import FloatArray
 
 # Samples across the disc, which is some twelve pixels wide in the largest maps.
@@ -29,8 +29,12 @@ def moon_samples(moon: MoonDiscChanged) -> tuple[FloatArray, FloatArray]:
     if moon.shadow is not None:
         lit = lit * shadow_share(moon.shadow, place)
     radiance = _albedo(moon, normal)[:, None] * (lit + np.asarray(moon.dark_rgb))
+    if moon.through_rgb:
+        places = np.linspace(-1.0, 1.0, THROUGH_PLACES)
+        channels = np.reshape(moon.through_rgb, (-1, 3)).T
+        radiance *= np.stack([np.interp(y, places, through) for through in channels], axis=-1)
     solid_angle = moon.flattening * (2.0 * sine / _ACROSS) ** 2
-    up = place[:, 1] > 0.0
+    up = place[:, 1] > np.sin(moon.horizon_rad)
     return place[up], radiance[up] * solid_angle
 
 

@@ -18,6 +18,8 @@ NO_ECLIPSE: Vector = (1.0, 1.0, 1.0)
 _WIDEST_RAD = 0.25 * math.pi
 # Of the light in the Earth's umbra.
 EDGE_OVER_MIDDLE = 30.0
+# Places from the lowest of the moon's disc to its highest at which the air before it is told.
+THROUGH_PLACES = 9
 
 
 class MoonLight(msgspec.Struct, frozen=True, kw_only=True):
@@ -91,7 +93,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
 
 
 class StarsChanged(Derived, frozen=True, kw_only=True):
-    """Stars and planets above the horizon, points of light, brightest first.
+    """Stars and planets that the planet does not hide from the eye, points, brightest first.
 
     direction (n, 3) float32: apparent, in world axes. irradiance_rgb (n, 3) float32: behind the
     air, on a plane that faces the star, linear sRGB, W m^-2.
@@ -139,13 +141,16 @@ class EarthShadow(msgspec.Struct, frozen=True, kw_only=True):
 class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     """The moon's disc: a sphere lit by the sun after Lommel and Seeliger.
 
-    Radiance is `lit_rgb` albedo mu0 / (mu0 + mu) plus `dark_rgb` albedo, behind the air, W m^-2
-    sr^-1: mu0 and mu are the cosines of sun and eye at the surface. albedo (rows, columns) float32
-    is relative, its rows from the moon's north, its columns from longitude -180 deg to the east.
+    Radiance is `lit_rgb` albedo mu0 / (mu0 + mu) plus `dark_rgb` albedo, W m^-2 sr^-1: mu0 and mu
+    are the cosines of sun and eye at the surface. `through_rgb` (3 * `THROUGH_PLACES` numbers) is
+    the transmittance of the air before it, from its lowest place to its highest; empty without air.
+    albedo (rows, columns) float32 is relative, its rows from the moon's north, its columns from
+    longitude -180 deg to the east.
     `axes` (9 numbers, row by row) are the moon's own in world axes: x to the mean Earth, z north.
     `flattening` is the disc's height over its width: refraction raises the lower limb more.
     `sun_left_rgb` is below 1 while the moon hides a part of the sun. `shadow` is the Earth's, near
-    a full moon that it reaches.
+    a full moon that it reaches. `horizon_rad` is the horizon's elevation, below 0 for an eye aloft;
+    of the disc below it nothing is seen.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -161,6 +166,8 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     source: str
     sun_left_rgb: Vector = NO_ECLIPSE
     shadow: EarthShadow | None = None
+    horizon_rad: float = 0.0
+    through_rgb: tuple[float, ...] = ()
 
     def check(self) -> None:
         """A disc in the sky."""
@@ -176,6 +183,9 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
         checks.light(self, "dark_rgb", MOST_LIGHT)
         checks.arrays(self, {"albedo": ("<f4", ("rows", "columns"))})
         checks.light(self, "sun_left_rgb", 1.0)
+        checks.number(self, "horizon_rad", -0.5 * math.pi, 0.0)
+        if self.through_rgb != ():
+            checks.numbers(self, "through_rgb", 3 * THROUGH_PLACES)
         checks.text(self, "source")
 
     def check_arrays(self) -> None:

@@ -29,13 +29,18 @@ def map_directions(rows: int, columns: int) -> FloatArray:
 
 
 @lru_cache(maxsize=4)
-def glow_cube(glow: Array, size: int, ground_rgb: Vector) -> NDArray[np.float32]:
+def glow_cube(
+    glow: Array, size: int, ground_rgb: Vector, horizon_rad: float = 0.0
+) -> NDArray[np.float32]:
     """Radiance (6, size, size, 3), read-only: the map above the horizon, the ground's below it.
+
+    Between the level and the horizon of an eye aloft, at the elevation `horizon_rad`, the map's
+    lowest row goes on.
 
     A map serves for minutes: the cubes of the last ones are kept.
     """
     values = glow.values
-    found = _look_up(size, *values.shape[:2])
+    found = _look_up(size, *values.shape[:2], horizon_rad)
     # Imported on first use: by day nothing is compiled.
     from vrut_lite.daylight.night_kernels import fill_glow
 
@@ -48,9 +53,9 @@ def glow_cube(glow: Array, size: int, ground_rgb: Vector) -> NDArray[np.float32]
 
 
 @lru_cache(maxsize=4)
-def _look_up(size: int, rows: int, columns: int) -> _LookUp:
+def _look_up(size: int, rows: int, columns: int, horizon_rad: float) -> _LookUp:
     direction = texel_directions(size)
-    upper = direction[..., 1] > 0.0
+    upper = direction[..., 1] > np.sin(horizon_rad)
     x, y, z = direction[upper].T
     row = np.clip(np.arcsin(np.minimum(y, 1.0)) * (2.0 * rows / np.pi) - 0.5, 0.0, rows - 1.0)
     column = np.mod(np.arctan2(x, -z) / (2.0 * np.pi), 1.0) * columns - 0.5

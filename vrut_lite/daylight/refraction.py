@@ -82,6 +82,11 @@ def horizon_elevation(altitude_m: float) -> float:
     return float(-dip - refraction_rad(-dip, altitude_m))
 
 
+def eye_aloft_m(eye_height_m: float) -> float:
+    """The height that counts for what an eye sees of the sky: 0 near the ground."""
+    return eye_height_m if eye_height_m > _ON_GROUND_M else 0.0
+
+
 def seen_from_aloft(direction: Vector, true_elevation_rad: float, eye_height_m: float) -> Vector:
     """Where an eye aloft sees what has this direction from the ground: in less air, or more."""
     share = min((eye_height_m - _ON_GROUND_M) / (_ALOFT_M - _ON_GROUND_M), 1.0)

@@ -12,7 +12,6 @@ from functools import cached_property, lru_cache
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
@@ -83,6 +82,7 @@ class SkyAtNight(Sky):
         key: the body that casts shadows.
         sun_share: of the sun's light that is shown; see the function.
         sun_left_rgb: of the sun's light, below 1 in its eclipses.
+        horizon_rad: elevation of the eye's horizon, below 0 aloft.
     """
 
     by_sun: Sky
@@ -93,6 +93,7 @@ class SkyAtNight(Sky):
     key: Body
     sun_share: float = 1.0
     sun_left_rgb: Vector = NO_ECLIPSE
+    horizon_rad: float = 0.0
 
     @property
     def sunlit(self) -> bool:
@@ -116,17 +117,13 @@ class SkyAtNight(Sky):
             return np.zeros(3)
         return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * _on_level(self.glow))
 
-    def _dark_cube(self, like: Background) -> Float32Array:
-        """The glow's share, one's own to change."""
+    def _dark_cube(self, like: Background, horizon_rad: float) -> Float32Array:
+        """The glow's share over lit ground, one's own to change."""
         assert not isinstance(like.cube, GpuTexture)
         if self.glow is None or self.share == 0.0:
             return np.zeros(like.cube.shape, np.float32)
-        return self._glow_cube(like.cube.shape[1]) * np.float32(self.share)
-
-    def _glow_cube(self, size: int) -> NDArray[np.float32]:
-        """All of the glow over lit ground."""
-        assert self.glow is not None
-        return glow_cube(self.glow, size, self._lit_ground)
+        glow = glow_cube(self.glow, like.cube.shape[1], self._lit_ground, horizon_rad)
+        return glow * np.float32(self.share)
 
     @property
     def _lit_ground(self) -> Vector:
@@ -137,20 +134,22 @@ class SkyAtNight(Sky):
 
     def background(self, size: int) -> Background:
         """The sum of the cubes."""
-        return self._sum(lambda sky: sky.background(size))
+        return self._sum(lambda sky: sky.background(size), self.horizon_rad)
 
     def background_on_ground(self, size: int) -> Background:
         """The same for an observer on the ground."""
         return self._sum(lambda sky: sky.background_on_ground(size))
 
-    def _sum(self, background_of: Callable[[Sky], Background]) -> Background:
+    def _sum(
+        self, background_of: Callable[[Sky], Background], horizon_rad: float = 0.0
+    ) -> Background:
         # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
         base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
         first = background_of(base)
         share = self._moon_share if base is self.by_moon else self._sun_left
         ground = share * np.asarray(first.ground_rgb, float)
         seen = None if first.seen_sun_rgb is None else share * first.seen_sun_rgb
-        cube = self._dark_cube(first)
+        cube = self._dark_cube(first, horizon_rad)
         _add(cube, first, share)
         if self.by_moon is not None and base is not self.by_moon:
             by_moon = background_of(self.by_moon)
@@ -192,7 +191,7 @@ class SkyAtNight(Sky):
         return (
             self.by_sun.on_scene(),
             None if self.by_moon is None else self.by_moon.on_scene(),
-            replace(self, by_sun=_NOBODY, by_moon=None),
+            replace(self, by_sun=_NOBODY, by_moon=None, horizon_rad=0.0),
         )
 
     def unseen(self, hour: Hour, quality: object) -> Unseen:

@@ -22,13 +22,14 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.air_reach import rung_m
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.eye import eye_height_m
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.daylight.night import SLOT as NIGHT
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.refraction import seen_from_aloft
+from vrut_lite.daylight.refraction import dip_rad, eye_aloft_m, seen_from_aloft
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
     AmbientChanged,
@@ -299,6 +300,7 @@ class SkyModule(Module):
             key=key_body(hour.sun, moon, hour.eye_height_m),
             sun_share=sun_share(hour.sun),
             sun_left_rgb=night.sun_left_rgb,
+            horizon_rad=-dip_rad(eye_aloft_m(hour.eye_height_m)),
         )
 
     def _demand(self, kind: type[Derived]) -> Demand | None:
@@ -311,16 +313,10 @@ class SkyModule(Module):
         return demand
 
     def _present_view(self) -> tuple[float, float]:
-        """The eye's height, at least 0, and the air's reach; the earlier reach where it suffices.
-
-        The height is that of the shown view, also of a scene's own camera; without a scene manager
-        that of the moved camera.
-        """
+        """The eye's height and the air's reach; the earlier reach where it suffices."""
         needs = self.link.last(SceneNeeds)
-        if needs is not None:
-            return max(needs.eye_height_m, 0.0), rung_m(needs.air_reach_m, self._view[1])
-        camera = self.link.last(MoveCamera)
-        return max(camera.eye_m[1], 0.0) if camera is not None else 0.0, 0.0
+        reach_m = 0.0 if needs is None else rung_m(needs.air_reach_m, self._view[1])
+        return eye_height_m(self.link), reach_m
 
     def _prepare(self, ground_altitude_m: float, quality: Quality) -> None:
         """Start the sky's preparation.

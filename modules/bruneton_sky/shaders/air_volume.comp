@@ -35,6 +35,8 @@ layout(std430, binding = 7) restrict readonly buffer Angles { Phases angles[]; }
 // Of the source functions, by altitude and sun: see Source.bend and Source.pace.
 layout(std430, binding = 8) restrict readonly buffer Bends { vec2 bends[]; };
 
+const float SUN_TILT = 0.47140452;  // see between_suns.py
+
 uniform ivec3 shape;            // slices, rows, columns
 uniform ivec2 transmittances;   // altitudes, columns
 uniform ivec2 altitudes;        // of both source functions; 0: it is none
@@ -145,7 +147,8 @@ float level_of(Slice s, float sun, float nu, Place at) {
     int here = altitude.low * directions.x + at.low;
     float bend = mix(bends[here].x, bends[here + directions.x].x, altitude.far);
     float moved = (nu - s.centre.y * sun) * (s.place.z - s.place.y) * s.centre.x;
-    return 1.0 - bend * (at.far * (1.0 - at.far) - bends[here].y * moved * moved);
+    float tilted = 1.0 + SUN_TILT * sqrt(max(bend, 0.0)) * (1.0 - 2.0 * at.far);
+    return 1.0 - bend * (tilted * at.far * (1.0 - at.far) - bends[here].y * moved * moved);
 }
 
 // Light scattered twice and more toward the eye.

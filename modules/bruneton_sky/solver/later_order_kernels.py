@@ -13,11 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bruneton_sky.solver.between_suns import SUN_TILT
 from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_four, inner
 from bruneton_sky.solver.ray_kernels import altitude_place
 
 _f4 = np.float32
-_TINY = np.float32(1e-9)
+_TINY, _TILT = np.float32(1e-9), np.float32(SUN_TILT)
 
 
 class Source(NamedTuple):
@@ -39,12 +40,13 @@ class Source(NamedTuple):
 
 
 class Slab(NamedTuple):
-    """Scratch of `gather_later`: `light` (azimuths * suns * 4,), `rows` (4, suns * 4), `bend`
-    (suns,)."""
+    """Scratch of `gather_later`: `light` (azimuths * suns * 4,), `rows` (4, suns * 4), `bend` and
+    `tilt` (suns,): see `between_suns.SUN_TILT`."""
 
     light: NDArray[np.float32]
     rows: NDArray[np.float32]
     bend: NDArray[np.float32]
+    tilt: NDArray[np.float32]
 
 
 @inner
@@ -52,7 +54,8 @@ def empty_slab(source):  # type: ignore[no-untyped-def]
     """Arrays for the light of one bin."""
     columns = source.rayleigh.shape[2]
     light, rows = np.empty(source.azimuth_cosine.size * columns, _f4), np.empty((4, columns), _f4)
-    return Slab(light, rows, np.empty(columns // 4, _f4))
+    bend, tilt = np.empty(columns // 4, _f4), np.empty(columns // 4, _f4)
+    return Slab(light, rows, bend, tilt)
 
 
 @inner
@@ -110,6 +113,7 @@ def _blend(air, bins, b, source, low, high, slab):  # type: ignore[no-untyped-de
     near, far = _f4(1.0 - u), _f4(u)
     for k in range(low // 4, high // 4):
         slab.bend[k] = near * source.bend[i, k] + far * source.bend[i + 1, k]
+        slab.tilt[k] = _TILT * math.sqrt(max(slab.bend[k], ZERO))
     if source.rayleigh.shape[0] > 0:
         _set_rayleigh(source, i, u, mu, bins.weight[b, 0], low, high, slab)
     else:
@@ -214,7 +218,8 @@ def _add_cells(slab, pace, cells, out):  # type: ignore[no-untyped-def]
     for n in range(cells.offset.size):
         place, offset = np.uintp(4 * n), np.uintp(cells.offset[n])
         sun, k, t = np.uintp(cells.sun[n]), cells.along[n], cells.across[n]
-        level = ONE - slab.bend[sun] * (k * (ONE - k) - pace[sun] * cells.moved[n])
+        tilted = ONE + slab.tilt[sun] * (ONE - k - k)
+        level = ONE - slab.bend[sun] * (tilted * k * (ONE - k) - pace[sun] * cells.moved[n])
         k *= level
         w11 = k * t
         w10, w01 = t * level - w11, k - w11

@@ -43,8 +43,8 @@ _USUAL_TOP_M, _MOST_DEEPER = 60_000.0, 2.0
 _SHARP, _SHARP_DEGREE = 0.05, 24
 # Sizes for suns to 18.5 degrees down, at least: their light scattered once comes from a thin
 # sunlit layer at the ends of long rays, of which haze hides more.
-_NIGHT_SIZES = {"mu_s": 64, "steps": 96, "node_bins": 64, "higher_bins": 12}
-_HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 52}
+_NIGHT_SIZES = {"mu_s": 64, "direction_mu": 26, "steps": 96, "node_bins": 64, "higher_bins": 18}
+_HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 52, "higher_bins": 14}
 
 
 class _Sum(NamedTuple):

@@ -4,22 +4,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.solver.between_suns import SingleArray, sun_bend
 from bruneton_sky.solver.delta_m import thinned
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.sizes import SolverSizes
-from bruneton_sky.solver.wavelength_groups import LANES
 from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.later_order_kernels import Source
-
-SingleArray = NDArray[np.float32]
-# Light bends down by no more between two suns.
-_MOST_BENT = 0.5
-_LOW_MU_S = 0.25
 
 
 # Compared by identity, so that results of one field can be cached by it.
@@ -72,26 +66,3 @@ def make_source(rayleigh: SingleArray, mie: SingleArray, suns: SunGrid) -> "Sour
         rayleigh, mie, azimuth_cosine.astype(np.float32), suns.constants(),
         sun_bend(rayleigh, mie, suns.mu_s), pace.astype(np.float32),
     )  # fmt: skip
-
-
-def sun_bend(rayleigh: SingleArray, mie: SingleArray, mu_s: FloatArray) -> SingleArray:
-    """How the light bends between a sun and the next: see `Source.bend`; 0 for high suns, whose
-    light bends otherwise in each direction."""
-    light = rayleigh[:, 0] if rayleigh.size else _mean_of_directions(mie)
-    shape = len(light), light.shape[1] // LANES, LANES
-    light = np.maximum(light.reshape(shape).sum(axis=2), 0.0)
-    second = np.zeros_like(light)
-    low = (mu_s < _LOW_MU_S).astype(np.float32)
-    second[:, 1:-1] = light[:, 2:] - 2.0 * light[:, 1:-1] + light[:, :-2]
-    bend, both = np.zeros_like(light), light[:, 1:] + light[:, :-1]
-    between = 0.5 * (second[:, 1:] + second[:, :-1]) * low[1:]
-    np.divide(between, both, out=bend[:, :-1], where=both > 0.0)
-    # Of light that falls by a factor from node to node exact halfway: there 1 / cosh.
-    return np.asarray(4.0 - 4.0 / np.sqrt(1.0 + 0.5 * np.maximum(bend, -_MOST_BENT)), np.float32)
-
-
-def _mean_of_directions(mie: SingleArray) -> SingleArray:
-    """Mean (altitudes, suns * 4) over the sphere, by trapezoids."""
-    turn = 2.0 * np.arcsin(np.linspace(0.0, 1.0, mie.shape[2]))
-    by_mu = np.trapezoid(mie, turn / np.pi, axis=2)
-    return np.asarray(np.trapezoid(by_mu, np.linspace(0.0, 1.0, mie.shape[1]), axis=1), np.float32)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.atmosphere import SPECTRAL_FIELDS
+from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Atmosphere, earth_spectral
-from bruneton_sky.atmosphere import SPECTRAL_FIELDS
+from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from scipy.interpolate import CubicSpline
 
 from vrut_lite.daylight.aerosols import type_optics

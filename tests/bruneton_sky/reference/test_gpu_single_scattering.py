@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.atmosphere import SPECTRAL_FIELDS
+from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from bruneton_sky.geometry import end_of_ray, horizon_mu, make_ray
 from bruneton_sky.presets import preset
 from bruneton_sky.single_scattering import optical_depth

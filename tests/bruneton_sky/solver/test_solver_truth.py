@@ -16,6 +16,7 @@ from bruneton_sky.solver import (
     multiple_scattering,
     solve,
 )
+from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.bin_kernels import Bins, bins_of_ray
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.source_field import source_of_group
@@ -168,6 +169,18 @@ def test_irradiance_table_is_that_of_the_ground() -> None:
     assert np.all(table[1:, -1] < table[0, -1])
 
 
+@pytest.mark.parametrize(("growth", "within"), [(0.3, 2e-4), (0.6, 1e-3), (1.2, 0.014)])
+def test_between_suns_light_falls_by_a_factor(growth: float, within: float) -> None:
+    """Of light that grows by exp(growth) from each sun to the next."""
+    suns = np.linspace(-0.4, 0.2, 9)
+    light = np.repeat(np.exp(growth * np.arange(9)), LANES).astype(np.float32)
+    rayleigh = np.broadcast_to(light, (2, 4, light.size))
+    bend = sun_bend(rayleigh, np.empty((0, 2, 2, light.size), np.float32), suns)[0, 4]
+    far = np.linspace(0.0, 1.0, 21)
+    lines = 1.0 + (np.exp(growth) - 1.0) * far
+    assert lines * light_over_lines(bend, far) == pytest.approx(np.exp(growth * far), rel=within)
+
+
 def test_float32_is_enough() -> None:
     """A ray summed in float64 over the same bins differs by 1e-4 of the light at most."""
     field = field_of(1.0)
@@ -206,7 +219,9 @@ def _sum_in_float64(
         np.interp(at * (sizes.altitude - 1), np.arange(sizes.altitude), source.bend[:, i])
         for at, i in zip(level, k, strict=True)
     ])  # fmt: skip
-    factor = 1.0 - bend * ((place - k) * (1.0 - place + k) - spread)
+    far = place - k
+    tilted = 1.0 + np.sqrt(2.0 * np.maximum(bend, 0.0)) / 3.0 * (1.0 - 2.0 * far)
+    factor = 1.0 - bend * (tilted * far * (1.0 - far) - spread)
     unit = [
         np.linspace(0.0, 1.0, count) for count in (sizes.altitude, sizes.source_azimuth, sizes.mu_s)
     ]

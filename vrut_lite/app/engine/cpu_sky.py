@@ -47,7 +47,8 @@ class CpuSkyBackend:
         width, height = state.size_px
         step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
         radiance = self._radiance(state, (round(width / step), round(height / step)))
-        return developed(radiance, state.exposure)
+        assert state.camera is not None
+        return developed(radiance, state.exposure, state.camera.pixel_rad(len(radiance)))
 
     def _radiance(self, state: SceneState, size_px: tuple[int, int]) -> NDArray[np.float32]:
         camera, background, sun = state.camera, state.background, state.key_light

@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
-from vrut_lite.daylight.night import EDGE_OVER_MIDDLE, MoonDiscChanged, StarsChanged
+from vrut_lite.daylight.night import (
+    EDGE_OVER_MIDDLE,
+    THROUGH_PLACES,
+    MoonDiscChanged,
+    StarsChanged,
+)
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
@@ -112,10 +117,13 @@ class NightPass:
         screen.set("moon_upper", np.cross(right, middle))
         screen.set("sine_of_radius", float(np.sin(moon.angular_radius_rad)))
         screen.set("flattening", moon.flattening)
+        screen.set("horizon_sine", float(np.sin(moon.horizon_rad)))
         screen.set("to_sun", moon.to_sun)
         screen.set("moon_axes", np.reshape(moon.axes, (3, 3)).T.ravel())
         screen.set("lit_radiance", moon.lit_rgb)
         screen.set("dark_radiance", moon.dark_rgb)
+        through = np.array(moon.through_rgb or (1.0,) * (3 * THROUGH_PLACES), np.float32)
+        screen.program["through"].write(through.tobytes())
         shadow = moon.shadow
         screen.set("umbra", 0.0 if shadow is None else shadow.umbra_rad)
         if shadow is not None:

@@ -6,6 +6,7 @@ uniform vec3 moon_right;             // along the horizon
 uniform vec3 moon_upper;
 uniform float sine_of_radius;
 uniform float flattening;
+uniform float horizon_sine;          // of its elevation
 uniform vec3 to_sun;
 uniform mat3 moon_axes;
 uniform vec3 lit_radiance;
@@ -15,6 +16,7 @@ uniform float umbra;                 // 0: none
 uniform float penumbra;
 uniform vec3 umbra_share;            // of sunlight, in its middle
 uniform float edge_over_middle;
+uniform vec3 through[9];             // the air, from the disc's lowest place to its highest
 uniform sampler2D albedo;
 uniform int steps;                   // of a pixel, right and up
 
@@ -35,7 +37,7 @@ vec3 sunlight_left(vec3 d) {
 }
 
 vec3 moon(vec3 d) {
-    if (d.y <= 0.0 || dot(d, moon_direction) <= 0.0) return vec3(0.0);
+    if (d.y <= horizon_sine || dot(d, moon_direction) <= 0.0) return vec3(0.0);
     vec2 p = vec2(dot(d, moon_right), dot(d, moon_upper) / flattening) / sine_of_radius;
     float beside = dot(p, p);
     if (beside >= 1.0) return vec3(0.0);
@@ -44,8 +46,11 @@ vec3 moon(vec3 d) {
     float mu_sun = max(dot(n, to_sun), 0.0);
     vec3 own = moon_axes * n;
     vec2 at = vec2(atan(own.y, own.x) / (2.0 * PI) + 0.5, 0.5 - asin(clamp(own.z, -1.0, 1.0)) / PI);
+    float place = clamp(4.0 * (p.y + 1.0), 0.0, 7.999);
+    vec3 air = mix(through[int(place)], through[int(place) + 1], fract(place));
     float shade = mu_sun / max(mu_sun + mu, 1e-4);
-    return textureLod(albedo, at, 0.0).r * (lit_radiance * sunlight_left(d) * shade + dark_radiance);
+    vec3 light = lit_radiance * sunlight_left(d) * shade + dark_radiance;
+    return textureLod(albedo, at, 0.0).r * air * light;
 }
 
 void main() {

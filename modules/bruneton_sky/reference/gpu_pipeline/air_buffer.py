@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.atmosphere import SPECTRAL_FIELDS, Atmosphere
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from bruneton_sky.geometry import distance_to_top
 from bruneton_sky.phase import mie_phase_parameters
 from bruneton_sky.tables import ray_lengths
