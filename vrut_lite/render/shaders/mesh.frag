@@ -307,6 +307,7 @@ void main() {
         seen *= brighter;
         vec3 mirrored = once * (seen.x * far.direct + things.x * around);
         mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
+        if (found.mirrors) mirrored = once * found.direct + at_grazing * found.grazing;
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, mirror_n, nv, alpha);
         vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
