@@ -104,22 +104,35 @@ def view_light(
     shown = np.zeros((len(towards), 1), bool)
     shown[seen] = True
     plane = np.where(shown, np.concatenate([face, distance_m], axis=1), 0.0).astype(np.float32)
+    go_on()
+    mirrored = lobe_light(bake, hour, points, max(1, rays // _RAYS_A_LOBE_RAY), threads, go_on)
     room, error = np.zeros((2, len(towards)), np.float32)
     room[seen], error[seen] = found.room_m[kept] / radius_m, found.error[kept]
     shape = (rows, columns)
-    room = room.reshape(shape)
-    noise2 = uniform_filter(error.reshape(shape) ** 2, _AROUND)
-    mean = uniform_filter(luminance(light[:, :3]).reshape(shape), _AROUND)
-    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
-    noise2 *= _NOISES**2 * (1.0 + share2**2)
-    smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
+    planes = plane.reshape(*shape, 4)
     places = (place - eye).astype(np.float32).reshape(*shape, 3)
-    for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
-        go_on()
-        smoothed = _smoothed(smoothed, planes, places, room, noise2, apart, share)
-    mirrored = lobe_light(bake, hour, points, max(1, rays // _RAYS_A_LOBE_RAY), threads, go_on)
-    lobes = mirrored.radiance.reshape(2, *shape, 4)
-    return ViewLight(smoothed, planes, lobes)
+
+    def smooth(values: Float32Array, room: Float32Array, error: Float32Array) -> Float32Array:
+        values, near = values.reshape(*shape, 4), room.reshape(shape)
+        noise2 = _noise2(values, error.reshape(shape))
+        for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
+            go_on()
+            values = _smoothed(values, planes, places, near, noise2, apart, share)
+        return values
+
+    lobes = [
+        smooth(radiance, mirrored.room, noise)
+        for radiance, noise in zip(mirrored.radiance, mirrored.error, strict=True)
+    ]
+    return ViewLight(smooth(light, room, error), planes, np.stack(lobes))
+
+
+def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
+    """The square of what noise may be (rows, columns), by what rays leave around a point."""
+    noise2 = uniform_filter(error**2, _AROUND)
+    mean = uniform_filter(luminance(values[..., :3]), _AROUND)
+    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
+    return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
 
 
 def _seen(bake: Bake, eye: FloatArray, towards: FloatArray) -> SeenPoints:

@@ -58,7 +58,8 @@ class LobeLight(NamedTuple):
         radiance: (2, P, 4) float32, means over the lobe, W m^-2 sr^-1, and 1; 0 where the surface
             has no texels and so no roughness.
         error: (2, P) float32, what the number of rays leaves of the luminance, rms.
-        room: (P,) float32, harmonic mean distance of what is mirrored, in radii.
+        room: (P,) float32, harmonic mean distance of what is mirrored times the square of the
+            roughness, in radii: so fast an image may change.
     """
 
     radiance: Float32Array
@@ -193,7 +194,7 @@ def _lobes(tree, receivers, points, own, scene, light, radiance, error, room):  
                 sums[lobe, 6] += share * share * bright * bright
         if sums[0, 3] <= 0.0 or sums[1, 3] <= 0.0:
             continue
-        room[i] = (sums[0, 3] + sums[1, 3]) / max(nearness, 1e-6)
+        room[i] = a * (sums[0, 3] + sums[1, 3]) / max(nearness, 1e-6)
         for lobe in range(2):
             total = sums[lobe, 3]
             for k in range(3):

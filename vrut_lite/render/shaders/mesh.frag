@@ -307,7 +307,20 @@ void main() {
         seen *= brighter;
         vec3 mirrored = once * (seen.x * far.direct + things.x * around);
         mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
-        if (found.mirrors) mirrored = once * found.direct + at_grazing * found.grazing;
+#ifdef VIEW_LIGHT
+        if (found.mirrors) {
+            SkyImage tilt = SkyImage(vec3(1.0), vec3(1.0));
+#ifdef HAS_NORMAL_TEX
+            // Points know no normal map: what it tilts changes as the sky's image does.
+            float nv_of_points = max(dot(smooth_n, view), 1e-4);
+            tilt = sky_image(reflect(-view, smooth_n), smooth_n, nv_of_points, roughness);
+            tilt.direct = clamp(far.direct / tilt.direct, 1.0 / MOST_TILTED, MOST_TILTED);
+            tilt.grazing = clamp(far.grazing / tilt.grazing, 1.0 / MOST_TILTED, MOST_TILTED);
+#endif
+            mirrored = once * found.direct * tilt.direct;
+            mirrored += at_grazing * found.grazing * tilt.grazing;
+        }
+#endif
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, mirror_n, nv, alpha);
         vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
