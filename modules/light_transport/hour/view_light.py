@@ -13,8 +13,8 @@ from light_transport.bake import Bake
 from light_transport.giving_up import GoOn
 from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
-from light_transport.kernels import dot, kernel
 from light_transport.hour.view_reflections import SeenPoints, lobe_light
+from light_transport.kernels import dot, kernel
 from light_transport.rays.ray_starts import OFF
 from light_transport.rays.ray_table import met_row
 from light_transport.rays.trace import MISS, nearest_along
@@ -136,7 +136,7 @@ def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
 
 
 def _seen(bake: Bake, eye: FloatArray, towards: FloatArray) -> SeenPoints:
-    """Where rays from the eye meet surfaces, with normals of the side that is seen; 0 in the sky."""
+    """Where rays from the eye meet surfaces; normals are of the side that is seen."""
     count = len(towards)
     row = np.full(count, NOBODY, np.int32)
     place, normal, face = np.zeros((3, count, 3))
@@ -160,9 +160,7 @@ def _find(tree, receivers, eye, points):  # type: ignore[no-untyped-def]
         t = tree.order[hit]
         weights[0], weights[1], weights[2] = 1.0 - u - v, u, v
         surface_place(geometry, t, weights, places[i], normals[i])
-        row[i] = met_row(
-            geometry, texels, groups, first_group, t, u, v, places[i], d, pixel
-        )
+        row[i] = met_row(geometry, texels, groups, first_group, t, u, v, places[i], d, pixel)
         side = 1.0 if dot(geometry.faces[t], d) < 0.0 else -1.0
         alike = 1.0 if dot(geometry.faces[t], normals[i]) > 0.0 else -1.0
         for k in range(3):
