@@ -43,10 +43,10 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
         plane: (rows, columns, 4) float32, the triangle's unit normal towards the eye, world axes,
             and the plane's distance from the eye along it, in metres, 0 or less; all 0 where
             nothing is seen.
-        mirrored: (2, rows, columns, 4) float16. RGB times `radiance_scale` is the mean radiance that
-            a coat or metal of the place mirrors to the eye, W m^-2 sr^-1, without the key light's
-            own: by the part of Schlick's term that is the same from everywhere, and by that of
-            grazing angles. Alpha is 1, and where nothing is known all are 0.
+        mirrored: (2, rows, columns, 4) float16. RGB times `radiance_scale` is the mean radiance
+            that a coat or metal mirrors there, W m^-2 sr^-1, without the key light's own: by the
+            part of Schlick's term that is the same from everywhere, and by that of grazing angles.
+            Alpha is 1; where nothing is known all are 0.
         rays: of each point.
     """
 
