@@ -309,16 +309,14 @@ void main() {
         mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
 #ifdef VIEW_LIGHT
         if (found.mirrors) {
-            SkyImage tilt = SkyImage(vec3(1.0), vec3(1.0));
 #ifdef HAS_NORMAL_TEX
             // Points know no normal map: what it tilts changes as the sky's image does.
             float nv_of_points = max(dot(smooth_n, view), 1e-4);
-            tilt = sky_image(reflect(-view, smooth_n), smooth_n, nv_of_points, roughness);
-            tilt.direct = clamp(far.direct / tilt.direct, 1.0 / MOST_TILTED, MOST_TILTED);
-            tilt.grazing = clamp(far.grazing / tilt.grazing, 1.0 / MOST_TILTED, MOST_TILTED);
+            SkyImage even = sky_image(reflect(-view, smooth_n), smooth_n, nv_of_points, roughness);
+            found.direct *= ratio(far.direct, even.direct, MOST_TILTED);
+            found.grazing *= ratio(far.grazing, even.grazing, MOST_TILTED);
 #endif
-            mirrored = once * found.direct * tilt.direct;
-            mirrored += at_grazing * found.grazing * tilt.grazing;
+            mirrored = once * found.direct + at_grazing * found.grazing;
         }
 #endif
 #ifdef MIRROR

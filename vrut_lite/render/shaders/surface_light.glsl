@@ -137,8 +137,11 @@ float light_in_air(float share_of_sky, float metres) {
     return mix(smoothstep(0.0, OPEN_AIR, share_of_sky), 1.0, far);
 }
 
+vec3 ratio(vec3 wanted, vec3 had, float most) {
+    return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
+}
+
 // Ratio of the open sky's irradiance on planes with two normals.
 vec3 tilted(vec3 n, vec3 from, float most) {
-    vec3 wanted = open_irradiance(n), had = open_irradiance(from);
-    return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
+    return ratio(open_irradiance(n), open_irradiance(from), most);
 }
