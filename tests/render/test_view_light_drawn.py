@@ -97,10 +97,14 @@ def test_points_further_off_light_what_the_four_about_it_do_not(backend):
     np.testing.assert_allclose(found[13], across[0, 3], rtol=5e-3)
 
 
-@pytest.mark.parametrize("metallic", [0.0, 1.0])
-def test_coats_and_metals_mirror_what_points_tell(backend, tmp_path, metallic):
-    """Each part of Schlick's term its own radiance, in place of the mean of all things."""
-    backend.change(scene=opened(square(tmp_path, surface(metallic, 0.6, 0.5 * metallic))))
+@pytest.mark.parametrize(("metallic", "mapped"), [(0.0, False), (1.0, False), (1.0, True)])
+def test_coats_and_metals_mirror_what_points_tell(backend, tmp_path, metallic, mapped):
+    """Each part of Schlick's term its own radiance, in place of the mean of all things; a flat
+    normal map changes nothing, under a black sky too."""
+    flat = np.full((4, 4, 3), (128, 128, 255), np.uint8)
+    material = surface(metallic, 0.6, 0.5 * metallic)
+    material |= {"normalTexture": {"index": 0}} if mapped else {}
+    backend.change(scene=opened(square(tmp_path, material, [flat] if mapped else [])))
     layout = laid(backend.state.scene, ((1, 2),))
     backend.change(light_map=layout, surface_light=lit(layout, even(layout, 0.0, 0.0)))
     slanted = ((0.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.3)
