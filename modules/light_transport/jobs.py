@@ -266,7 +266,7 @@ def view_lit(
         found = view_light(bake.value, hour, *view, rays, _all_threads(), go_on)
     except GivenUp:
         return None
-    scale = float16_scale(largest(found.light))
+    scale = float16_scale(max(largest(found.light), largest(found.mirrored)))
     return ViewLightChanged(
         layout_key=layout_key,
         camera=asked.camera,
@@ -274,6 +274,7 @@ def view_lit(
         edge_px=edge_px,
         light=Array(halves(found.light, 1.0 / scale)),
         plane=Array(found.plane),
+        mirrored=Array(halves(found.mirrored, 1.0 / scale)),
         radiance_scale=scale,
         rays=rays,
         source=NAME,

@@ -163,14 +163,14 @@ def _as_cubes(
     if finished.lamps is not None:
         triangle = scene.colour_of[seen[:texels]]
         radiance[:texels] += (
-            _reflectance(scene, hour)[triangle] * finished.lamps.drawn[seen[:texels]] / np.pi
+            reflectance_of(scene, hour)[triangle] * finished.lamps.drawn[seen[:texels]] / np.pi
         )
     column = scene.patches.column_of[NODES + seen[texels:]]
     radiance[texels:] = column_light[column, :3] / np.float32(np.pi)
     return cubes(scene.mirrors, radiance)
 
 
-def _reflectance(scene: RayScene, hour: Hour) -> Float32Array:
+def reflectance_of(scene: RayScene, hour: Hour) -> Float32Array:
     """Of the triangles of `surfaces` (F, 3), the ground's in this hour included."""
     reflectance = scene.surfaces.reflectance_rgb.copy()
     reflectance[scene.surfaces.part == GROUND] = hour.ground_albedo_rgb

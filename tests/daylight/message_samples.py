@@ -140,7 +140,8 @@ SURFACE_LIGHT = SurfaceLightChanged(
 VIEW_LIGHT = ViewLightChanged(
     layout_key="l", camera=MoveCamera(eye_m=(0.0, 1.0, 2.0), target_m=(0.0, 1.0, 0.0)),
     size_px=(16, 9), edge_px=2, light=Array(np.ones((5, 8, 4), np.float16)),
-    plane=Array(np.ones((5, 8, 4), np.float32)), radiance_scale=2.0, rays=64, source="s",
+    plane=Array(np.ones((5, 8, 4), np.float32)),
+    mirrored=Array(np.ones((2, 5, 8, 4), np.float16)), radiance_scale=2.0, rays=64, source="s",
 )  # fmt: skip
 MOON = MoonLight(
     place=SunMoved(

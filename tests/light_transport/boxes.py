@@ -11,7 +11,9 @@ from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 _GAP = 2
 
 
-def quads(*corners, texels=8, reflectance=0.5, emitted=0.0, opacity=1.0, double_sided=False):
+def quads(
+    *corners, texels=8, reflectance=0.5, emitted=0.0, opacity=1.0, double_sided=False, roughness=1.0
+):
     """Surfaces of quads (4, 3), counter-clockwise from their front, and their layout."""
     count = len(corners)
     triangles, uv, part = [], [], []
@@ -37,6 +39,7 @@ def quads(*corners, texels=8, reflectance=0.5, emitted=0.0, opacity=1.0, double_
         part=np.array(part, np.int32),
         reflectance_rgb=each * np.broadcast_to(np.float32(reflectance), 3),
         emitted_rgb=each * np.broadcast_to(np.float32(emitted), 3),
+        roughness=each[:, 0] * np.float32(roughness),
         opacity=each[:, 0] * np.float32(opacity),
         double_sided=np.full(len(triangles), double_sided),
         centre_m=centre,

@@ -8,6 +8,7 @@ from stateful_backend import opened
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.view_light import ViewLightChanged
+from vrut_lite.geometry.reflection import reflectance
 
 pytestmark = pytest.mark.gl
 SIZE = 48
@@ -29,10 +30,16 @@ def backend(gl_backend, tmp_path):
     return backend
 
 
-def of_view(backend, irradiance, plane=LEVEL, edge_px=4):
-    """Irradiance (rows, columns) on a plane, for the present view."""
+def of_view(backend, irradiance, plane=LEVEL, edge_px=4, mirrored=None):
+    """Irradiance (rows, columns) on a plane, for the present view.
+
+    `mirrored`: the radiance of both parts of a lobe; unknown without it.
+    """
     irradiance = np.asarray(irradiance, float)
     rgba = np.stack([irradiance] * 3 + [np.zeros_like(irradiance)], axis=-1)
+    lobes = np.zeros((2, *rgba.shape))
+    if mirrored is not None:
+        lobes[..., :3], lobes[..., 3] = np.reshape(mirrored, (2, 1, 1, 1)) / 2.0, 1.0
     message = ViewLightChanged(
         layout_key=backend.state.light_map.layout_key,
         camera=backend.state.camera,
@@ -40,6 +47,7 @@ def of_view(backend, irradiance, plane=LEVEL, edge_px=4):
         edge_px=edge_px,
         light=Array((rgba / 2.0).astype(np.float16)),
         plane=Array(np.broadcast_to(np.float32(plane), rgba.shape).copy()),
+        mirrored=Array(lobes.astype(np.float16)),
         radiance_scale=2.0,
         rays=64,
         source="test",
@@ -87,6 +95,29 @@ def test_points_further_off_light_what_the_four_about_it_do_not(backend):
     # Between the columns 1 and 2 those of 0 and 3 weigh alike.
     np.testing.assert_allclose(found[7:9], across[0, [0, 3]].mean(), rtol=5e-3)
     np.testing.assert_allclose(found[13], across[0, 3], rtol=5e-3)
+
+
+@pytest.mark.parametrize(("metallic", "mapped"), [(0.0, False), (1.0, False), (1.0, True)])
+def test_coats_and_metals_mirror_what_points_tell(backend, tmp_path, metallic, mapped):
+    """Each part of Schlick's term its own radiance, in place of the mean of all things; a flat
+    normal map changes nothing, under a black sky too."""
+    flat = np.full((4, 4, 3), (128, 128, 255), np.uint8)
+    material = surface(metallic, 0.6, 0.5 * metallic)
+    material |= {"normalTexture": {"index": 0}} if mapped else {}
+    backend.change(scene=opened(square(tmp_path, material, [flat] if mapped else [])))
+    layout = laid(backend.state.scene, ((1, 2),))
+    backend.change(light_map=layout, surface_light=lit(layout, even(layout, 0.0, 0.0)))
+    slanted = ((0.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.3)
+    look(backend, *slanted)
+    found = []
+    for mirrored in ((3.0, 0.0), (0.0, 5.0)):
+        of_view(backend, np.zeros((12, 12)), (0.0, 1.0, 0.0, -1.0), mirrored=mirrored)
+        found.append(look(backend, *slanted).radiance[24, 24, 1].astype(float))
+    a, b = (share[0] for share in reflectance(np.array([np.sqrt(0.5)]), 0.6))
+    f0 = 0.5 if metallic else 0.04
+    more = 1.0 + f0 * (1.0 / (a + b) - 1.0)
+    assert found[0] == pytest.approx(3.0 * f0 * a * more, rel=0.02)
+    assert found[1] == pytest.approx(5.0 * b * more, rel=0.02)
 
 
 def test_light_of_another_view_is_not_shown(backend):

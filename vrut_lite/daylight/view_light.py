@@ -43,6 +43,10 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
         plane: (rows, columns, 4) float32, the triangle's unit normal towards the eye, world axes,
             and the plane's distance from the eye along it, in metres, 0 or less; all 0 where
             nothing is seen.
+        mirrored: (2, rows, columns, 4) float16. RGB times `radiance_scale` is the mean radiance
+            that a coat or metal mirrors there, W m^-2 sr^-1, without the key light's own: by the
+            part of Schlick's term that is the same from everywhere, and by that of grazing angles.
+            Alpha is 1; where nothing is known all are 0.
         rays: of each point.
     """
 
@@ -54,6 +58,7 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
     edge_px: int
     light: Array
     plane: Array
+    mirrored: Array
     radiance_scale: float
     rays: int
     source: str
@@ -66,8 +71,10 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
         checks.wholes(self, "size_px", 1, LARGEST_EDGE, most=2, least=2)
         checks.whole(self, "edge_px", 1, LARGEST_EDGE)
         columns, rows = (-(-edge // self.edge_px) for edge in self.size_px)
+        shape = (rows, columns, 4)
         checks.arrays(
-            self, {"light": ("<f2", (rows, columns, 4)), "plane": ("<f4", (rows, columns, 4))}
+            self,
+            {"light": ("<f2", shape), "plane": ("<f4", shape), "mirrored": ("<f2", (2, *shape))},
         )
         check_scale(self)
         checks.whole(self, "rays", 1, 2**40)
@@ -78,7 +85,8 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
         Raises:
             UserError: a value lies beyond.
         """
-        checks.contents(self, "light", 0.0, max(MOST_LIGHT / self.radiance_scale, 1.0))
-        if float(self.light.values[..., 3].max(initial=0.0)) > 1.0:
-            raise UserError("light of a ViewLightChanged holds shares above 1")
+        for name in ("light", "mirrored"):
+            checks.contents(self, name, 0.0, max(MOST_LIGHT / self.radiance_scale, 1.0))
+            if float(getattr(self, name).values[..., 3].max(initial=0.0)) > 1.0:
+                raise UserError(f"{name} of a ViewLightChanged holds shares above 1")
         checks.contents(self, "plane", -_FARTHEST_M, _FARTHEST_M)

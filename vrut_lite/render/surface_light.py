@@ -24,7 +24,7 @@ from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.
 _MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT, _VISIBLE_SKY_UNIT = 5, 6, 7, 18
-_VIEW_UNITS = (19, 20)
+_VIEW_UNIT = 31
 _UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -44,8 +44,8 @@ class SurfaceLightOnGpu:
         self._visible_sky: Any = None
         self._visible_sky_is: Array | None = None
         self._probes: Any = None
-        # Light and planes of points that a view shows, and their message.
-        self._view: tuple[Any, ...] = ()
+        # Of points that a view shows their light, planes and what they mirror, and their message.
+        self._view: Any = None
         self._view_is: ViewLightChanged | None = None
         self._mirrors = MirrorCubes(context)
         self._sees_sky: dict[PlacedPrimitive, bool] = {}
@@ -74,13 +74,14 @@ class SurfaceLightOnGpu:
     def show_view(self, light: ViewLightChanged | None) -> None:
         """Light what the next picture shows by points of its own; None: by the map alone."""
         if light is None or light is not self._view_is:
-            for texture in self._view:
-                self._release(texture)
-            self._view = ()
-        if light is not None and not self._view:
+            self._release(self._view)
+            self._view = None
+        if light is not None and self._view is None:
+            layers = np.stack([light.light.values, light.plane.values, *light.mirrored.values])
             # Row 0 at the bottom, as fragments count.
-            arrays = (light.light.values[::-1], light.plane.values[::-1])
-            self._view = tuple(self._written(None, array, array.shape[1::-1]) for array in arrays)
+            values = layers[:, ::-1].astype(np.float32)
+            self._view = self._written(None, values, (*values.shape[2:0:-1], len(values)))
+            self._view.filter = (self._context.NEAREST, self._context.NEAREST)
         self._view_is = light
 
     def defines(self, placed: PlacedPrimitive) -> Defines:
@@ -88,7 +89,7 @@ class SurfaceLightOnGpu:
         if self._light is None or self._laid is None:
             return ()
         source = self._source(placed, self._laid)
-        return (*source, "VIEW_LIGHT") if source and self._view else source
+        return (*source, "VIEW_LIGHT") if source and self._view is not None else source
 
     def _source(self, placed: PlacedPrimitive, laid: LightMapLaid) -> Defines:
         if placed.is_ground:
@@ -153,9 +154,8 @@ class SurfaceLightOnGpu:
         self._open_sky_of(light.irradiance_sh).use(location=_OPEN_SKY_UNIT)
         if self._laid.probes is not None:
             self._probes.use(location=_PROBE_UNIT)
-        for texture, unit in zip(self._view, _VIEW_UNITS, strict=False):
-            texture.filter = (self._context.NEAREST, self._context.NEAREST)
-            texture.use(location=unit)
+        if self._view is not None:
+            self._view.use(location=_VIEW_UNIT)
 
     def _view_fields(self) -> dict[str, Any]:
         light = self._view_is

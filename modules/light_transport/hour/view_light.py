@@ -13,19 +13,22 @@ from light_transport.bake import Bake
 from light_transport.giving_up import GoOn
 from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
+from light_transport.hour.view_reflections import SeenPoints, lobe_light
 from light_transport.kernels import dot, kernel
-from light_transport.rays.trace import MISS, nearest
+from light_transport.rays.ray_starts import OFF
+from light_transport.rays.ray_table import met_row
+from light_transport.rays.trace import MISS, nearest_along
 from light_transport.rays.tree import STACK
-from light_transport.surfaces.map_texels import surface_place
+from light_transport.surfaces.map_texels import NOBODY, surface_place
 from vrut_lite.daylight.camera import MoveCamera, pixel_rays
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.numeric_types import Float32Array
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
-# Points begin so far off their surface, in radii, as rays of texels do.
-_OFF = 1e-5
 # Points of which fewer rays count lie inside bodies, where no eye looks.
 _LEAST_FREE = 0.4
+# A ray into a lobe for so many that light the surface.
+_RAYS_A_LOBE_RAY = 4
 # Noise is smoothed over so many points to each side, then over so many that lie farther apart
 # (Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly where
 # there is room, and what differs by more than its noise is no noise.
@@ -38,10 +41,12 @@ _NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.15
 
 
 class ViewLight(NamedTuple):
-    """Light (rows, columns, 4) and planes (rows, columns, 4), as `ViewLightChanged` has them."""
+    """Light and planes (rows, columns, 4), and what lobes show (2, rows, columns, 4), as
+    `ViewLightChanged` has them."""
 
     light: Float32Array
     plane: Float32Array
+    mirrored: Float32Array
 
 
 def edge_for(size_px: tuple[int, int], points: int) -> int:
@@ -71,7 +76,8 @@ def view_light(
     Returns:
         Light as a light map's texel has it (irradiance without the sun's own in W m^-2, and the
         share of the open sky's), and each point's plane: its face normal and its distance from the
-        eye in metres. Where no surface is seen both are 0.
+        eye in metres. Where no surface is seen both are 0. And what a coat or metal mirrors there,
+        see `LobeLight`.
 
     Raises:
         GivenUp: by `go_on`.
@@ -83,9 +89,10 @@ def view_light(
     radius_m, centre_m = bake.surfaces.radius_m, bake.surfaces.centre_m
     eye_m = np.asarray(camera.eye_m)
     eye = (eye_m - centre_m) / radius_m
-    place, normal, face = _seen(bake.tree, bake.receivers.geometry, eye, towards)
+    points = _seen(bake, eye, towards)
+    place, normal, face = points.place, points.normal, points.face
     seen = np.flatnonzero(face.any(axis=1))
-    off = (place[seen] + _OFF * face[seen]) * radius_m + centre_m
+    off = (place[seen] + OFF * face[seen]) * radius_m + centre_m
     found = light_at(bake, off, normal[seen], hour, rays, threads, go_on)
     seen, kept = seen[found.free >= _LEAST_FREE], found.free >= _LEAST_FREE
     light = np.zeros((len(towards), 4), np.float32)
@@ -97,51 +104,68 @@ def view_light(
     shown = np.zeros((len(towards), 1), bool)
     shown[seen] = True
     plane = np.where(shown, np.concatenate([face, distance_m], axis=1), 0.0).astype(np.float32)
+    go_on()
+    mirrored = lobe_light(bake, hour, points, max(1, rays // _RAYS_A_LOBE_RAY), threads, go_on)
     room, error = np.zeros((2, len(towards)), np.float32)
     room[seen], error[seen] = found.room_m[kept] / radius_m, found.error[kept]
     shape = (rows, columns)
-    room = room.reshape(shape)
-    noise2 = uniform_filter(error.reshape(shape) ** 2, _AROUND)
-    mean = uniform_filter(luminance(light[:, :3]).reshape(shape), _AROUND)
-    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
-    noise2 *= _NOISES**2 * (1.0 + share2**2)
-    smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
+    planes = plane.reshape(*shape, 4)
     places = (place - eye).astype(np.float32).reshape(*shape, 3)
-    for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
-        go_on()
-        smoothed = _smoothed(smoothed, planes, places, room, noise2, apart, share)
-    return ViewLight(smoothed, planes)
+
+    def smooth(values: Float32Array, room: Float32Array, error: Float32Array) -> Float32Array:
+        values, near = values.reshape(*shape, 4), room.reshape(shape)
+        noise2 = _noise2(values, error.reshape(shape))
+        for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
+            go_on()
+            values = _smoothed(values, planes, places, near, noise2, apart, share)
+        return values
+
+    lobes = [
+        smooth(radiance, mirrored.room, noise)
+        for radiance, noise in zip(mirrored.radiance, mirrored.error, strict=True)
+    ]
+    return ViewLight(smooth(light, room, error), planes, np.stack(lobes))
+
+
+def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
+    """The square of what noise may be (rows, columns), by what rays leave around a point."""
+    noise2 = uniform_filter(error**2, _AROUND)
+    mean = uniform_filter(luminance(values[..., :3]), _AROUND)
+    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
+    return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
+
+
+def _seen(bake: Bake, eye: FloatArray, towards: FloatArray) -> SeenPoints:
+    """Where rays from the eye meet surfaces; normals are of the side that is seen."""
+    count = len(towards)
+    row = np.full(count, NOBODY, np.int32)
+    place, normal, face = np.zeros((3, count, 3))
+    points = SeenPoints(row, place, normal, face, towards)
+    _find(bake.tree, bake.receivers, eye, points)
+    return points
 
 
 @kernel
-def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
-    """Places, shading normals and face normals (R, 3) where rays meet surfaces; 0 in the sky.
-
-    Both normals are those of the side that is seen.
-    """
-    count = len(towards)
-    places, normals = np.zeros((count, 3)), np.zeros((count, 3))
-    faces = np.zeros((count, 3))
-    weights = np.empty(3)
+def _find(tree, receivers, eye, points):  # type: ignore[no-untyped-def]
+    geometry, texels, probes, groups = receivers
+    row, places, normals, faces, towards = points
+    first_group = len(texels.pixel) + len(probes.place)
+    weights, pixel = np.empty(3), np.empty(2, np.int64)
     stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
-    ox, oy, oz = np.float32(eye[0]), np.float32(eye[1]), np.float32(eye[2])
-    for i in range(count):
+    for i in range(len(towards)):
         d = towards[i]
-        _, hit, u, v = nearest(
-            tree, ox, oy, oz, np.float32(d[0]), np.float32(d[1]), np.float32(d[2]), i, stack,
-            far_stack,
-        )  # fmt: skip
+        _, hit, u, v = nearest_along(tree, eye, d, i, stack, far_stack)
         if hit == MISS:
             continue
         t = tree.order[hit]
         weights[0], weights[1], weights[2] = 1.0 - u - v, u, v
         surface_place(geometry, t, weights, places[i], normals[i])
+        row[i] = met_row(geometry, texels, groups, first_group, t, u, v, places[i], d, pixel)
         side = 1.0 if dot(geometry.faces[t], d) < 0.0 else -1.0
         alike = 1.0 if dot(geometry.faces[t], normals[i]) > 0.0 else -1.0
         for k in range(3):
             faces[i, k] = side * geometry.faces[t, k]
             normals[i, k] *= side * alike
-    return places, normals, faces
 
 
 @kernel

@@ -27,11 +27,11 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Powers of the plastic number for directions, and of the root of x^4 = x + 1 for places. One
 # sequence of four dimensions errs four times as much with 64 rays.
-_TURNS = (0.7548776662466927, 0.5698402909980532)
+TURNS = (0.7548776662466927, 0.5698402909980532)
 _STEPS = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
 SEQUENCES = 5
 # Rays begin so far off their surface, in radii; single precision needs a tenth of it.
-_OFF = 1e-5
+OFF = 1e-5
 
 
 class Probes(NamedTuple):
@@ -79,7 +79,7 @@ def shift(row, shifts):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _share(shift, step, number):  # type: ignore[no-untyped-def]
+def evenly(shift, step, number):  # type: ignore[no-untyped-def]
     """A number in [0, 1), evenly spread over rays."""
     moved = shift + step * (number + 1)
     return moved - math.floor(moved)
@@ -93,11 +93,11 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
     `weights` (3,) is overwritten. The first four are those of `Receivers`; taken from it for each
     ray, their arrays would be counted each time.
     """
-    off = _OFF
+    off = OFF
     if row < len(texels.pixel):
         column, line = texels.pixel[row, 0], texels.pixel[row, 1]
-        x = column + _share(shifts[2], _STEPS[0], number)
-        y = line + _share(shifts[3], _STEPS[1], number)
+        x = column + evenly(shifts[2], _STEPS[0], number)
+        y = line + evenly(shifts[3], _STEPS[1], number)
         t = texels.triangle[row]
         if geometry.on_ground[t]:
             ground_place(geometry.ground, x, y, place)
@@ -117,7 +117,7 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
     else:
         group = row - len(texels.pixel) - len(probes.place)
         first, last = groups.start[group], groups.start[group + 1]
-        wanted = _share(shifts[4], _STEPS[2], number)
+        wanted = evenly(shifts[4], _STEPS[2], number)
         low, high = first, last - 1
         while low < high:
             middle = (low + high) // 2
@@ -126,8 +126,8 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
             else:
                 high = middle
         t = groups.triangle[low]
-        root = math.sqrt(_share(shifts[2], _STEPS[0], number))
-        across = _share(shifts[3], _STEPS[1], number)
+        root = math.sqrt(evenly(shifts[2], _STEPS[0], number))
+        across = evenly(shifts[3], _STEPS[1], number)
         weights[0], weights[1], weights[2] = 1.0 - root, root * (1.0 - across), root * across
         keep_off_edges(weights)
         surface_place(geometry, t, weights, place, normal)
@@ -139,22 +139,38 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
 
 
 @inlined
+def across(normal):  # type: ignore[no-untyped-def]
+    """Two unit vectors across a normal and each other.
+
+    Duff et al. 2017, "Building an orthonormal basis, revisited".
+    """
+    sign = 1.0 if normal[2] >= 0.0 else -1.0
+    a = -1.0 / (sign + normal[2])
+    b = normal[0] * normal[1] * a
+    return (
+        1.0 + sign * normal[0] ** 2 * a,
+        sign * b,
+        -sign * normal[0],
+        b,
+        sign + normal[1] ** 2 * a,
+        -normal[1],
+    )
+
+
+@inlined
 def aim(number, shifts, normal, face, direction):  # type: ignore[no-untyped-def]
     """Fill in the direction of ray `number`: cosine-distributed around the normal.
 
     Directions below the triangle are mirrored by its plane.
     """
-    radius2 = _share(shifts[0], _TURNS[0], number)
-    angle = 2.0 * math.pi * _share(shifts[1], _TURNS[1], number)
+    radius2 = evenly(shifts[0], TURNS[0], number)
+    angle = 2.0 * math.pi * evenly(shifts[1], TURNS[1], number)
     radius = math.sqrt(radius2)
     x, y, z = radius * math.cos(angle), radius * math.sin(angle), math.sqrt(1.0 - radius2)
-    # Duff et al. 2017, "Building an orthonormal basis, revisited".
-    sign = 1.0 if normal[2] >= 0.0 else -1.0
-    a = -1.0 / (sign + normal[2])
-    b = normal[0] * normal[1] * a
-    direction[0] = x * (1.0 + sign * normal[0] ** 2 * a) + y * b + z * normal[0]
-    direction[1] = x * sign * b + y * (sign + normal[1] ** 2 * a) + z * normal[1]
-    direction[2] = -x * sign * normal[0] - y * normal[1] + z * normal[2]
+    xx, xy, xz, yx, yy, yz = across(normal)
+    direction[0] = x * xx + y * yx + z * normal[0]
+    direction[1] = x * xy + y * yy + z * normal[1]
+    direction[2] = x * xz + y * yz + z * normal[2]
     below = direction[0] * face[0] + direction[1] * face[1] + direction[2] * face[2]
     if below < 0.0:
         for k in range(3):

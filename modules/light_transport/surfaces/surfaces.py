@@ -32,6 +32,7 @@ class Surfaces:
         reflectance_rgb: (F, 3) float32, share of diffuse light that is sent back, coat included;
             0 for the ground, whose albedo comes with the hour.
         emitted_rgb: (F, 3) float32, radiosity in W m^-2.
+        roughness: (F,) float32, of the coat or metal.
         opacity: (F,) float32, share of light that does not pass straight through.
         double_sided: (F,) bool.
         centre_m: (3,) float64, the middle of the scene's bounds.
@@ -43,6 +44,7 @@ class Surfaces:
     part: NDArray[np.int32]
     reflectance_rgb: Float32Array
     emitted_rgb: Float32Array
+    roughness: Float32Array
     opacity: Float32Array
     double_sided: BoolArray
     centre_m: FloatArray
@@ -71,6 +73,7 @@ class Surfaces:
             part=self.part[triangles],
             reflectance_rgb=self.reflectance_rgb[triangles],
             emitted_rgb=self.emitted_rgb[triangles],
+            roughness=self.roughness[triangles],
         )
 
     def face_normals(self) -> FloatArray:
@@ -115,6 +118,7 @@ class _Skin:
     corner_normals: FloatArray
     reflectance_rgb: Float32Array
     emitted_rgb: Float32Array
+    roughness: Float32Array
     opacity: Float32Array
     double_sided: bool
 
@@ -143,11 +147,13 @@ def _skins(meshes: list[Mesh], materials: list[Material]) -> list[_Skin]:
         together = [meshes[number] for number in numbers]
         skin = _skin(_one_mesh(together), materials)
         ends = np.cumsum([len(mesh.triangles) for mesh in together])[:-1]
-        arrays = (skin.corner_normals, skin.reflectance_rgb, skin.emitted_rgb, skin.opacity)
+        arrays = (
+            skin.corner_normals, skin.reflectance_rgb, skin.emitted_rgb, skin.roughness,
+            skin.opacity,
+        )  # fmt: skip
         pieces = zip(*(np.split(array, ends) for array in arrays), strict=True)
         for number, piece in zip(numbers, pieces, strict=True):
-            normals, reflectance_rgb, emitted_rgb, opacity = piece
-            skins[number] = _Skin(normals, reflectance_rgb, emitted_rgb, opacity, skin.double_sided)
+            skins[number] = _Skin(*piece, double_sided=skin.double_sided)
     return [skins[number] for number in range(len(meshes))]
 
 
@@ -176,11 +182,12 @@ def _one_mesh(meshes: list[Mesh]) -> Mesh:
 def _skin(mesh: Mesh, materials: list[Material]) -> _Skin:
     material = materials[mesh.material]
     vertex_rgba = _of_triangles(mesh)
-    back = _sent_back(mesh, material, vertex_rgba[:, :3])
+    back, roughness = _sent_back(mesh, material, vertex_rgba[:, :3])
     return _Skin(
         mesh.normals[mesh.triangles],
         back.reflectance_rgb,
         _emitted_rgb(mesh, material),
+        roughness,
         _opacity(mesh, material, vertex_rgba[:, 3]) * (1.0 - back.passing),
         material.double_sided,
     )
@@ -203,8 +210,10 @@ def _map_means(mesh: Mesh, material: Material, name: MapName) -> Float32Array | 
     return triangle_means(found, mesh, lambda texels: decode(texels[..., :3]))
 
 
-def _sent_back(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> SentBack:
-    """Of paint under its coat, of metal or of glass."""
+def _sent_back(
+    mesh: Mesh, material: Material, vertex_rgb: Float32Array
+) -> tuple[SentBack, Float32Array]:
+    """Of paint under its coat, of metal or of glass; and roughness (F,)."""
     colour = vertex_rgb * np.asarray(material.base_colour_rgba[:3], np.float32)
     texels = _map_means(mesh, material, "base_colour")
     if texels is not None:
@@ -214,7 +223,8 @@ def _sent_back(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> Sent
     both = _map_means(mesh, material, "metallic_roughness")
     if both is not None:
         roughness, metallic = roughness * both[:, 1:2], metallic * both[:, 2:3]
-    return sent_back(mesh, material, colour.astype(np.float64), roughness, metallic)
+    back = sent_back(mesh, material, colour.astype(np.float64), roughness, metallic)
+    return back, np.clip(roughness[:, 0], 0.0, 1.0).astype(np.float32)
 
 
 def _emitted_rgb(mesh: Mesh, material: Material) -> Float32Array:
@@ -268,7 +278,8 @@ def _ground(ground: GroundDisc, centre_m: FloatArray, radius_m: float) -> _Piece
     square = np.array([[west, y, north], [west, y, south], [east, y, south], [east, y, north]])
     up = np.tile([0.0, 1.0, 0.0], (2, 3, 1))
     black = np.zeros((2, 3), np.float32)
-    skin = _Skin(up, black, black, np.ones(2, np.float32), False)
+    matte = np.ones(2, np.float32)
+    skin = _Skin(up, black, black, matte, np.ones(2, np.float32), False)
     corners_m = square[np.array([[0, 1, 2], [0, 2, 3]])] - centre_m
     return _Piece(corners_m, up.astype(np.float32), GROUND, skin)
 
@@ -288,6 +299,7 @@ def _joined(pieces: list[_Piece], centre_m: FloatArray, radius_m: float) -> Surf
         emitted_rgb=np.concatenate(
             [np.empty((0, 3), np.float32), *(skin.emitted_rgb for skin in skins)]
         ),
+        roughness=np.concatenate([np.empty(0, np.float32), *(skin.roughness for skin in skins)]),
         opacity=np.concatenate([np.empty(0, np.float32), *(skin.opacity for skin in skins)]),
         double_sided=np.repeat(np.array([skin.double_sided for skin in skins], bool), counts),
         centre_m=centre_m,

@@ -13,7 +13,7 @@ from vrut_lite.daylight.view_light import ViewLightChanged
 VIEW_LIGHT = ViewLightChanged(
     layout_key="l", camera=OUTSIDE, size_px=(16, 9), edge_px=2, radiance_scale=2.0, rays=64,
     light=Array(np.ones((5, 8, 4), np.float16)), plane=Array(np.ones((5, 8, 4), np.float32)),
-    source="s",
+    mirrored=Array(np.zeros((2, 5, 8, 4), np.float16)), source="s",
 )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #endif
         vec4 front = map_light(light_corner_px + place_px * centroid_factor(face)).light;
         front.rgb *= tilted(n, -smooth_n, MOST_BEHIND);
-        return Reached(front, vec4(0.0, 0.0, 0.0, front.a));
+        return by_map(front, vec4(0.0, 0.0, 0.0, front.a));
     }
 #endif
     Reached front = map_light(light_corner_px + place_px * centroid_factor(face));
@@ -34,12 +34,10 @@ Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
     Reached found = light_of_scene(face, smooth_n, n, behind);
 #ifdef VIEW_LIGHT
-    vec4 light;
-    if (light_of_view(point_in_triangle(face), face, light)) {
+    if (add_points_of_view(point_in_triangle(face), face, found)) {
 #ifdef HAS_NORMAL_TEX
-        light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+        found.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
 #endif
-        found.light = light;
     }
 #endif
     return found;

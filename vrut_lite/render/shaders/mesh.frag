@@ -300,13 +300,25 @@ void main() {
         // evenly from where the sky is not.
         vec3 around = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
         float sky_in_all = max(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 1e-4);
-        vec2 seen = sky_seen(found.sky, sky_in_all, n, view, nv, roughness);
+        vec2 of_sky = sky_seen(found.sky, sky_in_all, n, view, nv, roughness);
         // What is seen of the sky may be brighter than the lobe's own image of all of it.
         float brighter = mix(1.0, min(reached.a / sky_in_all, 4.0), roughness * roughness);
-        vec2 things = (1.0 - seen + FEWEST_THINGS) / (1.0 - min(sky_in_all, 1.0) + FEWEST_THINGS);
-        seen *= brighter;
+        vec2 things = (1.0 - of_sky + FEWEST_THINGS) / (1.0 - min(sky_in_all, 1.0) + FEWEST_THINGS);
+        vec2 seen = of_sky * brighter;
         vec3 mirrored = once * (seen.x * far.direct + things.x * around);
         mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
+#ifdef VIEW_LIGHT
+        if (found.mirrors) {
+#ifdef HAS_NORMAL_TEX
+            // Points know no normal map: what it tilts changes as the sky's image does.
+            float nv_of_points = max(dot(smooth_n, view), 1e-4);
+            SkyImage even = sky_image(reflect(-view, smooth_n), smooth_n, nv_of_points, roughness);
+            found.direct *= mix(vec3(1.0), ratio(far.direct, even.direct, MOST_TILTED), of_sky.x);
+            found.grazing *= mix(vec3(1.0), ratio(far.grazing, even.grazing, MOST_TILTED), of_sky.y);
+#endif
+            mirrored = once * found.direct + at_grazing * found.grazing;
+        }
+#endif
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, mirror_n, nv, alpha);
         vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
