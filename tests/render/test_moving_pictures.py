@@ -43,7 +43,7 @@ def test_a_camera_that_went_on_for_a_while_sees_the_finished_picture(backend, bo
 
 
 def test_what_a_coat_mirrors_moves_with_the_eye(backend, tmp_path):
-    """The sun's image on glossy ground is where the finished picture has it, and leaves no trace."""
+    """The sun's image on glossy ground is where the finished picture has it; it leaves no trace."""
     glossy = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.3}}
     backend.change(scene=opened(square(tmp_path, glossy)))
     light(backend, uniform_sky(1.0), **SUN)

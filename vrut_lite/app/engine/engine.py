@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer
 from vrut_lite.app.engine.first_light import LOOK_AGAIN_S, FirstLight
-from vrut_lite.app.engine.pacing import Kind, Pacing, scaled
+from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.picture import SetExposure
@@ -230,7 +230,7 @@ class Engine:
             self._draw_one(stage, self._kind_of(stage))
             # A finished picture waits until the exposure has settled.
             settled = self._adaptation.settled
-            self._finish_at_s = self._now_s() + self._pacing.rest_s() if settled else None
+            self._finish_at_s = self._now_s() + REST_S if settled else None
         elif self._awake.is_set():
             # A question has injected inputs, as an undo does: pump them first.
             return

@@ -17,7 +17,7 @@ from vrut_lite.render.moving_targets import Drawn, MovingTargets
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View, translation
 
-# Pictures between two turns of a pixel, under the same light and under another; as reuse.frag has it.
+# Pictures from one turn of a pixel to the next: under the same light, and under another.
 _TURNS, _TURNS_OF_LIGHT, _STEP = 16, 8, 3
 
 
