@@ -7,7 +7,6 @@ that pixels see have their own rays, which end on the map's patches.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter
 
 from light_transport.bake import Bake
 from light_transport.giving_up import GoOn
@@ -101,8 +100,8 @@ def view_light(
     room[seen], error[seen] = found.room_m[kept] / radius_m, found.error[kept]
     shape = (rows, columns)
     room = room.reshape(shape)
-    noise2 = uniform_filter(error.reshape(shape) ** 2, _AROUND)
-    mean = uniform_filter(luminance(light[:, :3]).reshape(shape), _AROUND)
+    noise2 = _mean_about(error.reshape(shape) ** 2)
+    mean = _mean_about(luminance(light[:, :3]).reshape(shape))
     share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
     noise2 *= _NOISES**2 * (1.0 + share2**2)
     smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
@@ -111,6 +110,14 @@ def view_light(
         go_on()
         smoothed = _smoothed(smoothed, planes, places, room, noise2, apart, share)
     return ViewLight(smoothed, planes)
+
+
+def _mean_about(values: Float32Array) -> Float32Array:
+    """Of each number (H, W) and its neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
+    for _ in range(2):
+        rows = np.pad(values, ((_AROUND // 2,) * 2, (0, 0)), mode="symmetric")
+        values = np.mean([rows[k : k + len(values)] for k in range(_AROUND)], axis=0).T
+    return values
 
 
 @kernel
