@@ -317,6 +317,7 @@ def latencies() -> dict[str, float]:
     }
     for renderer, stage in stages.items():
         bench = Window(stage)
+        bench.watch_no_gaps()
         for sky in SKIES:
             for part, seconds in zip(PARTS, latency(bench, sky), strict=True):
                 found[f"{renderer}, {sky}: {part}"] = seconds

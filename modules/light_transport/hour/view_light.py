@@ -7,7 +7,6 @@ that pixels see have their own rays, which end on the map's patches.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter
 
 from light_transport.bake import Bake
 from light_transport.giving_up import GoOn
@@ -129,8 +128,8 @@ def view_light(
 
 def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
     """The square of what noise may be (rows, columns), by what rays leave around a point."""
-    noise2 = uniform_filter(error**2, _AROUND)
-    mean = uniform_filter(luminance(values[..., :3]), _AROUND)
+    noise2 = _mean_about(error**2)
+    mean = _mean_about(luminance(values[..., :3]))
     share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
     return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
 
@@ -143,6 +142,14 @@ def _seen(bake: Bake, eye: FloatArray, towards: FloatArray) -> SeenPoints:
     points = SeenPoints(row, place, normal, face, towards)
     _find(bake.tree, bake.receivers, eye, points)
     return points
+
+
+def _mean_about(values: Float32Array) -> Float32Array:
+    """Of each number (H, W) and its neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
+    for _ in range(2):
+        rows = np.pad(values, ((_AROUND // 2,) * 2, (0, 0)), mode="symmetric")
+        values = np.mean([rows[k : k + len(values)] for k in range(_AROUND)], axis=0).T
+    return values
 
 
 @kernel

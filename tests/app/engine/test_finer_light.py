@@ -7,8 +7,11 @@ import pytest
 from test_window_exposure import INSIDE, OUTSIDE, RunningEngine
 from window_driver import PATIENCE_MS
 
+from vrut_lite.app.engine.finer_light import FinerLight
 from vrut_lite.array import Array
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.view_light import ViewLightChanged
+from vrut_lite.kernel.bus import Kernel
 
 VIEW_LIGHT = ViewLightChanged(
     layout_key="l", camera=OUTSIDE, size_px=(16, 9), edge_px=2, radiance_scale=2.0, rays=64,
@@ -46,3 +49,34 @@ def test_a_picture_at_rest_is_finished_anew_when_the_light_of_its_points_arrives
     running.wait(0.1)
     assert not running.shown[-1].still
     assert not is_asked_for(running)
+
+
+def test_rays_of_a_standing_picture_give_way_to_an_input_and_go_on_when_it_changed_nothing():
+    """Until a second after the last input; a picture that is drawn meanwhile ends the pause."""
+    kernel = Kernel()
+
+    def is_wanted():
+        kernel.pump_until_idle()
+        return kernel.wanted(ViewLightChanged) is not None
+
+    light, state = FinerLight(), SceneState()
+    light.give_way(kernel, state, 0.0)
+    assert light.resumes_at_s is None
+    light.drew(kernel, still=True)
+    light.resume(kernel, 0.0)
+    assert is_wanted()
+    for now_s in (10.0, 10.5):
+        light.give_way(kernel, state, now_s)
+        assert not is_wanted()
+    light.resume(kernel, 11.4)
+    assert not is_wanted()
+    light.resume(kernel, 11.5)
+    assert is_wanted()
+    known = replace(state, moved_camera=OUTSIDE, size_px=(16, 9), view_light=VIEW_LIGHT)
+    light.give_way(kernel, known, 12.0)
+    assert is_wanted()
+    light.give_way(kernel, state, 12.0)
+    light.drew(kernel, still=False)
+    light.resume(kernel, 20.0)
+    assert not is_wanted()
+    kernel.close()

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer
 from vrut_lite.app.engine.first_light import LOOK_AGAIN_S, FirstLight
-from vrut_lite.app.engine.pacing import Kind, Pacing, scaled
+from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.picture import SetExposure
@@ -70,6 +70,8 @@ class Engine:
         self._awake = threading.Event()
         # Set by a new input, an undo or the end: a finished picture of the old state is given up.
         self._moved_on = threading.Event()
+        # Set by a new input alone.
+        self._sent = threading.Event()
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._adaptation = Adaptation()
@@ -96,6 +98,8 @@ class Engine:
         with self._lock:
             for message in inputs:
                 self._inject(message)
+        if inputs:
+            self._sent.set()
         self._move_on()
 
     def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
@@ -178,14 +182,24 @@ class Engine:
             self._moved_on.clear()
             # Counted before the pump: inputs that were sent before a question are acted on first.
             questions = len(self._questions)
+            self._make_way(stage)
             self._pump(stage)
             self._answer(stage, questions)
             if not self._ending.is_set():
                 self._draw(stage)
         stage.kernel.on_inject(None)
 
+    def _make_way(self, stage: Stage) -> None:
+        """Let what inputs cause go before the finer light of the present picture."""
+        if self._sent.is_set():
+            self._sent.clear()
+            self._finer_light.give_way(stage.kernel, stage.state, self._now_s())
+        self._finer_light.resume(stage.kernel, self._now_s())
+
     def _patience_s(self) -> float | None:
-        times_s = (self._finish_at_s, self._adaptation.wakes_at_s)
+        times_s = (
+            self._finish_at_s, self._adaptation.wakes_at_s, self._finer_light.resumes_at_s,
+        )  # fmt: skip
         due_s = min((time_s for time_s in times_s if time_s is not None), default=None)
         return None if due_s is None else max(0.0, due_s - self._now_s())
 
@@ -230,7 +244,7 @@ class Engine:
             self._draw_one(stage, self._kind_of(stage))
             # A finished picture waits until the exposure has settled.
             settled = self._adaptation.settled
-            self._finish_at_s = self._now_s() + self._pacing.rest_s() if settled else None
+            self._finish_at_s = self._now_s() + REST_S if settled else None
         elif self._awake.is_set():
             # A question has injected inputs, as an undo does: pump them first.
             return

@@ -7,27 +7,47 @@ from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand
 
+# Longer than it takes to solve an atmosphere on a quiet machine.
+_PAUSE_S = 1.0
 _OTHERS = [field.name for field in fields(SceneState) if field.name != "view_light"]
 
 
 class FinerLight:
     """Asks for the light of the points that a finished picture shows; ends with the next change.
 
-    The rays take seconds: a picture is finished without them first.
+    The rays take seconds: a picture is finished without them first. They give way to what an input
+    causes: an atmosphere that is being solved shows nothing yet, and would take twice as long.
     """
 
     def __init__(self) -> None:
         self._wanted = False
+        self.resumes_at_s: float | None = None
 
     def drew(self, kernel: Kernel, still: bool) -> None:
         """A picture was drawn, finished or not."""
-        if still != self._wanted:
-            self._wanted = still
+        self.resumes_at_s = None
+        self._want(kernel, still)
+
+    def give_way(self, kernel: Kernel, state: SceneState, now_s: float) -> None:
+        """Pause, as an input came; light that has arrived stays."""
+        if self.resumes_at_s is not None or (self._wanted and state.light_of_view is None):
+            self._want(kernel, False)
+            self.resumes_at_s = now_s + _PAUSE_S
+
+    def resume(self, kernel: Kernel, now_s: float) -> None:
+        """Go on after a pause in which nothing was drawn."""
+        if self.resumes_at_s is not None and now_s >= self.resumes_at_s:
+            self.resumes_at_s = None
+            self._want(kernel, True)
+
+    def _want(self, kernel: Kernel, wanted: bool) -> None:
+        if wanted != self._wanted:
+            self._wanted = wanted
             kernel.inject(
                 Demand(
                     consumer="finished picture",
                     message=ViewLightChanged.__name__,
-                    size=None if still else 0,
+                    size=None if wanted else 0,
                 )
             )
 

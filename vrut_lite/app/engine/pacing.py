@@ -6,10 +6,9 @@ from typing import Literal
 QUICK_S = 0.055
 # Few sizes: each needs framebuffers of its own.
 SCALES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)
-# Seconds without a change before the finished picture begins: more for slow pictures, since an
-# interruption costs the piece that is being drawn.
-_SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.25
-_REST_SHARE = 0.2
+# Seconds without a change before the finished picture begins: an interruption costs the piece that
+# is being drawn, which takes about as long.
+REST_S = 0.15
 _MEMORY = 0.5
 _SLOWER = 2.0
 # Share of the time that triangles and calls take, whatever the size. Without it a small picture
@@ -35,11 +34,6 @@ class Pacing:
         """The largest scale at which a picture is expected in time, or the smallest that is."""
         full_s = self._full_s.get(kind, self._expected_s)
         return next((s for s in SCALES if full_s * _share_of_time(s) <= QUICK_S), SCALES[-1])
-
-    def rest_s(self) -> float:
-        """Seconds without a change before the finished picture begins."""
-        still_s = self._full_s.get("still", self._expected_s)
-        return min(max(_REST_SHARE * still_s, _SHORTEST_REST_S), _LONGEST_REST_S)
 
     def drew(self, scale: float, seconds: float, kind: Kind = "anew") -> None:
         """Learn from the time of a picture of this scale."""

@@ -1,7 +1,8 @@
 """Pictures while something moves take over from the picture before what still holds there.
 
-Radiance does not depend on the camera but for highlights. Of each picture an eighth is drawn anew
-in turns, and what was not seen before; all else moves to where the camera sees it now.
+Radiance does not depend on the camera but for what coats mirror. Of each picture a sixteenth is
+drawn anew in turns, an eighth where the light changes, more of what mirrors, and what was not seen
+before; all else moves to where the camera sees it now.
 """
 
 from typing import Any, NamedTuple
@@ -16,8 +17,8 @@ from vrut_lite.render.moving_targets import Drawn, MovingTargets
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View, translation
 
-# As reuse.frag has them.
-_TURNS, _STEP = 8, 3
+# Pictures from one turn of a pixel to the next: under the same light, and under another.
+_TURNS, _TURNS_OF_LIGHT, _STEP = 16, 8, 3
 
 
 class _Before(NamedTuple):
@@ -50,12 +51,16 @@ class Reuse:
             brighter = change_of_light(before.state, state)
         if before is None or brighter is None:
             before, brighter = _Before(drawn, view, state, reflection), np.ones(3)
-            self._screen.set("turn", -1.0)
+            self._screen.set("turn", -1)
         else:
             self._turn = (self._turn + _STEP) % _TURNS
-            self._screen.set("turn", float(self._turn))
+            self._screen.set("turn", self._turn)
+            turns = _TURNS if np.all(brighter == 1.0) else _TURNS_OF_LIGHT
+            self._screen.set("most_apart", turns - 1)
         self._screen.set("brighter", brighter)
         self._screen.set("old_from_clip", _old_from_clip(before.view, view).T.ravel())
+        moved_m = float(np.linalg.norm(view.eye_m - before.view.eye_m))
+        self._screen.set("seen_turned", moved_m / float(view.projection[2, 3]))
         targets.front.use(0)
         before.drawn.radiance.use(location=1)
         before.drawn.depth.use(2)

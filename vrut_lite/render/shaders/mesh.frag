@@ -7,6 +7,7 @@ const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
+const float SEEN_CHANGE = 0.1;       // share by which a moving picture may be off
 
 struct Material {
     vec3 emissive_factor;
@@ -207,6 +208,8 @@ void main() {
     if (transmission > 0.0) discard;   // drawn after all that is solid
 #endif
 
+    float holds_rad = 1.0;  // over which angle of view the radiance holds
+
     vec3 view = normalize(-eye_to_sample);
     vec3 face = face_normal(view);
     bool behind;
@@ -284,7 +287,8 @@ void main() {
         }
     }
 #endif
-    radiance += albedo * diffuse / PI;
+    vec3 of_paint = albedo * diffuse / PI;
+    radiance += of_paint;
 #ifndef MATTE
     vec3 once = f0 * share.x, at_grazing = f90 * share.y;
     vec3 mirror_n = n;
@@ -330,6 +334,11 @@ void main() {
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
+    // A lobe is some two alphas wide, and a wide one has little contrast; Fresnel's share changes too.
+    vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT;
+    float share_of_coat = dot(of_coat, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-30);
+    float width_rad = 0.02 + min(2.0 * alpha / (1.1 - roughness), 1.5);
+    holds_rad = min(SEEN_CHANGE * width_rad / max(share_of_coat, 1e-3), 1.0);
 #endif
 #ifdef SHEEN
 #ifdef SURFACE_LIGHT
@@ -373,6 +382,6 @@ void main() {
     frag_radiance = vec4(radiance * base.a, 1.0);
     share_of_behind = vec4(mix(vec3(1.0), tint, base.a), 1.0);
 #else
-    frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
+    frag_radiance = vec4(radiance, mix(base.a, holds_rad, opaque));
 #endif
 }
