@@ -123,7 +123,7 @@ def _volume(layer: CloudLayer, eye_m: Vector, sun: Vector) -> LightVolume:
 
 @lru_cache(maxsize=4)
 def _phase_seen(particles: Particles, pixel_rad: float) -> FloatArray:
-    """The particles' phase function (2, nodes, 3) in the mean over what a ray stands for.
+    """The particles' phase function (3, nodes, 3) in the mean over what a ray stands for.
 
     A quarter of droplets' light is diffracted into less than a texel of a small cube, in which the
     middles of texels must do: the mean is over a disc of three texels.

@@ -4,7 +4,7 @@ layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and to
 layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
 layout(binding = 28) uniform sampler3D light_diffuse;  // fluence; flux along x, up and z
 layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
-layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: wide, peak
+layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: 3 rows
 
 // Depths this near, as a share of the thickness, come from the density itself: the volume is
 // coarse.
@@ -24,6 +24,7 @@ struct CloudRay {
     float nu;     // cosine of the angle to the sun
     vec3 wide;    // phase function of the droplets, over the share that diffuses
     vec3 peak;    // its forward peak
+    float log_twice;  // logarithm of the phase function of light scattered twice
 };
 
 CloudRay cloud_ray(vec3 d) {
@@ -31,9 +32,11 @@ CloudRay cloud_ray(vec3 d) {
     float squared = dot(chord, chord);
     float angles = float(textureSize(droplets_phase, 0).x);
     float place = (min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5) / angles;
-    vec3 wide = textureLod(droplets_phase, vec2(place, 0.25), 0.0).rgb;
-    vec3 peak = textureLod(droplets_phase, vec2(place, 0.75), 0.0).rgb;
-    return CloudRay(d, 1.0 - 0.5 * squared, wide / clouds.diffused, peak / clouds.diffused);
+    vec3 wide = textureLod(droplets_phase, vec2(place, 1.0 / 6.0), 0.0).rgb;
+    vec3 peak = textureLod(droplets_phase, vec2(place, 0.5), 0.0).rgb;
+    float log_twice = textureLod(droplets_phase, vec2(place, 5.0 / 6.0), 0.0).r;
+    return CloudRay(d, 1.0 - 0.5 * squared, wide / clouds.diffused, peak / clouds.diffused,
+                    log_twice);
 }
 
 vec2 depth_nodes(vec2 scaled) {
@@ -45,18 +48,19 @@ vec4 transport_at(float sine_node, vec2 above_below, float mu) {
     vec2 depths = depth_nodes(above_below);
     float view = (asin(clamp(mu, -1.0, 1.0)) / HALF_PI * 0.5 + 0.5) * (VIEWS - 1.0);
     vec3 at = vec3(view, depths.x, sine_node * DEPTHS + depths.y) + 0.5;
-    return textureLod(cloud_transport, at / vec3(VIEWS, DEPTHS, SINES * DEPTHS), 0.0);
+    return textureLod(cloud_transport, at / vec3(VIEWS, DEPTHS, (SINES + 1.0) * DEPTHS), 0.0);
 }
 
 // Of a sun of irradiance 1, sr^-1; `sine` and `mu` are cosines to the slab's normal.
-float sun_source(vec2 above_below, float sine, float mu, float nu) {
+float sun_source(vec2 above_below, float sine, float mu, CloudRay ray) {
     float over = (asin(clamp(sine, 0.0, 1.0)) - LOWEST_RAD) / (HALF_PI - LOWEST_RAD);
     float node = sqrt(max(over, 0.0)) * (SINES - 1.0), low = min(floor(node), SINES - 2.0);
-    vec3 logs = mix(transport_at(low, above_below, mu).rgb,
-                    transport_at(low + 1.0, above_below, mu).rgb, node - low);
+    vec4 logs = mix(transport_at(low, above_below, mu), transport_at(low + 1.0, above_below, mu),
+                    node - low);
     float level = sqrt(max((1.0 - mu * mu) * (1.0 - sine * sine), 1e-6));
-    float wave = clamp((nu - mu * sine) / level, -1.0, 1.0);
-    return exp(logs.x + logs.y * wave + logs.z * (2.0 * wave * wave - 1.0));
+    float wave = clamp((ray.nu - mu * sine) / level, -1.0, 1.0);
+    return exp(logs.x + logs.y * wave + logs.z * (2.0 * wave * wave - 1.0)
+               + logs.w * ray.log_twice);
 }
 
 vec3 in_volume(vec2 level, float height) {
@@ -122,9 +126,9 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
     float here = max(light.r + 3.0 * MEAN_COSINE * along, LEAST_SHARE * light.r);
     float plane = max(level_flux.x + 3.0 * MEAN_COSINE * level_flux.y * rise,
                       LEAST_SHARE * level_flux.x);
-    float diffuse = max(sun_source(slab, low, rise, ray.nu) + (here - plane) / SPHERE,
+    float diffuse = max(sun_source(slab, low, rise, ray) + (here - plane) / SPHERE,
                         LEAST_DIFFUSE * here / SPHERE);
-    float even = transport_at(0.0, slab, rise).a;
+    float even = transport_at(SINES, slab, rise).r;
     vec3 scattered = ray.wide * exp(-clouds.diffused * to_sun) + ray.peak * exp(-to_sun) + diffuse;
     return sun_at(sine, height) * scattered
          + mix(clouds.light_from_below, clouds.light_from_above, even);
