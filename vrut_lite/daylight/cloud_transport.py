@@ -34,7 +34,7 @@ FLUX_SINES = np.linspace(0.02, 1.0, 50)
 # Of the source: scaled depths above and below, sines of the sun's elevations, denser near the
 # horizon, and of the view's, evenly spaced: an azimuth's part is linear in the angle to the normal.
 DEPTH_SCALE, MOST_DEPTH, LOWEST_RAD = 0.3, 60.0, 0.04
-_DEPTHS, _SINES, _VIEWS = 16, 12, 16
+_DEPTHS, _SINES, _VIEWS = 20, 12, 16
 NODE_DEPTHS = DEPTH_SCALE * np.expm1(np.linspace(0.0, np.log1p(MOST_DEPTH / DEPTH_SCALE), _DEPTHS))
 NODE_SINES = np.sin(LOWEST_RAD + (0.5 * np.pi - LOWEST_RAD) * np.linspace(0.0, 1.0, _SINES) ** 2)
 NODE_VIEWS = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _VIEWS))

@@ -15,7 +15,7 @@ const float MEAN_COSINE = 0.74;  // of the phase function after delta-M
 const float SPHERE = 12.566371;
 // As daylight/cloud_transport.py has its nodes.
 const float DEPTH_SCALE = 0.3, MOST_DEPTH = 60.0, LOWEST_RAD = 0.04, HALF_PI = 1.5707963;
-const float DEPTHS = 16.0, SINES = 12.0, VIEWS = 16.0;
+const float DEPTHS = 20.0, SINES = 12.0, VIEWS = 16.0;
 // Sines of the sun's elevation that the table of sunlight spans.
 const float LOWEST_SUN = -0.1;
 
