@@ -10,7 +10,8 @@ layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half th
 // coarse.
 const float NEAR_REACH = 0.07;
 // Of the plane layer; of a direction's light, of the fluence; of the tables' light, of the whole.
-const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2;
+const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2, LEAST_LIGHT = 1e-6;
+const float DARK = 40.0;  // half of the volume's greatest depth
 const float MEAN_COSINE = 0.74;  // of the phase function after delta-M
 const float SPHERE = 12.566371;
 // As daylight/cloud_transport.py has its nodes.
@@ -71,15 +72,16 @@ vec3 in_volume(vec2 level, float height) {
     return vec3(0.5 * place + 0.5, edge / edges);
 }
 
-// Share of the sun that is scattered above a place, a line within each cell of the grid, as what
-// the grid holds is.
-float scattered_above(vec2 level, float height, float facing) {
+// Share of the sun that is scattered above a place, and depths to the sun and up: lines within
+// each cell of the grid, as what the grid holds is.
+vec3 in_grid(vec2 level, float height) {
     float cells = float(textureSize(light_volume, 0).z - 1);
     float place = clamp(height, 0.0, 1.0) * cells, under = min(floor(place), cells - 1.0);
-    vec2 up = vec2(textureLod(light_volume, in_volume(level, under / cells), 0.0).g,
-                   textureLod(light_volume, in_volume(level, (under + 1.0) / cells), 0.0).g);
-    vec2 lit = exp(-clouds.diffused * up / facing);
-    return 1.0 - mix(lit.x, lit.y, place - under);
+    vec2 low = textureLod(light_volume, in_volume(level, under / cells), 0.0).rg;
+    vec2 high = textureLod(light_volume, in_volume(level, (under + 1.0) / cells), 0.0).rg;
+    float share = place - under;
+    float lit = mix(exp(-clouds.diffused * low.r), exp(-clouds.diffused * high.r), share);
+    return vec3(1.0 - lit, mix(low, high, share));
 }
 
 // Fluence and downward flux in a plane layer between scaled depths, of which a share `there` of
@@ -114,21 +116,30 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
     float to_sun = near + depths.r, upright = depths.g + depths.b;
     float sine = sun.y + dot(level, sun.xz) / PLANET_RADIUS_M;
     float rise = ray.d.y + at_m / PLANET_RADIUS_M;
-    // Light in the plane layer of these depths, by the tables, and how much more or less of it
-    // there is than in that layer, by diffusion.
+    // Light in the plane layer that is as deep, with as much before the sun as here, by the
+    // tables; how much more or less of it there is than in that layer, by diffusion.
     float low = clamp(sine, clouds.sun_slope, 1.0);
     float over = clamp(depths.g + near * max(sun.y, 0.0), 0.0, upright);
-    vec2 slab = clouds.diffused * vec2(over, upright - over);
+    // Where no sun is left the volume does not count on.
+    float counts = clamp(2.0 - clouds.diffused * to_sun / DARK, 0.0, 1.0);
+    float above = mix(over, to_sun * low, counts);
+    vec2 slab = clouds.diffused * vec2(above, max(upright - above, 0.0));
     float height = over_base_m / clouds.thickness_m;
-    vec2 level_flux = plane_light(max(slab, LEAST_DEPTH), scattered_above(level, height, low), low);
+    vec3 grid = in_grid(level, height);
+    above = mix(grid.z, grid.y * low, counts);
+    vec2 coarse = clouds.diffused * vec2(above, upright - above);
+    vec2 level_flux = plane_light(max(coarse, LEAST_DEPTH), grid.x, low);
     vec4 light = textureLod(light_diffuse, in_volume(level, height), 0.0);
     float along = -dot(light.gba, vec3(ray.d.x, rise, ray.d.z));
     float here = max(light.r + 3.0 * MEAN_COSINE * along, LEAST_SHARE * light.r);
     float plane = max(level_flux.x + 3.0 * MEAN_COSINE * level_flux.y * rise,
                       LEAST_SHARE * level_flux.x);
-    float diffuse = max(sun_source(slab, low, rise, ray) + (here - plane) / SPHERE,
+    // Directions that diffusion has not are the plane layer's, as far as the light is like its.
+    float alike = max(min(light.r, level_flux.x) / max(max(light.r, level_flux.x), LEAST_LIGHT),
+                      0.0);
+    float diffuse = max(alike * sun_source(slab, low, rise, ray) + (here - alike * plane) / SPHERE,
                         LEAST_DIFFUSE * here / SPHERE);
-    float even = transport_at(SINES, slab, rise).r;
+    float even = transport_at(SINES, clouds.diffused * vec2(over, upright - over), rise).r;
     vec3 scattered = ray.wide * exp(-clouds.diffused * to_sun) + ray.peak * exp(-to_sun) + diffuse;
     return sun_at(sine, height) * scattered
          + mix(clouds.light_from_below, clouds.light_from_above, even);
