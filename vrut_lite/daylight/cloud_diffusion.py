@@ -280,7 +280,7 @@ def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
                 here = 0.5 * (depths[j, i, max(k - 1, 0)] + depths[j, i, min(k, heights - 1)])
                 if here > _SOLID:
                     continue
-                weights = _CLEAR
+                weights, densest = _CLEAR, here + _CLEAR
                 for c in range(4):
                     total[c] = _CLEAR * light[k, j, i, c]
                 for b in range(max(j - 1, 0), min(j + 2, columns)):
@@ -291,10 +291,12 @@ def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
                             )
                             if weight > 0.0:
                                 weights += weight
+                                densest = max(densest, weight)
                                 rim = min((_SURFACE + _SEEN) / (_SURFACE + _HINDERS * weight), 1.0)
                                 for c in range(4):
                                     inner, clear = light[n, b, a, c], light[k, j, i, c]
                                     total[c] += weight * (clear + rim * (inner - clear))
-                share = math.exp(-here)
+                # Not within a layer that is as dense beside it.
+                share = math.exp(-here) * (1.0 - here / densest)
                 for c in range(4):
                     out[k, j, i, c] += share * (total[c] / weights - light[k, j, i, c])
