@@ -7,9 +7,9 @@ extinction that diffuses, E what is left of the sun and d the way it goes,
     div F = s E,    grad G = 3 g s E d - 3 (1 - g) s F.
 
 Cells exchange flux as resistors do, along lines between their middles. At base and top nothing
-comes in: G = 2 F (Marshak). Between clouds light goes straight, which is no diffusion: on level
-ways some extinction is added, and the surface of a cloud has a part of Marshak's resistance. Both
-were chosen beside the Monte Carlo; a plane layer has neither. Importing this module imports numba.
+comes in: G = 2 F (Marshak), and the surface of a cloud has the same resistance. Between clouds
+light goes straight, which is no diffusion: on level ways some extinction is added, as much as suits
+the Monte Carlo. A plane layer has neither. Importing this module imports numba.
 """
 
 import math
@@ -24,7 +24,7 @@ from vrut_lite.numeric_types import FloatArray
 # Mean cosine of droplets' phase function after delta-M.
 MEAN_COSINE = 0.74
 # Resistance of a cloud's surface; free paths in a layer's thickness, on level ways.
-_SURFACE, _FREE_PATHS = 1.5, 8.0
+_SURFACE, _FREE_PATHS = 2.0, 12.0
 # Depths of cells: of what counts as solid, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
 _LEAST_RESISTANCE = 1e-3
