@@ -31,10 +31,10 @@ def clear_light(key_light: KeyLightChanged, irradiance_sh: NDArray) -> ClearLigh
     """The light of a clear sky on clouds; the moon counts as a sun so much fainter."""
     passed, direction = 1.0, key_light.direction
     if key_light.body == "moon":
-        sun = float(luminance(sun_aloft(0.0, direction[1])))
+        sun = float(luminance(sun_aloft(0.0, direction[1], key_light.haze)))
         moon = float(luminance(key_light.irradiance_rgb))
         passed = min(moon / sun, 1.0) if sun > 0.0 else 0.0
-    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed)
+    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed, key_light.haze)
 
 
 def mean_sun_share(layers: Iterable[CloudLayer], sine: float) -> float:
@@ -69,7 +69,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
     covered = layer.coverage
     depth = layer.optical_depth * (_ICE_DEPTH if layer.particles == "ice" else 1.0)
     passed = 1.0 - covered + covered * float(layer_transmittance(depth, sine))
-    by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine)
+    by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine, light.haze)
     even = 1.0 - covered + covered * float(even_transmittance(depth))
     by_sky = light.by_sky * even + max(passed - share, 0.0) * by_sun
     dimmed = share * np.asarray(light.sun_irradiance)
@@ -81,6 +81,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
         (float(dimmed[0]), float(dimmed[1]), float(dimmed[2])),
         _two_sided(by_sky, from_ground),
         light.sun_passed * share,
+        light.haze,
     )
 
 

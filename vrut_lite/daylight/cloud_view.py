@@ -104,7 +104,7 @@ def _lights(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: floa
     return Lights(
         sun=sun,
         suns=light.sun_passed
-        * np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
+        * np.stack([sun_aloft(max(level_m, 0.0), sines, light.haze) for level_m in levels_m]),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=_phase_seen(layer.particles, pixel_rad),
