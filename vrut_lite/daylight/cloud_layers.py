@@ -62,6 +62,17 @@ def lights_on(layers: tuple[CloudLayer, ...], clear: ClearLight) -> tuple[ClearL
     return tuple(reversed(lights))
 
 
+def air_share(
+    layer: CloudLayer, light: ClearLight, clear: ClearLight, eye_altitude_m: float
+) -> FloatArray:
+    """Share (3,) of a clear sky's light on the air between an eye and a layer lit by `light`.
+
+    Above the layer it is the layer's own, below it what passes.
+    """
+    seen = _below(layer, light, clear) if eye_altitude_m < layer.base_m else light
+    return np.minimum(seen.on_ground / clear.on_ground, 1.0)
+
+
 def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLight:
     """The light under a layer, whose own is `light`."""
     sine = float(clear.sun_direction[1])
