@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from PythonicDISORT import pydisort
 
+from vrut_lite.daylight.aerosols.phase_table import node_places
 from vrut_lite.daylight.cloud_transport import droplets, layer_transmittance
 from vrut_lite.numeric_types import FloatArray
 
@@ -51,7 +52,11 @@ class Ordinates(NamedTuple):
 
 @lru_cache(maxsize=64)
 def ordinates_of(optical_depth: float, sun_sine: float) -> Ordinates:
-    """Light of a layer of this depth; 48 streams, corrected as Nakajima and Tanaka 1988 do."""
+    """Light of a layer of this depth; 48 streams, corrected as Nakajima and Tanaka 1988 do.
+
+    Their series of light scattered once, of `_MOMENTS`, is replaced by the phase function itself:
+    at the side it would oscillate by several percent.
+    """
     chi = np.maximum(droplets().coefficients(_MOMENTS)[1], 0.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -63,8 +68,25 @@ def ordinates_of(optical_depth: float, sun_sine: float) -> Ordinates:
         top = np.asarray(radiance(0.0, AZIMUTHS))[: _STREAMS // 2]
         diffuse, direct = (float(flux) / sun_sine for flux in down(optical_depth))
     nodes = np.asarray(mu[: _STREAMS // 2])
+    forward = float(chi[_STREAMS])
+    scaled = optical_depth * (1.0 - forward)
+    lit = -np.expm1(-scaled * (1.0 / nodes + 1.0 / sun_sine)) / (1.0 + nodes / sun_sine)
+    passed = np.exp(-scaled / nodes) - np.exp(-scaled / sun_sine)
+    passing = sun_sine / (nodes - sun_sine) * passed
+    base = base + _beyond_series(chi, nodes, sun_sine) * (passing / (1.0 - forward))[:, None]
+    top = top + _beyond_series(chi, -nodes, sun_sine) * (lit / (1.0 - forward))[:, None]
     order = np.argsort(nodes)
     return Ordinates(nodes[order], base[order], top[order], diffuse + direct, diffuse)
+
+
+def _beyond_series(chi: FloatArray, mu: FloatArray, sun_sine: float) -> FloatArray:
+    """What the phase function has (n, AZIMUTHS), sr^-1, that its moments have not."""
+    across = np.sqrt((1.0 - mu * mu) * (1.0 - sun_sine**2))[:, None]
+    nu = np.clip(mu[:, None] * sun_sine + across * np.cos(AZIMUTHS), -1.0, 1.0)
+    order = np.arange(len(chi))
+    series = np.polynomial.legendre.legval(nu, (2.0 * order + 1.0) * chi) / (4.0 * np.pi)
+    place = np.sqrt(0.5 - 0.5 * nu)
+    return np.asarray(np.interp(place, node_places(), droplets().values[1]) - series)
 
 
 def main() -> None:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.aerosols.phase_table import node_cosines
 from vrut_lite.daylight.cloud_transport import (
     FILE,
     FLUX_DEPTHS,
@@ -58,6 +59,12 @@ def moments() -> tuple[FloatArray, float]:
     chi = droplets().coefficients(STREAMS)[1]
     forward = float(chi[-1])
     return (chi[:-1] - forward) / (1.0 - forward), forward
+
+
+def scattered_twice(nu: FloatArray) -> FloatArray:
+    """Phase function P2 (...,), 4 pi over the sphere, of light scattered twice: moments squared."""
+    squares = (2.0 * np.arange(STREAMS) + 1.0) * moments()[0] ** 2
+    return np.asarray(np.polynomial.legendre.legval(nu, squares))
 
 
 def legendre(mode: int, mu: FloatArray) -> FloatArray:
@@ -171,7 +178,7 @@ def flux_table() -> tuple[FloatArray, FloatArray]:
 
 
 def source_table() -> FloatArray:
-    """Sources (sines, below, above, views, 4), as `cloud_transport` has them."""
+    """Sources (sines + 1, below, above, views, 4), as `cloud_transport` has them."""
     azimuth = np.linspace(0.0, np.pi, _AZIMUTHS)
     # Between two layers of nothing there is no light, whose logarithm would be needed.
     depths = np.maximum(NODE_DEPTHS, _LEAST_DEPTH)
@@ -188,9 +195,21 @@ def source_table() -> FloatArray:
                 if number == 0:
                     even[:, b, a] = mode.source(NODE_VIEWS, even_between(above, below))[:, 0]
     # In the logarithm all azimuths weigh alike, and nothing gets negative.
+    logs = np.log(sources)
     waves = np.cos(np.arange(3) * azimuth[:, None])
-    logs = np.log(sources) @ np.linalg.pinv(waves).T
-    return np.concatenate([logs, even[..., None]], axis=-1)
+    level = np.sqrt(np.outer(1.0 - NODE_SINES**2, 1.0 - NODE_VIEWS**2))[..., None]
+    nu = np.outer(NODE_SINES, NODE_VIEWS)[..., None] + level * np.cos(azimuth)
+    twice = np.log(scattered_twice(np.clip(nu, -1.0, 1.0)))
+    # One weight for all directions of two depths: where sun or view stand on the normal a weight of
+    # its own could not be told from the mean.
+    beside = np.eye(_AZIMUTHS) - waves @ np.linalg.pinv(waves)
+    rest = twice @ beside
+    weight = np.einsum("sbavk,svk->ba", logs, rest) / (rest * rest).sum()
+    fourth = np.broadcast_to(weight[:, :, None, None], (*shape, 1))
+    waving = (logs - fourth * twice[:, None, None]) @ np.linalg.pinv(waves).T
+    last = np.zeros((1, *shape[1:], 4))
+    last[..., 0] = even[:1]
+    return np.concatenate([np.concatenate([waving, fourth], axis=-1), last])
 
 
 def main() -> None:
@@ -202,6 +221,7 @@ def main() -> None:
         sun_transmittance=beams.astype(np.float32),
         even_transmittance=even.astype(np.float32),
         source=source_table().astype(np.float16),
+        log_twice=np.log(scattered_twice(node_cosines())).astype(np.float32),
     )
 
 

@@ -17,7 +17,7 @@ from bruneton_sky.sky_view.gpu import sky_view_job, view_shader
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
-from bruneton_sky.sun_light import limb_darkening_rgb
+from bruneton_sky.sun_light import haze_layers, limb_darkening_rgb
 from bruneton_sky.tolerance import TABLES, Quality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
 from vrut_lite.daylight.air import AirVolume
@@ -34,6 +34,7 @@ from vrut_lite.daylight.sky_of_hour import (
     SunDisc,
     Unseen,
 )
+from vrut_lite.daylight.sun import HAZE_NM
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
@@ -133,8 +134,10 @@ class BrunetonLight(Sky):
 
     def sun(self) -> SunDisc:
         """The sun as the scene's light."""
-        radius_rad = self.solved.atmosphere.sun_angular_radius_rad
-        return SunDisc(self._around.sun_irradiance_rgb, radius_rad, limb_darkening_rgb())
+        of, radius_rad = self.of, self.solved.atmosphere.sun_angular_radius_rad
+        air = atmosphere_at(HAZE_NM, of.settings, of.ground_altitude_m, of.haze)
+        sun = self._around.sun_irradiance_rgb
+        return SunDisc(sun, radius_rad, limb_darkening_rgb(), haze=haze_layers(air))
 
     def ambient(self) -> Float32Array:
         """Harmonics of what is seen from the ground."""

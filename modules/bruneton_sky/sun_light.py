@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import entry_to_air, horizon_mu
 from bruneton_sky.single_scattering import optical_depth_to_top
+from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
@@ -47,6 +48,16 @@ def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLik
     mu = np.where(outside, np.where(misses, 1.0, entry_mu), mu)
     depth = optical_depth_to_top(atmosphere, np.minimum(altitude, planet[1]), mu)
     return np.asarray(atmosphere.solar_irradiance) * np.exp(-depth)
+
+
+def haze_layers(atmosphere: Atmosphere) -> tuple[HazeLayer, ...]:
+    """Aerosol and fog of an atmosphere at `HAZE_NM`, as the key light names them."""
+    layers = []
+    for scatterer in atmosphere.scatterers():
+        if scatterer.name != "molecules":
+            red, green, blue = (scatterer.extinction * scatterer.scale_height_m).tolist()
+            layers.append(HazeLayer(scatterer.scale_height_m, (red, green, blue)))
+    return tuple(layers)
 
 
 def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLight:

@@ -57,7 +57,9 @@ class HosekWilkieLight(Sky):
     def sun(self) -> SunDisc:
         """Of the radius that the sun has on average over the year."""
         sun = self.daylight.sun
-        return SunDisc(sun.irradiance_rgb, MEAN_ANGULAR_RADIUS_RAD, sun.limb_darkening_rgb)
+        haze = self.daylight.air_haze.layers
+        radius_rad = MEAN_ANGULAR_RADIUS_RAD
+        return SunDisc(sun.irradiance_rgb, radius_rad, sun.limb_darkening_rgb, haze=haze)
 
     def ambient(self) -> FloatArray:
         """Harmonics of a small cube of sky and ground."""

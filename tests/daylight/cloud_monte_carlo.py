@@ -19,7 +19,7 @@ from vrut_lite.daylight.cloud_transport import droplets
 _PEAK_RAD = np.radians(10.0)
 
 
-def sun_radiance(field, sun, origins, directions, paths, seed=1):
+def sun_radiance(field, sun, origins, directions, paths, seed=1, density=density_at, phase=None):
     """Radiance (n,) of the clouds by a sun of irradiance 1, and its standard error (n,).
 
     Args:
@@ -27,14 +27,17 @@ def sun_radiance(field, sun, origins, directions, paths, seed=1):
         origins: (n, 3) relative to the eye's place, heights over the base, m; outside the layer or
             at its edge.
         directions: (n, 3).
+        density: compiled, of a field, x, z, height and width, in place of the clouds'.
+        phase: (nodes,), in place of the droplets'; nothing is cut off it.
     """
-    phase, kept = _without_peak()
+    phase, kept = _without_peak() if phase is None else (phase, 1.0)
     field = field._replace(extinction_per_m=field.extinction_per_m * kept)
     angle = _angles(phase)
     out = np.empty((len(directions), 2))
     start = np.ascontiguousarray(origins, dtype=float)
     rays = np.ascontiguousarray(directions, dtype=float)
-    _trace(field, np.asarray(sun, dtype=float), start, rays, paths, seed, angle, phase, out)
+    towards = np.asarray(sun, dtype=float)
+    _trace(density, field, towards, start, rays, paths, seed, angle, phase, out)
     return out[:, 0], out[:, 1]
 
 
@@ -62,7 +65,7 @@ def _phase(table, nu):
 
 
 @compiled
-def _collide(field, p, d):
+def _collide(density, field, p, d):
     """Move a point to its next collision; whether there is one before it leaves the layer."""
     k = field.extinction_per_m
     while True:
@@ -71,7 +74,7 @@ def _collide(field, p, d):
             p[c] += t * d[c]
         if not 0.0 <= p[1] <= field.thickness_m or abs(p[0]) + abs(p[2]) > 2e5:
             return False
-        if np.random.random() < density_at(field, p[0], p[2], p[1], 0.0):
+        if np.random.random() < density(field, p[0], p[2], p[1], 0.0):
             return True
 
 
@@ -97,7 +100,7 @@ def _turn(d, cosine, azimuth):
 
 
 @compiled
-def _trace(field, sun, origins, directions, paths, seed, angle, phase, out):
+def _trace(density, field, sun, origins, directions, paths, seed, angle, phase, out):
     np.random.seed(seed)
     p, d, q = np.empty(3), np.empty(3), np.empty(3)
     for n in range(directions.shape[0]):
@@ -113,9 +116,9 @@ def _trace(field, sun, origins, directions, paths, seed, angle, phase, out):
                     p[c] += way * d[c]
                 p[1] = edge
             value = 0.0
-            while _collide(field, p, d):
+            while _collide(density, field, p, d):
                 q[:] = p
-                if not _collide(field, q, sun) and q[1] > field.thickness_m:
+                if not _collide(density, field, q, sun) and q[1] > field.thickness_m:
                     value += _phase(phase, d[0] * sun[0] + d[1] * sun[1] + d[2] * sun[2])
                 place = np.random.random() * (angle.size - 1)
                 i = int(place)

@@ -1,36 +1,51 @@
-"""Sunlight at altitudes in the air and above it."""
+"""The sun aloft stands behind the sky's own haze."""
+
+from datetime import datetime
 
 import numpy as np
 import pytest
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_atmosphere_of
+from bruneton_sky.sun_light import haze_layers, sun_irradiance
 
-from vrut_lite.daylight.sun_aloft import PLANET_RADIUS_M, sun_aloft
-from vrut_lite.geometry.colour import rgb_from_spectrum, solar_irradiance
+from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sun import HAZE_NM, KeyLightChanged
+from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.geometry.colour import luminance, rgb_from_spectrum
+from vrut_lite.kernel.messages import Demand, SetClock
 
-NM = (680.0, 550.0, 440.0)
-WHOLE = np.maximum(rgb_from_spectrum(solar_irradiance(NM), NM, 0.0), 0.0)
-
-
-@pytest.mark.parametrize("altitude_m", [80_000.0, 81_000.0, 4e5, 4e8])
-def test_above_the_air_the_sun_is_whole(altitude_m):
-    """Above the air an overhead sun is not dimmed, and a sun behind the planet gives no light."""
-    assert sun_aloft(altitude_m, 1.0) == pytest.approx(WHOLE, rel=1e-9)
-    assert not sun_aloft(altitude_m, -1.0).any()
-
-
-def test_from_orbit_the_sun_sets_through_twice_the_air():
-    """A ray that grazes the ground has twice the optical depth of one that starts there."""
-    altitude_m = 4e5
-    radius = PLANET_RADIUS_M + altitude_m
-    grazing = -np.sqrt(1.0 - (PLANET_RADIUS_M / radius) ** 2)
-    halves = [sun_aloft(height, mu) for height, mu in ((0.0, 0.0), (altitude_m, grazing))]
-    from_ground, from_orbit = (half / (0.5 * WHOLE) for half in halves)
-    assert from_orbit == pytest.approx(from_ground**2, rel=0.02)
+HAZES = [SetHaze(optical_depth_550=0.2), SetHaze(optical_depth_550=0.8, aerosol="desert")]
 
 
-def test_the_horizon_sinks_with_every_nanometre():
-    """The dip of the horizon, sqrt(2 h / R), is precise: more and more of a level sun is visible.
+@pytest.mark.parametrize("haze", HAZES)
+@pytest.mark.parametrize(("altitude_m", "within"), [(0.0, 0.02), (2000.0, 0.02), (9000.0, 0.04)])
+def test_sunlight_aloft_is_that_of_the_layered_air(haze, altitude_m, within):
+    """As by the solved sky's own atmosphere at 95 wavelengths, by both skies' layers of haze.
 
-    An arc cosine would have steps of 2e-8 rad: four of them in these fifty heights.
+    High up its molecules thin out otherwise: those of the standard atmosphere.
     """
-    light = sun_aloft(np.linspace(1e-10, 2e-9, 50), 0.0)
-    assert (np.diff(light, axis=0) > 0.0).all()
+    settings = BrunetonSkySettings()
+    air = spectral_atmosphere_of(settings, 0.0, haze)
+    sines = np.sin(np.radians([5.0, 20.0, 60.0]))
+    spectral = sun_irradiance(air, altitude_m, sines)
+    truth = luminance(rgb_from_spectrum(spectral, air.wavelength_nm, 0.0))
+    named = haze_layers(atmosphere_at(HAZE_NM, settings, 0.0, haze))
+    for layers in (haze.layers, named):
+        assert luminance(sun_aloft(altitude_m, sines, layers)) == pytest.approx(truth, rel=within)
+    assert (luminance(sun_aloft(altitude_m, sines)) > truth).all()
+
+
+@pytest.mark.parametrize("haze", HAZES)
+def test_at_the_ground_it_is_the_key_light(haze):
+    """The key light names the haze that it has passed: within 1 %."""
+    kernel, _ = daylight_kernel()
+    kernel.inject(SetPlace(latitude_deg=50.0, longitude_deg=14.4))
+    kernel.inject(haze)
+    kernel.inject(Demand(consumer="test", message=KeyLightChanged.__name__))
+    kernel.inject(SetClock(instant=datetime.fromisoformat("2026-05-01T10:00+00:00")))
+    kernel.pump_until_idle()
+    key = kernel.last(KeyLightChanged)
+    kernel.close()
+    seen = sun_aloft(0.0, key.direction[1], key.haze)
+    assert luminance(seen) == pytest.approx(float(luminance(key.irradiance_rgb)), rel=0.01)

@@ -7,9 +7,9 @@ extinction that diffuses, E what is left of the sun and d the way it goes,
     div F = s E,    grad G = 3 g s E d - 3 (1 - g) s F.
 
 Cells exchange flux as resistors do, along lines between their middles. At base and top nothing
-comes in: G = 2 F (Marshak). Between clouds light goes straight, which is no diffusion: on level
-ways some extinction is added, and the surface of a cloud has a part of Marshak's resistance. Both
-were chosen beside the Monte Carlo; a plane layer has neither. Importing this module imports numba.
+comes in: G = 2 F (Marshak), and the surface of a cloud has the same resistance. Between clouds
+light goes straight, which is no diffusion: on level ways some extinction is added, as much as suits
+the Monte Carlo. A plane layer has neither. Importing this module imports numba.
 """
 
 import math
@@ -24,10 +24,12 @@ from vrut_lite.numeric_types import FloatArray
 # Mean cosine of droplets' phase function after delta-M.
 MEAN_COSINE = 0.74
 # Resistance of a cloud's surface; free paths in a layer's thickness, on level ways.
-_SURFACE, _FREE_PATHS = 1.5, 8.0
+_SURFACE, _FREE_PATHS = 2.0, 12.0
 # Depths of cells: of what counts as solid, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
 _LEAST_RESISTANCE = 1e-3
+# Resistance of what is seen of a cloud, a depth of 1.
+_SEEN = 3.0 * (1.0 - MEAN_COSINE)
 # Of over-relaxation by columns.
 _SWEEPS, _AHEAD = 16, 1.6
 # 3/2 (1 - g) and 3/2 g: halves, of half a cell on each side of a face.
@@ -61,7 +63,7 @@ def diffuse_light(
     _link(cells, extinction, sunlit, drives, links, source)
     _relax(links, source, fluence)
     at_edges = np.zeros((heights + 1, columns, columns, 4), np.float32)
-    _at_edges(cells, extinction, sunlit, drives, fluence, at_edges)
+    _at_edges(edges_m, step_m, extinction, drives, links, fluence, at_edges)
     out = at_edges.copy()
     _reach_out(extinction * np.float32(step_m), at_edges, out)
     return out
@@ -221,21 +223,21 @@ def _relax(links, source, fluence):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _at_edges(cells, extinction, sunlit, drives, fluence, out):  # type: ignore[no-untyped-def]
+def _at_edges(edges_m, step_m, extinction, drives, links, fluence, out):  # type: ignore[no-untyped-def]
     """Fluence and flux between heights, at base and at top."""
-    edges_m, step_m, free_per_m, sun_x, sun_z = cells
     columns, heights = extinction.shape[0], extinction.shape[2]
     for j in range(columns):
+        dz = edges_m[j + 1] - edges_m[j]
         for i in range(columns):
+            dx = edges_m[i + 1] - edges_m[i]
             for k in range(heights + 1):
-                resists = _upward(extinction[j, i], k, step_m)
                 low, high = max(k - 1, 0), min(k, heights - 1)
                 drive = (drives[j, i, low, 1] if k else 0.0) + (
                     drives[j, i, high, 0] if k < heights else 0.0
                 )
                 under = fluence[j, i, low] if k else 0.0
                 over = fluence[j, i, high] if k < heights else 0.0
-                flux = (under - over + drive) / resists
+                flux = (under - over + drive) * links[j, i, k, 2] / (dx * dz)
                 if k == 0:
                     value = -2.0 * flux
                 elif k == heights:
@@ -245,22 +247,21 @@ def _at_edges(cells, extinction, sunlit, drives, fluence, out):  # type: ignore[
                     value = under + drives[j, i, low, 1] - half * flux
                 out[k, j, i, 0] = max(value, 0.0)
                 out[k, j, i, 2] = flux
+                # The sun's own drive on level ways is in the plane layer's light.
                 for level in range(low, high + 1):
-                    for axis in range(2):
-                        m = i if axis == 0 else j
-                        for first in range(max(m - 1, 0), min(m + 1, columns - 1)):
-                            ja, ia = (j, first) if axis == 0 else (first, i)
-                            jb, ib = (j, first + 1) if axis == 0 else (first + 1, i)
-                            # The sun's own drive on level ways is in the plane layer's light.
-                            resists, _ = _across(
-                                extinction[ja, ia, level], extinction[jb, ib, level],
-                                sunlit[ja, ia, level], sunlit[jb, ib, level],
-                                edges_m[first + 1] - edges_m[first],
-                                edges_m[first + 2] - edges_m[first + 1],
-                                free_per_m, step_m, sun_x if axis == 0 else sun_z,
-                            )  # fmt: skip
-                            there = fluence[ja, ia, level] - fluence[jb, ib, level]
-                            out[k, j, i, 1 + 2 * axis] += 0.5 * there / resists / (high - low + 1)
+                    here, mean = fluence[j, i, level], 0.5 / (high - low + 1)
+                    if i + 1 < columns:
+                        there = (here - fluence[j, i + 1, level]) * links[j, i, level, 0]
+                        out[k, j, i, 1] += mean * there / (dz * step_m)
+                    if i > 0:
+                        there = (fluence[j, i - 1, level] - here) * links[j, i - 1, level, 0]
+                        out[k, j, i, 1] += mean * there / (dz * step_m)
+                    if j + 1 < columns:
+                        there = (here - fluence[j + 1, i, level]) * links[j, i, level, 1]
+                        out[k, j, i, 3] += mean * there / (dx * step_m)
+                    if j > 0:
+                        there = (fluence[j - 1, i, level] - here) * links[j - 1, i, level, 1]
+                        out[k, j, i, 3] += mean * there / (dx * step_m)
 
 
 @compiled
@@ -268,7 +269,8 @@ def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
     """Let the light of clouds reach into the clear air beside them.
 
     What is seen of a cloud is its rim, which the grid does not resolve: there the light is that
-    of the cloud, not of the air before it. `depths`: of cells, (columns, columns, heights).
+    of the cloud a depth of 1 inside, not of the air before it: on the straight line, by resistance,
+    from the air to the middle of the cloud's cell. `depths`: of cells, (columns, columns, heights).
     """
     columns, heights = depths.shape[0], depths.shape[2]
     total = np.empty(4)
@@ -278,7 +280,7 @@ def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
                 here = 0.5 * (depths[j, i, max(k - 1, 0)] + depths[j, i, min(k, heights - 1)])
                 if here > _SOLID:
                     continue
-                weights = _CLEAR
+                weights, densest = _CLEAR, here + _CLEAR
                 for c in range(4):
                     total[c] = _CLEAR * light[k, j, i, c]
                 for b in range(max(j - 1, 0), min(j + 2, columns)):
@@ -289,8 +291,12 @@ def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
                             )
                             if weight > 0.0:
                                 weights += weight
+                                densest = max(densest, weight)
+                                rim = min((_SURFACE + _SEEN) / (_SURFACE + _HINDERS * weight), 1.0)
                                 for c in range(4):
-                                    total[c] += weight * light[n, b, a, c]
-                share = math.exp(-here)
+                                    inner, clear = light[n, b, a, c], light[k, j, i, c]
+                                    total[c] += weight * (clear + rim * (inner - clear))
+                # Not within a layer that is as dense beside it.
+                share = math.exp(-here) * (1.0 - here / densest)
                 for c in range(4):
                     out[k, j, i, c] += share * (total[c] / weights - light[k, j, i, c])

@@ -31,10 +31,10 @@ def clear_light(key_light: KeyLightChanged, irradiance_sh: NDArray) -> ClearLigh
     """The light of a clear sky on clouds; the moon counts as a sun so much fainter."""
     passed, direction = 1.0, key_light.direction
     if key_light.body == "moon":
-        sun = float(luminance(sun_aloft(0.0, direction[1])))
+        sun = float(luminance(sun_aloft(0.0, direction[1], key_light.haze)))
         moon = float(luminance(key_light.irradiance_rgb))
         passed = min(moon / sun, 1.0) if sun > 0.0 else 0.0
-    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed)
+    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed, key_light.haze)
 
 
 def mean_sun_share(layers: Iterable[CloudLayer], sine: float) -> float:
@@ -62,6 +62,17 @@ def lights_on(layers: tuple[CloudLayer, ...], clear: ClearLight) -> tuple[ClearL
     return tuple(reversed(lights))
 
 
+def air_share(
+    layer: CloudLayer, light: ClearLight, clear: ClearLight, eye_altitude_m: float
+) -> FloatArray:
+    """Share (3,) of a clear sky's light on the air between an eye and a layer lit by `light`.
+
+    Above the layer it is the layer's own, below it what passes.
+    """
+    seen = _below(layer, light, clear) if eye_altitude_m < layer.base_m else light
+    return np.minimum(seen.on_ground / clear.on_ground, 1.0)
+
+
 def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLight:
     """The light under a layer, whose own is `light`."""
     sine = float(clear.sun_direction[1])
@@ -69,7 +80,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
     covered = layer.coverage
     depth = layer.optical_depth * (_ICE_DEPTH if layer.particles == "ice" else 1.0)
     passed = 1.0 - covered + covered * float(layer_transmittance(depth, sine))
-    by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine)
+    by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine, light.haze)
     even = 1.0 - covered + covered * float(even_transmittance(depth))
     by_sky = light.by_sky * even + max(passed - share, 0.0) * by_sun
     dimmed = share * np.asarray(light.sun_irradiance)
@@ -81,6 +92,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
         (float(dimmed[0]), float(dimmed[1]), float(dimmed[2])),
         _two_sided(by_sky, from_ground),
         light.sun_passed * share,
+        light.haze,
     )
 
 

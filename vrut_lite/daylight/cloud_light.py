@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray, Vector
@@ -23,13 +24,14 @@ class ClearLight(NamedTuple):
     """The light on a layer: that of a sky without clouds, as in the frame's `Light`, or of what is
     above the layer (`cloud_layers.py`).
 
-    `sun_passed` is the share of the sun aloft that layers above let through.
+    `sun_passed` is the share of the sun aloft that layers above let through, `haze` the air's.
     """
 
     sun_direction: Vector
     sun_irradiance: Vector
     irradiance_sh: NDArray
     sun_passed: float = 1.0
+    haze: tuple[HazeLayer, ...] = ()
 
     @property
     def by_sun(self) -> FloatArray:
@@ -52,7 +54,7 @@ def light_from_below(layer: CloudLayer, light: ClearLight) -> FloatArray:
     covered, sine = layer.coverage, light.sun_direction[1]
     clear = evaluate_irradiance(light.irradiance_sh, -_UP) / np.pi
     depth = layer.optical_depth
-    aloft = sun_aloft(layer.top_m, sine) * max(sine, 0.0) * light.sun_passed
+    aloft = sun_aloft(layer.top_m, sine, light.haze) * max(sine, 0.0) * light.sun_passed
     even = even_transmittance(depth)
     albedo = np.minimum(np.pi * clear / light.on_ground, 1.0)
     # The ground's light comes back from the clouds, and so on.

@@ -32,7 +32,7 @@ from vrut_lite.numeric_types import FloatArray
 
 _HEIGHTS, _COLUMNS = 16, 160
 # Depth at which no sunlight is left, within the range of float32.
-_DARKEST = 80.0
+DARKEST = 80.0
 
 
 class LightVolume(NamedTuple):
@@ -95,11 +95,15 @@ def _fill(field, grid, density):  # type: ignore[no-untyped-def]
             log_width = narrowed(max(widths_m[i], widths_m[j]))
             side, top = column_in(field, x, z, log_width)
             for k in range(heights):
-                height = (k + 0.5) / heights
-                envelope = envelope_in(field, side, top, height)
-                density[k, j, i] = density_in(
-                    field, envelope, x, z, height * field.thickness_m, log_width
-                )
+                # At Gauss's two places of a cell, which base and top may cut.
+                total = 0.0
+                for m in range(2):
+                    height = (k + (0.2113249, 0.7886751)[m]) / heights
+                    envelope = envelope_in(field, side, top, height)
+                    total += 0.5 * density_in(
+                        field, envelope, x, z, height * field.thickness_m, log_width
+                    )
+                density[k, j, i] = total
 
 
 @compiled
@@ -141,7 +145,7 @@ def _sum_to_sun(grid, density, depths, slope_m, depth_of_step, diffused):  # typ
                 depths[k, j, i, 0] = beyond + total * depth_of_step / steps
         for j in range(size):
             for i in range(size):
-                passed[j, i] = math.exp(-min(diffused * depths[k, j, i, 0], _DARKEST))
+                passed[j, i] = math.exp(-min(diffused * depths[k, j, i, 0], DARKEST))
 
 
 @compiled

@@ -22,7 +22,7 @@ from vrut_lite.daylight.cloud_density_kernels import (
 )
 from vrut_lite.daylight.cloud_diffusion import MEAN_COSINE, plane_light
 from vrut_lite.daylight.cloud_grid import LEAST_SINE
-from vrut_lite.daylight.cloud_light_volume import LightVolume, volume_at
+from vrut_lite.daylight.cloud_light_volume import DARKEST, LightVolume, volume_at
 from vrut_lite.daylight.cloud_transport import (
     DEPTH_SCALE,
     LOWEST_RAD,
@@ -35,7 +35,8 @@ from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
 _NEAR_REACH = 0.07
-_LEAST_DEPTH, _LEAST_SHARE, _LEAST_DIFFUSE = 0.02, 0.1, 0.2
+_LEAST_DEPTH, _LEAST_SHARE, _LEAST_DIFFUSE, _LEAST_LIGHT = 0.02, 0.1, 0.2, 1e-6
+_DARK = 0.5 * DARKEST
 LOWEST_SUN = -0.1
 _MOST_STEPS, _STEPS_TO_COARSE, _SURFACE_HALVINGS = 256, 8, 4
 _FINE, _FINE_OF_DISTANCE, _COARSE = 0.02, 0.004, 3.0
@@ -56,9 +57,9 @@ class Lights(NamedTuple):
     """Light on the layer: `suns` (2, n, 3) at base and top by the sun's height.
 
     Attributes:
-        phase: (2, nodes, 3) of the droplets, uniform in sin(theta / 2): without the peak, and it.
+        phase: (3, nodes, 3) of the droplets, uniform in sin(theta / 2), and `source`, see
+            cloud_transport.py.
         volume: see cloud_light_volume.py.
-        source: (sines, below, above, views, 4), see cloud_transport.py.
         diffused: share of extinction that counts, after delta-M.
     """
 
@@ -89,12 +90,12 @@ def _sine_node(sine):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _look_up(table, below, above, view, first, count, out):  # type: ignore[no-untyped-def]
-    """Numbers of a table (below, above, views, 4) at nodes, into `out` from `first` on."""
+def _look_up(table, below, above, view, count, out):  # type: ignore[no-untyped-def]
+    """The first numbers of a table (below, above, views, 4) at nodes, into `out`."""
     b, a = min(int(below), table.shape[0] - 2), min(int(above), table.shape[1] - 2)
     v = min(int(view), table.shape[2] - 2)
     s, t, r = below - b, above - a, view - v
-    for c in range(first, first + count):
+    for c in range(count):
         total = 0.0
         for i in range(2):
             near = table[b + i, a, v, c] * (1.0 - r) + table[b + i, a, v + 1, c] * r
@@ -104,17 +105,17 @@ def _look_up(table, below, above, view, first, count, out):  # type: ignore[no-u
 
 
 @compiled
-def sun_source(source, above, below, sine, view, nu, out):  # type: ignore[no-untyped-def]
+def sun_source(source, above, below, sine, view, nu, log_twice, out):  # type: ignore[no-untyped-def]
     """Diffuse source (sr^-1) of a sun of irradiance 1: scaled depths, cosines of the slab."""
     a, b, v = _depth_node(above), _depth_node(below), _view_node(view)
     node = _sine_node(sine)
-    i = min(int(node), source.shape[0] - 2)
+    i = min(int(node), source.shape[0] - 3)
     level = math.sqrt(max((1.0 - view * view) * (1.0 - sine * sine), _LEVEL))
     wave = min(max((nu - view * sine) / level, -1.0), 1.0)
     logs = 0.0
     for k in range(2):
-        _look_up(source[i + k], b, a, v, 0, 3, out)
-        log = out[0] + out[1] * wave + out[2] * (2.0 * wave * wave - 1.0)
+        _look_up(source[i + k], b, a, v, 4, out)
+        log = out[0] + out[1] * wave + out[2] * (2.0 * wave * wave - 1.0) + out[3] * log_twice
         logs += log * (node - i if k else 1.0 - node + i)
     return math.exp(logs)
 
@@ -146,33 +147,44 @@ def _add_source(  # type: ignore[no-untyped-def]
     upright = depths[1] + depths[2]
     lit, unscattered = math.exp(-diffused * to_sun), math.exp(-to_sun)
     sine = sun[1] + (x * sun[0] + z * sun[2]) / PLANET_RADIUS_M
-    # Light in the plane layer of these depths, by the tables, and how much more or less of it there
-    # is than in that layer, by diffusion.
+    # Light in the plane layer that is as deep, with as much before the sun as here, by the tables;
+    # how much more or less of it there is than in that layer, by diffusion.
     low = min(max(sine, LEAST_SINE), 1.0)
     over = min(max(depths[1] + near * max(sun[1], 0.0), 0.0), upright)
-    above, below = diffused * over, diffused * (upright - over)
-    diffuse = sun_source(lights.source, above, below, low, rise, nu, work)
+    # Where no sun is left the volume does not count on.
+    counts = min(max(2.0 - diffused * to_sun / _DARK, 0.0), 1.0)
+    above = diffused * (over + counts * (to_sun * low - over))
+    below = max(diffused * upright - above, 0.0)
+    diffuse = sun_source(lights.source, above, below, low, rise, nu, phase[2, 0], work)
+    _look_up(
+        lights.source[-1], _depth_node(diffused * (upright - over)), _depth_node(diffused * over),
+        _view_node(rise), 1, work,
+    )  # fmt: skip
+    even = work[0]
     height = over_base_m / field.thickness_m
     levels = lights.volume.depths.shape[0] - 1
     under = min(int(min(max(height, 0.0), 1.0) * levels), levels - 1)
-    far, there = min(max(height, 0.0), 1.0) * levels - under, 0.0
+    far, there, ahead, over = min(max(height, 0.0), 1.0) * levels - under, 0.0, 0.0, 0.0
     # As the grid has it: what falls to nothing within one of its cells is a line there.
     for k in range(2):
         volume_at(
             lights.volume.depths, lights.volume.near_m, (under + k) / levels, x, z, depths
         )  # fmt: skip
-        there -= (far if k else 1.0 - far) * math.expm1(-diffused * max(depths[1], 0.0) / low)
-    level, flux = plane_light(max(above, _LEAST_DEPTH), max(below, _LEAST_DEPTH), there, low)
+        share = far if k else 1.0 - far
+        there -= share * math.expm1(-diffused * max(depths[0], 0.0))
+        ahead += share * depths[0]
+        over += share * depths[1]
+    above = diffused * (over + counts * (ahead * low - over))
+    below = max(diffused * upright - above, _LEAST_DEPTH)
+    level, flux = plane_light(max(above, _LEAST_DEPTH), below, there, low)
     volume_at(lights.volume.diffuse, lights.volume.near_m, height, x, z, depths)
     along = -(depths[1] * d[0] + depths[2] * rise + depths[3] * d[2])
     here = max(depths[0] + 3.0 * MEAN_COSINE * along, _LEAST_SHARE * depths[0])
     plane = max(level + 3.0 * MEAN_COSINE * flux * rise, _LEAST_SHARE * level)
-    diffuse = max(diffuse + (here - plane) / _SPHERE, _LEAST_DIFFUSE * here / _SPHERE)
-    _look_up(
-        lights.source[0], _depth_node(diffused * (upright - over)), _depth_node(diffused * over),
-        _view_node(rise), 3, 1, work,
-    )  # fmt: skip
-    even = work[3]
+    # Directions that diffusion has not are the plane layer's, as far as the light is like its.
+    alike = max(min(depths[0], level) / max(depths[0], level, _LEAST_LIGHT), 0.0)
+    diffuse = alike * diffuse + (here - alike * plane) / _SPHERE
+    diffuse = max(diffuse, _LEAST_DIFFUSE * here / _SPHERE)
     last = lights.suns.shape[1] - 1
     row = math.sqrt(min(max((sine - LOWEST_SUN) / (1.0 - LOWEST_SUN), 0.0), 1.0)) * last
     i = min(int(row), last - 1)
@@ -186,10 +198,10 @@ def _add_source(  # type: ignore[no-untyped-def]
 
 @compiled
 def _phase_into(table, beside, out):  # type: ignore[no-untyped-def]
-    """Parts of the phase function (2, 3) at 1 - the cosine."""
+    """Parts of the phase function (3, 3) at 1 - the cosine."""
     place = math.sqrt(min(max(0.5 * beside, 0.0), 1.0)) * (table.shape[1] - 1)
     i = min(int(place), table.shape[1] - 2)
-    for k in range(2):
+    for k in range(3):
         for c in range(3):
             out[k, c] = table[k, i, c] + (place - i) * (table[k, i + 1, c] - table[k, i, c])
 
@@ -289,7 +301,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)
     base_m2 = _squares_m2(field.base_m, field.eye_altitude_m)
     ground_m2 = _squares_m2(min(0.0, field.eye_altitude_m), field.eye_altitude_m)
-    march, phase, work = np.empty(6), np.empty((2, 3)), np.empty(8)
+    march, phase, work = np.empty(6), np.empty((3, 3)), np.empty(8)
     for n in range(directions.shape[0]):
         d = directions[n]
         along = eye_radius_m * d[1]

@@ -6,11 +6,12 @@ scaled optical depth, (1 - forward_share) times the real one. All that is public
 depths unless it says "scaled".
 
 Source of multiply scattered light (sr^-1 times the sun's irradiance), per scaled depth, for an
-azimuth phi between sun and view: exp(c0 + c1 cos(phi) + c2 cos(2 phi)), within 1.3 % rms. It
-depends on the depths above and below, the sine of the sun's elevation and the view's cosine mu to
-the layer's normal, positive where one looks up to the sun's side. A fourth number is the source by
-even light of radiance 1 from above; even light from below gives 1 minus it, since even light all
-round stays even.
+azimuth phi between sun and view: exp(c0 + c1 cos(phi) + c2 cos(2 phi) + c3 log P2), within 0.8 %
+rms. P2 is the phase function of light scattered twice; with it thin layers need few waves. Numbers
+depend on the depths above and below, the sine of the sun's elevation and the view's cosine mu to
+the layer's normal, positive where one looks up to the sun's side. After the last sine c0 is the
+source by even light of radiance 1 from above; even light from below gives 1 minus it, since even
+light all round stays even.
 """
 
 from functools import lru_cache
@@ -33,7 +34,7 @@ FLUX_SINES = np.linspace(0.02, 1.0, 50)
 # Of the source: scaled depths above and below, sines of the sun's elevations, denser near the
 # horizon, and of the view's, evenly spaced: an azimuth's part is linear in the angle to the normal.
 DEPTH_SCALE, MOST_DEPTH, LOWEST_RAD = 0.3, 60.0, 0.04
-_DEPTHS, _SINES, _VIEWS = 16, 12, 16
+_DEPTHS, _SINES, _VIEWS = 20, 12, 16
 NODE_DEPTHS = DEPTH_SCALE * np.expm1(np.linspace(0.0, np.log1p(MOST_DEPTH / DEPTH_SCALE), _DEPTHS))
 NODE_SINES = np.sin(LOWEST_RAD + (0.5 * np.pi - LOWEST_RAD) * np.linspace(0.0, 1.0, _SINES) ** 2)
 NODE_VIEWS = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _VIEWS))
@@ -46,13 +47,15 @@ class TransportTables(NamedTuple):
         forward_share: of scattered light, which delta-M takes for not scattered.
         sun_transmittance: (FLUX_DEPTHS, FLUX_SINES) of sunlight on the level, direct and diffuse.
         even_transmittance: (FLUX_DEPTHS,) of even light.
-        source: (sines, below, above, views, 4) float32: c0, c1, c2, and by even light.
+        source: (sines + 1, below, above, views, 4) float32: c0 to c3; at last by even light.
+        log_twice: (PHASE_NODES,) log P2.
     """
 
     forward_share: float
     sun_transmittance: FloatArray
     even_transmittance: FloatArray
     source: NDArray[np.float32]
+    log_twice: FloatArray
 
 
 @lru_cache(maxsize=1)
@@ -64,6 +67,7 @@ def transport_tables() -> TransportTables:
             data["sun_transmittance"].astype(float),
             data["even_transmittance"].astype(float),
             np.ascontiguousarray(data["source"], dtype=np.float32),
+            data["log_twice"].astype(float),
         )
 
 
@@ -75,8 +79,8 @@ def droplets() -> PhaseTable:
 
 
 @lru_cache(maxsize=1)
-def droplets_parts() -> FloatArray:
-    """Phase functions (2, PHASE_NODES, 3), red first: the wide part, and the forward peak.
+def _droplets_parts() -> tuple[FloatArray, FloatArray]:
+    """Phase functions (PHASE_NODES, 3), red first: the wide part, and the forward peak.
 
     The peak holds `forward_share`. What it scatters has the sun's whole extinction behind it, or
     the forward peaks of several scatterings would count twice; the rest has the diffused one.
@@ -89,7 +93,7 @@ def droplets_parts() -> FloatArray:
             share = -2.0 * np.pi * np.trapezoid(np.maximum(row - level, 0.0), node_cosines())
             low, high = (level, high) if share > transport_tables().forward_share else (low, level)
         parts[:, :, channel] = np.minimum(row, level), np.maximum(row - level, 0.0)
-    return parts
+    return parts[0], parts[1]
 
 
 @lru_cache(maxsize=1)
@@ -107,7 +111,7 @@ class Scatterer(NamedTuple):
     """What a layer's particles do to light.
 
     Attributes:
-        phase: (2, PHASE_NODES, 3) in sr^-1, red first: the wide part, and the forward peak.
+        phase: (3, PHASE_NODES, 3) in sr^-1, red first: the wide part, the forward peak, log P2.
         diffused: share of the extinction that diffuses, after delta-M.
     """
 
@@ -119,8 +123,11 @@ def scatterer(particles: Particles) -> Scatterer:
     """The particles of a layer. Ice is diffused as droplets of the same scaled depth are."""
     if particles == "ice":
         wide = ice_crystals().values[::-1].T
-        return Scatterer(np.stack([wide, np.zeros_like(wide)]), 1.0)
-    return Scatterer(droplets_parts(), 1.0 - transport_tables().forward_share)
+        parts, diffused = (wide, np.zeros_like(wide)), 1.0
+    else:
+        parts, diffused = _droplets_parts(), 1.0 - transport_tables().forward_share
+    twice = np.repeat(transport_tables().log_twice[:, None], 3, axis=1)
+    return Scatterer(np.stack([*parts, twice]), diffused)
 
 
 def layer_transmittance(optical_depth: ArrayLike, sun_sine: ArrayLike) -> FloatArray:

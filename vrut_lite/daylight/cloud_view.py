@@ -104,7 +104,7 @@ def _lights(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: floa
     return Lights(
         sun=sun,
         suns=light.sun_passed
-        * np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
+        * np.stack([sun_aloft(max(level_m, 0.0), sines, light.haze) for level_m in levels_m]),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=_phase_seen(layer.particles, pixel_rad),
@@ -123,7 +123,7 @@ def _volume(layer: CloudLayer, eye_m: Vector, sun: Vector) -> LightVolume:
 
 @lru_cache(maxsize=4)
 def _phase_seen(particles: Particles, pixel_rad: float) -> FloatArray:
-    """The particles' phase function (2, nodes, 3) in the mean over what a ray stands for.
+    """The particles' phase function (3, nodes, 3) in the mean over what a ray stands for.
 
     A quarter of droplets' light is diffracted into less than a texel of a small cube, in which the
     middles of texels must do: the mean is over a disc of three texels.

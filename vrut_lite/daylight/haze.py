@@ -18,6 +18,7 @@ from vrut_lite.daylight.aerosol import (
 from vrut_lite.daylight.aerosols import AerosolOptics, optics_of_aerosol, type_optics
 from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
+from vrut_lite.daylight.sun import HAZE_NM, HazeLayer
 from vrut_lite.daylight.tolerance import Remembers
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
@@ -78,6 +79,17 @@ class SetHaze(Input, frozen=True, kw_only=True):
         if self.one_lobe:
             return _one_lobe()
         return type_optics(self.aerosol, self.humidity_percent)
+
+    @property
+    def layers(self) -> tuple[HazeLayer, ...]:
+        """What of it lies between the ground and the sun."""
+        optics = self.optics
+        share = self.optical_depth_550 / optics.optical_depth_550
+        layers = []
+        for layer in optics.layers:
+            red, green, blue = (share * layer.depth_at(HAZE_NM)).tolist()
+            layers.append(HazeLayer(layer.height_m, (red, green, blue)))
+        return tuple(layers)
 
     def check(self) -> None:
         """A depth that every sky can show, of a known type."""

@@ -166,10 +166,11 @@ class SkyAtNight(Sky):
         if self.key == "sun" or self.by_moon is None or self.moon is None:
             sun = self.by_sun.sun()
             return sun._replace(irradiance_rgb=sun.irradiance_rgb * np.array(self.sun_left_rgb))
-        behind_air = self._moon_share * self.by_moon.sun().irradiance_rgb
+        moon = self.by_moon.sun()
+        behind_air = self._moon_share * moon.irradiance_rgb
         direction = self.moon.place.direction
         radius = self.moon.angular_radius_rad
-        return SunDisc(behind_air, radius, body="moon", direction=direction)
+        return SunDisc(behind_air, radius, body="moon", direction=direction, haze=moon.haze)
 
     def ambient(self) -> FloatArray:
         """The sum of the harmonics."""

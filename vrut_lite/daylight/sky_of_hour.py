@@ -17,7 +17,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged, ViewShader
-from vrut_lite.daylight.sun import Body, KeyLightChanged, SunMoved
+from vrut_lite.daylight.sun import Body, HazeLayer, KeyLightChanged, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
@@ -154,7 +154,8 @@ class Background(NamedTuple):
 class SunDisc(NamedTuple):
     """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`.
 
-    `direction`: of what does not stand where `SunMoved` says: a photograph's sun, the moon.
+    `direction`: of what does not stand where `SunMoved` says: a photograph's sun, the moon. `haze`:
+    as in `KeyLightChanged`.
     """
 
     irradiance_rgb: FloatArray
@@ -162,6 +163,7 @@ class SunDisc(NamedTuple):
     limb_darkening_rgb: tuple[tuple[float, ...], ...] = ((1.0,),) * 3
     body: Body = "sun"
     direction: Vector | None = None
+    haze: tuple[HazeLayer, ...] = ()
 
     def message(self, direction: Vector, source: str) -> KeyLightChanged:
         """The same as the sky's holder posts it."""
@@ -172,6 +174,7 @@ class SunDisc(NamedTuple):
             limb_darkening_rgb=self.limb_darkening_rgb,
             source=source,
             body=self.body,
+            haze=self.haze,
         )
 
 

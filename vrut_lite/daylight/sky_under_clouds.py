@@ -1,8 +1,8 @@
 """The light of a clear sky and of the clouds before it, summed.
 
-Radiance along a ray: the air up to each layer sends its share of the clear sky's light, the layer
-its own through that air, and what is behind either passes by the layer's transmittance. The air is
-that of molecules alone. Importing this module imports numba.
+Radiance along a ray: the air up to each layer sends its share of the clear sky's light, as far as
+it is lit, the layer its own through that air, and what is behind either passes by the layer's
+transmittance. The air is that of molecules alone. Importing this module imports numba.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
-from vrut_lite.daylight.cloud_layers import clear_light, lights_on
+from vrut_lite.daylight.cloud_layers import air_share, clear_light, lights_on
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
@@ -178,7 +178,8 @@ def _seen(
         share = -np.expm1(-before) / np.maximum(-np.expm1(-all_of_it), 1e-9)
         # Rays that meet no cloud have a distance of 0, which changes nothing.
         share = np.maximum(np.clip(share, 0.0, 1.0), air_so_far)
-        kept += passed * (share - air_so_far)
+        lit = air_share(layer, light_on, light, eye_m[1])
+        kept += passed * (share - air_so_far) * lit
         own += passed * seen.radiance * np.exp(-before)
         passed = passed * seen.transmittance[:, None]
         air_so_far = share

@@ -3,6 +3,8 @@
 import math
 from typing import ClassVar, Literal, get_args
 
+import msgspec
+
 from vrut_lite import checks
 from vrut_lite.daylight.limits import MOST_LIGHT
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
@@ -10,6 +12,9 @@ from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
 
 Body = Literal["sun", "moon"]
+# Wavelengths of the haze that a key light has passed.
+HAZE_NM = (680.0, 550.0, 440.0)
+_MOST_HEIGHT_M, _MOST_DEPTH = 1e6, 1e4
 # A full turn, and straight up, with room for rounding.
 _TURN_RAD, _UP_RAD = 6.3, 1.58
 # As the frame's shader has them.
@@ -55,6 +60,21 @@ def sun_moved(
     )
 
 
+class HazeLayer(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Aerosol above the ground that thins out exponentially.
+
+    `optical_depth` is vertical, at `HAZE_NM`; `height_m` its scale height.
+    """
+
+    height_m: float
+    optical_depth: Vector
+
+    def check(self) -> None:
+        """A height to divide by, and depths."""
+        checks.number(self, "height_m", 1.0, _MOST_HEIGHT_M)
+        checks.light(self, "optical_depth", _MOST_DEPTH)
+
+
 class KeyLightChanged(Derived, frozen=True, kw_only=True):
     """The light that casts shadows: irradiance (W m^-2, linear sRGB) on a plane that faces it.
 
@@ -62,6 +82,8 @@ class KeyLightChanged(Derived, frozen=True, kw_only=True):
 
     `limb_darkening_rgb` holds, per channel, a polynomial in cos psi (constant first), of
     which the mean over the disc is 1: radiance = irradiance / solid angle * polynomial.
+
+    `haze` is what has dimmed it besides a clear air: aloft less of it is before the sun.
     """
 
     slot: ClassVar[str | None] = "sky"
@@ -72,6 +94,7 @@ class KeyLightChanged(Derived, frozen=True, kw_only=True):
     limb_darkening_rgb: tuple[tuple[float, ...], ...]
     source: str
     body: Body = "sun"
+    haze: tuple[HazeLayer, ...] = ()
 
     @property
     def even_radius_rad(self) -> float:
@@ -96,3 +119,8 @@ class KeyLightChanged(Derived, frozen=True, kw_only=True):
         checks.polynomials(self, "limb_darkening_rgb", 3, _MOST_LIMB_TERMS)
         checks.text(self, "source")
         checks.choice(self, "body", get_args(Body))
+        checks.instance(self, "haze", tuple)
+        for layer in self.haze:
+            if not isinstance(layer, HazeLayer):
+                checks.refuse(self, "haze", "be of HazeLayer")
+            layer.check()

@@ -15,6 +15,7 @@ from vrut_lite.daylight.cloud_grid import growth_of, volume_near_m
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.cloud_transport import scatterer
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -70,7 +71,7 @@ class CloudsOnGpu:
         self._noises: list[Any] = []
         self._uploaded: tuple[NDArray, ...] = ()
         self._suns: Any = None
-        self._sun_of: tuple[float, ...] | None = None
+        self._sun_of: tuple[Any, ...] | None = None
         self.layer: CloudLayer | None = None
 
     @property
@@ -111,7 +112,7 @@ class CloudsOnGpu:
             covered_share: of the sun that all layers hold back in the mean.
         """
         assert self.layer is not None
-        sun_of = self.layer.base_m, self.layer.top_m, light.sun_passed
+        sun_of = self.layer.base_m, self.layer.top_m, light.sun_passed, light.haze
         if sun_of != self._sun_of:
             self._light(*sun_of)
             self._sun_of = sun_of
@@ -153,11 +154,13 @@ class CloudsOnGpu:
         for volume in self._noises[1:]:
             volume.repeat_z = True
 
-    def _light(self, base_m: float, top_m: float, passed: float) -> None:
+    def _light(
+        self, base_m: float, top_m: float, passed: float, haze: tuple[HazeLayer, ...]
+    ) -> None:
         """The sun at base and top, for all heights of the sun: denser towards the lowest."""
         row = np.linspace(0.0, 1.0, _SUNS)
         sines = _LOWEST_SUN + (1.0 - _LOWEST_SUN) * row * row
-        table = passed * np.stack([sun_aloft(level, sines) for level in (base_m, top_m)])
+        table = passed * np.stack([sun_aloft(level, sines, haze) for level in (base_m, top_m)])
         if self._suns is None:
             self._suns = self._context.texture((_SUNS, 2), 3, dtype="f4", alignment=1)
             self._suns.filter = (self._context.LINEAR, self._context.LINEAR)

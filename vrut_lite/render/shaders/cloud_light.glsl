@@ -4,18 +4,19 @@ layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and to
 layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
 layout(binding = 28) uniform sampler3D light_diffuse;  // fluence; flux along x, up and z
 layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
-layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: wide, peak
+layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: 3 rows
 
 // Depths this near, as a share of the thickness, come from the density itself: the volume is
 // coarse.
 const float NEAR_REACH = 0.07;
 // Of the plane layer; of a direction's light, of the fluence; of the tables' light, of the whole.
-const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2;
+const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2, LEAST_LIGHT = 1e-6;
+const float DARK = 40.0;  // half of the volume's greatest depth
 const float MEAN_COSINE = 0.74;  // of the phase function after delta-M
 const float SPHERE = 12.566371;
 // As daylight/cloud_transport.py has its nodes.
 const float DEPTH_SCALE = 0.3, MOST_DEPTH = 60.0, LOWEST_RAD = 0.04, HALF_PI = 1.5707963;
-const float DEPTHS = 16.0, SINES = 12.0, VIEWS = 16.0;
+const float DEPTHS = 20.0, SINES = 12.0, VIEWS = 16.0;
 // Sines of the sun's elevation that the table of sunlight spans.
 const float LOWEST_SUN = -0.1;
 
@@ -24,6 +25,7 @@ struct CloudRay {
     float nu;     // cosine of the angle to the sun
     vec3 wide;    // phase function of the droplets, over the share that diffuses
     vec3 peak;    // its forward peak
+    float log_twice;  // logarithm of the phase function of light scattered twice
 };
 
 CloudRay cloud_ray(vec3 d) {
@@ -31,9 +33,11 @@ CloudRay cloud_ray(vec3 d) {
     float squared = dot(chord, chord);
     float angles = float(textureSize(droplets_phase, 0).x);
     float place = (min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5) / angles;
-    vec3 wide = textureLod(droplets_phase, vec2(place, 0.25), 0.0).rgb;
-    vec3 peak = textureLod(droplets_phase, vec2(place, 0.75), 0.0).rgb;
-    return CloudRay(d, 1.0 - 0.5 * squared, wide / clouds.diffused, peak / clouds.diffused);
+    vec3 wide = textureLod(droplets_phase, vec2(place, 1.0 / 6.0), 0.0).rgb;
+    vec3 peak = textureLod(droplets_phase, vec2(place, 0.5), 0.0).rgb;
+    float log_twice = textureLod(droplets_phase, vec2(place, 5.0 / 6.0), 0.0).r;
+    return CloudRay(d, 1.0 - 0.5 * squared, wide / clouds.diffused, peak / clouds.diffused,
+                    log_twice);
 }
 
 vec2 depth_nodes(vec2 scaled) {
@@ -45,18 +49,19 @@ vec4 transport_at(float sine_node, vec2 above_below, float mu) {
     vec2 depths = depth_nodes(above_below);
     float view = (asin(clamp(mu, -1.0, 1.0)) / HALF_PI * 0.5 + 0.5) * (VIEWS - 1.0);
     vec3 at = vec3(view, depths.x, sine_node * DEPTHS + depths.y) + 0.5;
-    return textureLod(cloud_transport, at / vec3(VIEWS, DEPTHS, SINES * DEPTHS), 0.0);
+    return textureLod(cloud_transport, at / vec3(VIEWS, DEPTHS, (SINES + 1.0) * DEPTHS), 0.0);
 }
 
 // Of a sun of irradiance 1, sr^-1; `sine` and `mu` are cosines to the slab's normal.
-float sun_source(vec2 above_below, float sine, float mu, float nu) {
+float sun_source(vec2 above_below, float sine, float mu, CloudRay ray) {
     float over = (asin(clamp(sine, 0.0, 1.0)) - LOWEST_RAD) / (HALF_PI - LOWEST_RAD);
     float node = sqrt(max(over, 0.0)) * (SINES - 1.0), low = min(floor(node), SINES - 2.0);
-    vec3 logs = mix(transport_at(low, above_below, mu).rgb,
-                    transport_at(low + 1.0, above_below, mu).rgb, node - low);
+    vec4 logs = mix(transport_at(low, above_below, mu), transport_at(low + 1.0, above_below, mu),
+                    node - low);
     float level = sqrt(max((1.0 - mu * mu) * (1.0 - sine * sine), 1e-6));
-    float wave = clamp((nu - mu * sine) / level, -1.0, 1.0);
-    return exp(logs.x + logs.y * wave + logs.z * (2.0 * wave * wave - 1.0));
+    float wave = clamp((ray.nu - mu * sine) / level, -1.0, 1.0);
+    return exp(logs.x + logs.y * wave + logs.z * (2.0 * wave * wave - 1.0)
+               + logs.w * ray.log_twice);
 }
 
 vec3 in_volume(vec2 level, float height) {
@@ -67,15 +72,16 @@ vec3 in_volume(vec2 level, float height) {
     return vec3(0.5 * place + 0.5, edge / edges);
 }
 
-// Share of the sun that is scattered above a place, a line within each cell of the grid, as what
-// the grid holds is.
-float scattered_above(vec2 level, float height, float facing) {
+// Share of the sun that is scattered above a place, and depths to the sun and up: lines within
+// each cell of the grid, as what the grid holds is.
+vec3 in_grid(vec2 level, float height) {
     float cells = float(textureSize(light_volume, 0).z - 1);
     float place = clamp(height, 0.0, 1.0) * cells, under = min(floor(place), cells - 1.0);
-    vec2 up = vec2(textureLod(light_volume, in_volume(level, under / cells), 0.0).g,
-                   textureLod(light_volume, in_volume(level, (under + 1.0) / cells), 0.0).g);
-    vec2 lit = exp(-clouds.diffused * up / facing);
-    return 1.0 - mix(lit.x, lit.y, place - under);
+    vec2 low = textureLod(light_volume, in_volume(level, under / cells), 0.0).rg;
+    vec2 high = textureLod(light_volume, in_volume(level, (under + 1.0) / cells), 0.0).rg;
+    float share = place - under;
+    float lit = mix(exp(-clouds.diffused * low.r), exp(-clouds.diffused * high.r), share);
+    return vec3(1.0 - lit, mix(low, high, share));
 }
 
 // Fluence and downward flux in a plane layer between scaled depths, of which a share `there` of
@@ -110,21 +116,30 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
     float to_sun = near + depths.r, upright = depths.g + depths.b;
     float sine = sun.y + dot(level, sun.xz) / PLANET_RADIUS_M;
     float rise = ray.d.y + at_m / PLANET_RADIUS_M;
-    // Light in the plane layer of these depths, by the tables, and how much more or less of it
-    // there is than in that layer, by diffusion.
+    // Light in the plane layer that is as deep, with as much before the sun as here, by the
+    // tables; how much more or less of it there is than in that layer, by diffusion.
     float low = clamp(sine, clouds.sun_slope, 1.0);
     float over = clamp(depths.g + near * max(sun.y, 0.0), 0.0, upright);
-    vec2 slab = clouds.diffused * vec2(over, upright - over);
+    // Where no sun is left the volume does not count on.
+    float counts = clamp(2.0 - clouds.diffused * to_sun / DARK, 0.0, 1.0);
+    float above = mix(over, to_sun * low, counts);
+    vec2 slab = clouds.diffused * vec2(above, max(upright - above, 0.0));
     float height = over_base_m / clouds.thickness_m;
-    vec2 level_flux = plane_light(max(slab, LEAST_DEPTH), scattered_above(level, height, low), low);
+    vec3 grid = in_grid(level, height);
+    above = mix(grid.z, grid.y * low, counts);
+    vec2 coarse = clouds.diffused * vec2(above, upright - above);
+    vec2 level_flux = plane_light(max(coarse, LEAST_DEPTH), grid.x, low);
     vec4 light = textureLod(light_diffuse, in_volume(level, height), 0.0);
     float along = -dot(light.gba, vec3(ray.d.x, rise, ray.d.z));
     float here = max(light.r + 3.0 * MEAN_COSINE * along, LEAST_SHARE * light.r);
     float plane = max(level_flux.x + 3.0 * MEAN_COSINE * level_flux.y * rise,
                       LEAST_SHARE * level_flux.x);
-    float diffuse = max(sun_source(slab, low, rise, ray.nu) + (here - plane) / SPHERE,
+    // Directions that diffusion has not are the plane layer's, as far as the light is like its.
+    float alike = max(min(light.r, level_flux.x) / max(max(light.r, level_flux.x), LEAST_LIGHT),
+                      0.0);
+    float diffuse = max(alike * sun_source(slab, low, rise, ray) + (here - alike * plane) / SPHERE,
                         LEAST_DIFFUSE * here / SPHERE);
-    float even = transport_at(0.0, slab, rise).a;
+    float even = transport_at(SINES, clouds.diffused * vec2(over, upright - over), rise).r;
     vec3 scattered = ray.wide * exp(-clouds.diffused * to_sun) + ray.peak * exp(-to_sun) + diffuse;
     return sun_at(sine, height) * scattered
          + mix(clouds.light_from_below, clouds.light_from_above, even);
