@@ -145,7 +145,7 @@ def _seen(bake: Bake, eye: FloatArray, towards: FloatArray) -> SeenPoints:
 
 
 def _mean_about(values: FloatArray | Float32Array) -> FloatArray:
-    """Of each number (H, W) and its neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
+    """Of each number (H, W) and those about it, mirrored at the rim; scipy takes 0.4 s to import."""
     around = np.pad(values, _AROUND // 2, mode="symmetric")
     windows = np.lib.stride_tricks.sliding_window_view(around, (_AROUND, _AROUND))
     return np.asarray(windows.mean(axis=(2, 3)), np.float64)
