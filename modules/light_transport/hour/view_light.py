@@ -113,7 +113,7 @@ def view_light(
 
 
 def _mean_about(values: Float32Array) -> Float32Array:
-    """Of each number (H, W) and its neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
+    """Of numbers (H, W) and their neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
     for _ in range(2):
         rows = np.pad(values, ((_AROUND // 2,) * 2, (0, 0)), mode="symmetric")
         values = np.mean([rows[k : k + len(values)] for k in range(_AROUND)], axis=0).T
