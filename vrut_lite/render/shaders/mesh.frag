@@ -7,7 +7,7 @@ const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
-const float SEEN_CHANGE = 0.1;       // share by which a moving picture may be off
+const float HOLDS_RAD = 2.0;         // angle of view over which a coat of roughness 1 looks alike
 
 struct Material {
     vec3 emissive_factor;
@@ -322,11 +322,10 @@ void main() {
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
-    // A lobe is some two alphas wide, and a wide one has little contrast; Fresnel's share changes too.
+    // A wide lobe turns slowly past what it mirrors, and evens it out.
     vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT;
     float share_of_coat = dot(of_coat, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-30);
-    float width_rad = 0.02 + min(2.0 * alpha / (1.1 - roughness), 1.5);
-    holds_rad = min(SEEN_CHANGE * width_rad / max(share_of_coat, 1e-3), 1.0);
+    holds_rad = min(HOLDS_RAD * roughness * roughness * roughness / max(share_of_coat, 1e-3), 1.0);
 #endif
 #ifdef SHEEN
 #ifdef SURFACE_LIGHT
