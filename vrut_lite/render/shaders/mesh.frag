@@ -8,6 +8,7 @@ const float MOST_TILTED = 2.0;       // times the light, by what a normal map ti
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 const float HOLDS_RAD = 2.0;         // angle of view over which a coat of roughness 1 looks alike
+const float GLINTS_COUNT = 7.0;      // times more than what else a coat mirrors
 
 struct Material {
     vec3 emissive_factor;
@@ -287,7 +288,7 @@ void main() {
         }
     }
 #endif
-    vec3 of_paint = albedo * diffuse / PI;
+    vec3 of_paint = albedo * diffuse / PI, glints = radiance - emission / LUMENS_PER_WATT;
     radiance += of_paint;
 #ifndef MATTE
     vec3 once = f0 * share.x, at_grazing = f90 * share.y;
@@ -322,8 +323,8 @@ void main() {
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
-    // A wide lobe turns slowly past what it mirrors, and evens it out.
-    vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT;
+    // A wide lobe turns slowly past what it mirrors, and evens out all but sun and lamps.
+    vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT + GLINTS_COUNT * glints;
     float share_of_coat = dot(of_coat, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-30);
     holds_rad = min(HOLDS_RAD * roughness * roughness * roughness / max(share_of_coat, 1e-3), 1.0);
 #endif
