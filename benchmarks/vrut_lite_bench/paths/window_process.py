@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
+from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,8 +39,9 @@ from vrut_lite_bench.paths.window import ACTS, GAPS, PACE_PARTS, PACE_SCENES, PA
 
 SIZE = (1600, 1000)
 PACE_SIZE, _PACE_S, _SETTLING = (1280, 800), 6.0, 12
-# A hand's moves: how often, and how far in shares of the picture's height.
-_HAND_MS, _TURN = 16, 0.004
+# A hand's moves: how often, how far in shares of the picture's height, and how many to and fro:
+# 2.4 degrees each way, as in a street the eye would meet a wall.
+_HAND_MS, _TURN, _SWING = 16, 0.001, 13
 _AT, _MORNING = "2026-06-21T11:00", datetime(2026, 6, 21, 7, tzinfo=UTC)
 _LIMIT_S, _REST_S, _MOVES = 300.0, 10.0, 5
 # Shorter gaps are not kept: to keep all of them would itself make longer ones.
@@ -280,10 +282,11 @@ def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
     drawn: list[Shown] = []
     bench.session.picture_shown.connect(drawn.append)
     player, view = bench.window.time.player, bench.window.desk.viewport
-    turning = QTimer()
+    turning, moves = QTimer(), count()
 
     def turn() -> None:
-        view.rig.orbit(_TURN, 0.0)
+        back = (next(moves) + _SWING) // (2 * _SWING) % 2
+        view.rig.orbit(-_TURN if back else _TURN, 0.0)
         view.send_camera()
 
     turning.timeout.connect(turn)
@@ -301,11 +304,11 @@ def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
     spent_s, cpu_s = time.perf_counter() - start_s, time.process_time() - before
     player.pause()
     turning.stop()
-    shown, count = list(drawn), max(len(drawn), 1)
+    shown, pictures = list(drawn), max(len(drawn), 1)
     bench.still()
     width = float(np.mean([each.picture.display.shape[1] for each in shown])) / view.pixels[0]
     drawing_s = float(np.mean([each.seconds for each in shown]))
-    return spent_s / count, cpu_s / count, drawing_s, width
+    return spent_s / pictures, cpu_s / pictures, drawing_s, width
 
 
 def latencies() -> dict[str, float]:

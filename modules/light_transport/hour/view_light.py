@@ -144,11 +144,12 @@ def _seen(bake: Bake, eye: FloatArray, towards: FloatArray) -> SeenPoints:
     return points
 
 
-def _mean_about(values: FloatArray | Float32Array) -> FloatArray:
-    """Of each number (H, W) and those about it, mirrored at the rim; scipy takes 0.4 s to import."""
-    around = np.pad(values, _AROUND // 2, mode="symmetric")
-    windows = np.lib.stride_tricks.sliding_window_view(around, (_AROUND, _AROUND))
-    return np.asarray(windows.mean(axis=(2, 3)), np.float64)
+def _mean_about(values: Float32Array) -> Float32Array:
+    """Of numbers (H, W) and their neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
+    for _ in range(2):
+        rows = np.pad(values, ((_AROUND // 2,) * 2, (0, 0)), mode="symmetric")
+        values = np.mean([rows[k : k + len(values)] for k in range(_AROUND)], axis=0).T
+    return values
 
 
 @kernel

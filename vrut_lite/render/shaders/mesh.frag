@@ -7,7 +7,8 @@ const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
-const float SEEN_CHANGE = 0.1;       // share by which a moving picture may be off
+const float HOLDS_RAD = 2.0;         // angle of view over which a coat of roughness 1 looks alike
+const float GLINTS_COUNT = 7.0;      // times more than what else a coat mirrors
 
 struct Material {
     vec3 emissive_factor;
@@ -287,7 +288,7 @@ void main() {
         }
     }
 #endif
-    vec3 of_paint = albedo * diffuse / PI;
+    vec3 of_paint = albedo * diffuse / PI, glints = radiance - emission / LUMENS_PER_WATT;
     radiance += of_paint;
 #ifndef MATTE
     vec3 once = f0 * share.x, at_grazing = f90 * share.y;
@@ -334,11 +335,10 @@ void main() {
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
-    // A lobe is some two alphas wide, and a wide one has little contrast; Fresnel's share changes too.
-    vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT;
+    // A wide lobe turns slowly past what it mirrors, and evens out all but sun and lamps.
+    vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT + GLINTS_COUNT * glints;
     float share_of_coat = dot(of_coat, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-30);
-    float width_rad = 0.02 + min(2.0 * alpha / (1.1 - roughness), 1.5);
-    holds_rad = min(SEEN_CHANGE * width_rad / max(share_of_coat, 1e-3), 1.0);
+    holds_rad = min(HOLDS_RAD * roughness * roughness * roughness / max(share_of_coat, 1e-3), 1.0);
 #endif
 #ifdef SHEEN
 #ifdef SURFACE_LIGHT
