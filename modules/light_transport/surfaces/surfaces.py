@@ -153,7 +153,10 @@ def _skins(meshes: list[Mesh], materials: list[Material]) -> list[_Skin]:
         )  # fmt: skip
         pieces = zip(*(np.split(array, ends) for array in arrays), strict=True)
         for number, piece in zip(numbers, pieces, strict=True):
-            skins[number] = _Skin(*piece, double_sided=skin.double_sided)
+            normals, reflectance_rgb, emitted_rgb, roughness, opacity = piece
+            skins[number] = _Skin(
+                normals, reflectance_rgb, emitted_rgb, roughness, opacity, skin.double_sided
+            )
     return [skins[number] for number in range(len(meshes))]
 
 
