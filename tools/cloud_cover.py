@@ -93,7 +93,9 @@ def overcast(genus: Genus, clear: ClearSky) -> FloatArray:
     """Luminance (len(BANDS_DEG),) of a closed layer in bands of elevation, over the zenith's."""
     bands = []
     for layer in layers_of(genus, 1.0):
-        cube = light_under_clouds((layer,), clear, VIEW, 2 * _SIZE, "tool").radiance.cube.values
+        radiance = light_under_clouds((layer,), clear, VIEW, 2 * _SIZE, "tool").radiance
+        assert radiance is not None
+        cube = radiance.cube.values
         height = np.degrees(np.arcsin(texel_directions(cube.shape[1])[..., 1]))
         light = luminance(np.asarray(cube, dtype=float))
         bands.append([light[np.abs(height - band) < _BAND_DEG].mean() for band in BANDS_DEG])

@@ -30,7 +30,7 @@ def sun_radiance(field, sun, origins, directions, paths, seed=1, density=density
         density: compiled, of a field, x, z, height and width, in place of the clouds'.
         phase: (nodes,), in place of the droplets'; nothing is cut off it.
     """
-    phase, kept = _without_peak() if phase is None else (phase, 1.0)
+    phase, kept = without_peak() if phase is None else (phase, 1.0)
     field = field._replace(extinction_per_m=field.extinction_per_m * kept)
     angle = _angles(phase)
     out = np.empty((len(directions), 2))
@@ -41,7 +41,7 @@ def sun_radiance(field, sun, origins, directions, paths, seed=1, density=density
     return out[:, 0], out[:, 1]
 
 
-def _without_peak():
+def without_peak():
     """The phase function's table (nodes,) without its peak, and the share of light it scatters."""
     nu, whole = node_cosines(), droplets().values[1]
     cut = np.minimum(whole, whole[np.count_nonzero(nu > np.cos(_PEAK_RAD))])

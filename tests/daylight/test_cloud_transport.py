@@ -32,10 +32,7 @@ def test_fluxes_are_those_of_discrete_ordinates(case):
 
 @pytest.mark.parametrize("case", mostly_long(CASES, SHORT.__contains__))
 def test_radiance_is_that_of_discrete_ordinates(case):
-    """From below and above, 17 degrees and more from the sun: 7 % rms, the mean within 5 %.
-
-    At most 17 %, in thin layers.
-    """
+    """From below and above, 17 degrees off the sun: within 10 %, 5 % rms, the mean within 4 %."""
     depth, elevation = case
     sine = float(np.sin(np.radians(elevation)))
     level = float(np.sqrt(1.0 - sine * sine))
@@ -55,13 +52,13 @@ def test_radiance_is_that_of_discrete_ordinates(case):
         seen = clouds_seen(layer, light, (0.0, eye_m, 0.0), ahead, NARROW_RAD).radiance[..., 1]
         error = seen / sun / theirs[np.ix_(rows, columns)] - 1.0
         apart = ahead @ np.array(light.sun_direction) < np.cos(0.3)
-        assert abs(error[apart].mean()) < 0.05
-        assert np.sqrt(np.mean(error[apart] ** 2)) < 0.07
-        assert np.abs(error[apart]).max() < 0.17
+        assert abs(error[apart].mean()) < 0.04
+        assert np.sqrt(np.mean(error[apart] ** 2)) < 0.05
+        assert np.abs(error[apart]).max() < 0.1
 
 
 def test_what_enters_a_layer_leaves_it():
-    """Light seen below and above a layer of depth 10 sums to what the sun sends: within 1.5 %."""
+    """Light seen below and above a layer of depth 10 sums to what the sun sends: within 1 %."""
     sun = np.array([0.6, 0.8, 0.0])
     layer = slab(extinction_per_m=10.0 / 985.0)
     light = ClearLight((0.6, 0.8, 0.0), (1e-9,) * 3, np.zeros((25, 3)))
@@ -76,7 +73,7 @@ def test_what_enters_a_layer_leaves_it():
         seen = clouds_seen(layer, light, (0.0, eye_m, 0.0), views, NARROW_RAD).radiance[..., 1]
         leaving += np.pi * (weight * mu) @ seen.mean(axis=1)
     entering = float(sun_aloft(1500.0, 0.8)[1]) * sun[1]
-    assert leaving == pytest.approx(entering, rel=0.015)
+    assert leaving == pytest.approx(entering, rel=0.01)
 
 
 def test_layers_of_nothing_and_of_everything():

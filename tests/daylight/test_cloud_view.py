@@ -6,7 +6,9 @@ from cloud_stage import rough_layer, slab, slab_radiance
 from long_parameters import mostly_long
 
 from vrut_lite.daylight.cloud_density import distance_up_m, optical_depth, sun_transmittance
+from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_light_volume import light_volume
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 
 SUN = (0.6, 0.8, 0.0)
@@ -76,6 +78,16 @@ def test_rays_below_the_layer_see_the_ground_and_from_above_the_tops():
     assert from_aloft.radiance.min() > 1.0
     # From 3 km over the tops, straight down and slanting.
     assert from_aloft.distance_m[0] == pytest.approx(3000.0 / -down[0, 1], rel=0.03)
+
+
+def test_light_beyond_the_grid_has_no_streaks():
+    """The outermost columns, which stand for all beyond, are alike; those within are not."""
+    made = light_volume(
+        cloud_field(rough_layer(), (0.0, 0.0, 0.0)), np.array([0.6, 0.8, 0.0]), 0.58
+    )
+    for part in (made.depths, made.diffuse):
+        assert np.ptp(part[:, 0], axis=1).max() == 0.0
+        assert np.ptp(part[:, 40], axis=1).max() > 0.1
 
 
 @pytest.mark.parametrize(

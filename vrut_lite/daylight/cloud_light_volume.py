@@ -74,7 +74,21 @@ def light_volume(field, sun: FloatArray, diffused: float) -> LightVolume:  # typ
     depths[1:, ..., 2] = np.cumsum(density, axis=0) * (per_m * step_m)
     towards = np.array([sun[0], sine, sun[2]])
     diffuse = diffuse_light(density, depths, towards, step_m, near_m, diffused * per_m, diffused)
+    _even_outside(depths, diffuse, diffused)
     return LightVolume(depths, diffuse, near_m)
+
+
+def _even_outside(
+    depths: NDArray[np.float32], diffuse: NDArray[np.float32], diffused: float
+) -> None:
+    """Give the outermost columns their mean: beyond the grid they would show as streaks."""
+    ring = np.ones(depths.shape[1:3], bool)
+    ring[1:-1, 1:-1] = False
+    # Of what the sun sends, not of the depth.
+    lit = np.exp(-diffused * depths[:, ring, 0]).mean(axis=1, dtype=float)
+    depths[:, ring] = depths[:, ring].mean(axis=1, keepdims=True)
+    depths[:, ring, 0] = (-np.log(np.maximum(lit, np.exp(-DARKEST))) / diffused)[:, None]
+    diffuse[:, ring] = diffuse[:, ring].mean(axis=1, keepdims=True)
 
 
 @compiled

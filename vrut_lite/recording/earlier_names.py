@@ -15,7 +15,7 @@ _LATER_OF_SCENES = (
 )  # fmt: skip
 # Fields that earlier messages lack, by today's type names, and what they meant without them.
 _ADDED: dict[str, Plain] = {
-    "KeyLightChanged": {"body": "sun"},
+    "KeyLightChanged": {"body": "sun", "haze": UNKNOWN},
     "SceneOpened": dict.fromkeys(_LATER_OF_SCENES, UNKNOWN),
 }
 
