@@ -3,6 +3,8 @@
 import functools
 import gc
 import importlib.metadata
+import math
+import os
 import sys
 from collections import OrderedDict
 from types import SimpleNamespace
@@ -88,6 +90,12 @@ def pytest_configure(config):
     hypothesis.settings.register_profile("short", deadline=None, max_examples=10, derandomize=True)
     hypothesis.settings.register_profile("long", deadline=None, max_examples=200)
     hypothesis.settings.load_profile("long" if config.getoption("--long") else "short")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """Three workers on two cores: a third of the time tests wait for windows and processes."""
+    return math.ceil(1.5 * (os.cpu_count() or 1))
 
 
 def pytest_collection_modifyitems(config, items):
