@@ -204,9 +204,10 @@ def _lux(kernel: Kernel, instant: datetime) -> float:
     return float(luminance(lit)) * LUMENS_PER_WATT
 
 
-def main(folder: str) -> None:
+def main(folder: Path) -> None:
     """Draw figure and sheet."""
-    illuminance(Path(folder) / "night_illuminance.png")
+    folder.mkdir(parents=True, exist_ok=True)
+    illuminance(folder / "night_illuminance.png")
     rows = [
         sheet(street(), 5),
         sheet(terrain(), 5),
@@ -219,8 +220,8 @@ def main(folder: str) -> None:
     for row in rows:
         paper.paste(row, (0, top))
         top += row.height
-    paper.save(Path(folder) / "night.webp", quality=82, method=6)
+    paper.save(folder / "night.webp", quality=82, method=6)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(Path(sys.argv[1]))
