@@ -8,6 +8,7 @@ is room, and what differs by more than its noise is no noise.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from light_transport.giving_up import GoOn
 from light_transport.kernels import inlined, kernel
@@ -33,7 +34,7 @@ class PointGrid(NamedTuple):
     plane: Float32Array
     place: Float32Array
 
-    def filled(self, values: Float32Array, points: FloatArray) -> Float32Array:
+    def filled(self, values: Float32Array, points: NDArray[np.intp]) -> Float32Array:
         """Values (N,) of some points, by their numbers (N,), as a grid (H, W); 0 elsewhere."""
         grid = np.zeros(self.plane.shape[:2], np.float32)
         grid.ravel()[points] = values
