@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
-from boxes import floor, hour, quads
+from boxes import box, floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Look, Shine, Show, box_file
 from light_transport.bake import Bake
+from light_transport.giving_up import always
+from light_transport.hour import rays_by_noise
 from light_transport.hour.free_points import light_at
+from light_transport.hour.view_light import view_light
 
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.messages import Demand
 
@@ -74,3 +78,35 @@ def test_a_sheet_without_a_back_hides_the_sky_of_what_is_below():
     assert found.irradiance_rgb[:, 1] / np.pi == pytest.approx([0.0, 0.5, 1.0], abs=0.02)
     assert found.free[0] < 0.02
     assert found.free[2] == 1.0
+
+
+def test_rays_are_spared_where_their_noise_is_not_seen(monkeypatch):
+    """A box on a floor under an even sky: a third of the rays for what is even, the others below
+    the box's walls; light is that of all rays everywhere."""
+    bake = Bake(*quads(*box((-1, 0, -1), (1, 2, 1)), floor(-9, 9, -9, 9)))
+    bake.add_rays(32)
+    camera = MoveCamera(
+        eye_m=(0.0, 6.0, 8.0), target_m=(0.0, 0.0, 0.0), vertical_field_of_view_rad=0.8
+    )
+    traced = []
+
+    def light_of(bake, places_m, *rest, **named):
+        traced.append(len(places_m))
+        return light_at(bake, places_m, *rest, **named)
+
+    def drawn():
+        traced.clear()
+        return view_light(bake, hour(1.0), camera, (64, 48), 1, 192, 1, always).light
+
+    monkeypatch.setattr(rays_by_noise, "light_at", light_of)
+    fast, counted = drawn(), list(traced)
+    monkeypatch.setattr(rays_by_noise, "UNSEEN_NOISE", 0.0)
+    full = drawn()
+    assert counted[0] == traced[0] == traced[1]
+    assert 0 < counted[1] < 0.5 * counted[0]
+    seen = full[..., 1] > 0.0
+    assert np.array_equal(seen, fast[..., 1] > 0.0)
+    off = fast[seen][:, 1] / full[seen][:, 1] - 1.0
+    assert np.abs(off.mean()) < 0.003
+    assert np.sqrt((off**2).mean()) < 0.02
+    assert np.quantile(np.abs(off), 0.99) < 0.06

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from light_map_stage import even, laid, lit
-from scene_stage import light, look, square, surface
+from scene_stage import CORNERS, light, look, square, surface
 from stateful_backend import opened
 
 from vrut_lite.array import Array
@@ -131,9 +131,32 @@ def test_light_of_another_view_is_not_shown(backend):
         assert other.mean() == pytest.approx(backend.by_map.mean(), rel=1e-2)
 
 
-def test_a_finished_still_is_the_mean_of_four_pictures(backend):
-    """Pixels stay where they are; edges have four times the samples."""
+def test_a_finished_still_is_the_mean_of_eight_pictures(backend):
+    """Pixels stay where they are; each row and column of an edge's pixel is sampled once."""
     before = backend.ledger.done["picture"]
     of_view(backend, np.ones((12, 12)))
-    look(backend, *ABOVE)
-    assert backend.ledger.done["picture"] - before == 4
+    finished = look(backend, *ABOVE).radiance
+    assert backend.ledger.done["picture"] - before == 8
+    np.testing.assert_allclose(finished, backend.by_map, rtol=1e-2, atol=1e-4)
+
+
+def test_what_is_cut_out_is_even_in_a_finished_still(gl_backend, tmp_path):
+    """Wires that cover a quarter of each pixel: eight samples of it leave an eighth of noise.
+
+    Had all pictures the same threshold, a pixel would be all wire or none.
+    """
+    backend = gl_backend(size_px=(SIZE, SIZE))
+    light(backend, np.ones((6, 16, 16, 3)))
+    texels = np.full((4, 1024, 4), 255, np.uint8)
+    texels[..., 3] = 255 * (np.arange(1024) % 4 == 0)
+    pbr = {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 1.0, "baseColorTexture": {"index": 0}}
+    wires = {"pbrMetallicRoughness": pbr, "alphaMode": "MASK", "doubleSided": True}
+    scene = opened(square(tmp_path, wires, [texels], corners=CORNERS * 16.0))
+    layout = laid(scene, ((1, 2),))
+    backend.change(scene=scene, light_map=layout, surface_light=lit(layout, even(layout, 1.0, 0.0)))
+    above = ((0.0, 16.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(0.25))
+    look(backend, *above)
+    of_view(backend, np.ones((12, 12)))
+    finished = look(backend, *above).radiance[8:-8, 8:-8, 1]
+    assert finished.mean() == pytest.approx(0.75, abs=0.03)
+    assert np.abs(finished - 0.75).max() < 0.2

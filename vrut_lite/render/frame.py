@@ -59,9 +59,13 @@ _CUBE_MAP_SEAMLESS = 0x884F
 # where slices are largest.
 SLICES_A_FRAME = 2
 
-# A finished still is the mean of pictures that are shifted so, right and up, in pixels: with the
-# samples of each 16 a pixel.
-_SHIFTS_PX = ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25))
+# A finished still is the mean of pictures that are shifted so, right and up, in pixels. With one
+# sample a pixel no hidden one is shaded: eight such pictures take half as long as four of four
+# samples, and come nearer to 64. Clouds are marched through for each picture: fewer are better.
+_SHIFTS_PX = tuple(
+    ((2 * i - 7) / 16, (2 * j - 7) / 16) for i, j in enumerate((2, 5, 0, 7, 3, 6, 1, 4))
+)
+_SHIFTS_BY_CLOUDS_PX = ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25))
 
 Measure = Callable[[str], AbstractContextManager[Any]]
 
@@ -95,6 +99,7 @@ class Frame:
         self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
         self._targets = SizeCache(context, lambda size: Targets(context, size))
+        self._single = SizeCache(context, lambda size: Targets(context, size, samples=1))
         self._moving = SizeCache(context, lambda size: MovingTargets(context, size))
         self._reuse = Reuse(context)
 
@@ -179,13 +184,17 @@ class Frame:
             return self._draw_moving(
                 scene, seen, view, light, disc, shadows, reflection, air, state
             )
-        targets = self._targets.get(state.size_px)
-        shifts = _SHIFTS_PX if finished else _SHIFTS_PX[:1]
+        shifts: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
+        if finished:
+            shifts = _SHIFTS_BY_CLOUDS_PX if self._clouds.are_drawn else _SHIFTS_PX
+        of_size = self._single if shifts is _SHIFTS_PX else self._targets
+        targets = of_size.get(state.size_px)
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
         self.ledger.did("picture", len(shifts))
         resolved: NDArray[np.float32] | None = None
-        for shift_px in shifts:
+        for number, shift_px in enumerate(shifts):
             self._patience.check()
+            self._meshes.picture_number = number
             targets.multisampled.use()
             targets.multisampled.clear()
             shifted = view if len(shifts) == 1 else view.shifted(shift_px, targets.size)
@@ -208,6 +217,7 @@ class Frame:
             read = targets.read_resolved()
             resolved = read if resolved is None else resolved + read
         assert resolved is not None
+        self._meshes.picture_number = 0
         if len(shifts) > 1:
             resolved /= np.float32(len(shifts))
         if state.shows != "picture":
@@ -228,7 +238,8 @@ class Frame:
         self._meshes.delete()
         for thing in (self._sky, self._night, self._tone, self._shadow, self._filter, self._air,
                       self._reflectance, self._surface_light, self._lamps, self._clouds,
-                      self._backdrop, self._targets, self._moving, self._reuse):  # fmt: skip
+                      self._backdrop, self._targets, self._single, self._moving,
+                      self._reuse):  # fmt: skip
             thing.release()
 
     def _draw_seen(

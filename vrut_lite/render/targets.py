@@ -12,16 +12,19 @@ SAMPLES = 4
 
 
 class Targets:
-    """Radiance with several samples a pixel, resolved radiance, and the picture for display.
+    """Radiance with one sample a pixel or several, resolved radiance, and the picture for display.
 
     Radiance is in 32-bit floats: the sun's disc is brighter than half precision can hold.
     """
 
-    def __init__(self, context: Any, size: tuple[int, int]):
+    def __init__(self, context: Any, size: tuple[int, int], samples: int = SAMPLES):
         self.size = size
-        self._colour = context.renderbuffer(size, 4, samples=SAMPLES, dtype="f4")
+        self._samples = samples
+        # Of OpenGL's, 0 is one sample, whose depth is tested before it is shaded.
+        stored = samples if samples > 1 else 0
+        self._colour = context.renderbuffer(size, 4, samples=stored, dtype="f4")
         self.multisampled = context.framebuffer([self._colour])
-        self._depth = FloatDepth(self.multisampled, size, SAMPLES)
+        self._depth = FloatDepth(self.multisampled, size, stored)
         self.radiance = context.texture(size, 4, dtype="f4")
         self.resolved = context.framebuffer([self.radiance])
         self._display = context.texture(size, 4)
@@ -30,7 +33,7 @@ class Targets:
     @property
     def samples(self) -> int:
         """Samples of all pixels."""
-        return self.size[0] * self.size[1] * SAMPLES
+        return self.size[0] * self.size[1] * self._samples
 
     def read_resolved(self) -> NDArray[np.float32]:
         """The resolved picture (h, w, 4), row 0 at the top."""

@@ -85,7 +85,8 @@ class Window:
         self._draws: list[Span] = []
         self._gaps: list[tuple[Span, float]] = []
         self._last_s = (time.perf_counter(), time.thread_time())
-        self.stills = 0
+        self.stills = self._stills_before = 0
+        self._sky = ""
         self.flags = QEventLoop.ProcessEventsFlag.AllEvents
         self.session = Session(lambda: self._timed(open_stage()))
         self.window = MainWindow(self.session)
@@ -97,6 +98,7 @@ class Window:
         project = load_project(path) if is_project else Project(scene=str(path), at=_AT)
         self.window.files.open_project(project)
         self.session.picture_shown.connect(self._count)
+        self.session.listen(BackgroundChanged, self._sky_heard)
         self._beat = QTimer()
         self._beat.timeout.connect(self._note)
         self._beat.start(0)
@@ -118,6 +120,10 @@ class Window:
 
     def _count(self, shown: Shown) -> None:
         self.stills += shown.still
+
+    def _sky_heard(self, background: BackgroundChanged) -> None:
+        if background.source != self._sky:
+            self._sky, self._stills_before = background.source, self.stills
 
     def _note(self) -> None:
         now_s = (time.perf_counter(), time.thread_time())
@@ -144,16 +150,10 @@ class Window:
         self.until(lambda: self.stills > before)
 
     def choose(self, sky: str) -> None:
-        """Wait for a picture of another sky."""
-
-        def source() -> str:
-            background = self.session.last(BackgroundChanged)
-            return "" if background is None else background.source
-
-        if source() != sky:
+        """Wait for a finished picture of another sky."""
+        if self._sky != sky:
             self.session.send(ChooseSlot(slot="sky", module=sky))
-            self.until(lambda: source() == sky)
-            self.still()
+            self.until(lambda: self._sky == sky and self.stills > self._stills_before)
 
     def gaps_s(self, act: Callable[[], None]) -> tuple[float, float, float]:
         """The longest gap while an act happens, outside drawing, and the most own CPU time."""
@@ -185,21 +185,24 @@ class Stopwatch(QObject):
         self._bench = bench
         self._shown: Shown | None = None
         self._painted_s = self._paint_s = 0.0
-        self._has_sky = False
+        self._has_sky = self._is_finished = False
         self._view = bench.window.desk.viewport
         self._view.installEventFilter(self)
         bench.session.picture_shown.connect(self._picture_shown)
         bench.session.listen(BackgroundChanged, self._sky_heard)
 
     def parts_s(self, slider: Any, notch: int) -> tuple[float, ...]:
-        """Seconds of `PARTS`, of one move of the slider."""
-        self._shown, self._painted_s, self._has_sky = None, 0.0, False
+        """Seconds of `PARTS`, of one move of the slider; ends with its finished picture."""
+        self._shown, self._painted_s, self._has_sky, self._is_finished = None, 0.0, False, False
         start_ns = time.perf_counter_ns()
         slider.setValue(notch)
         self._bench.until(lambda: self._painted_s > 0.0)
         assert self._shown is not None
         whole_s = self._painted_s - 1e-9 * start_ns
-        return self._handler_s(start_ns), self._shown.seconds, self._paint_s, whole_s
+        parts_s = self._handler_s(start_ns), self._shown.seconds, self._paint_s, whole_s
+        # It may have come before the handlers' answer, and would not come again.
+        self._bench.until(lambda: self._is_finished)
+        return parts_s
 
     def _handler_s(self, since_ns: int) -> float:
         """Time of all handlers since then, from the kernel's trace."""
@@ -224,8 +227,9 @@ class Stopwatch(QObject):
         self._has_sky = True
 
     def _picture_shown(self, shown: Shown) -> None:
-        if self._has_sky and self._shown is None:
-            self._shown = shown
+        if self._has_sky:
+            self._shown = self._shown or shown
+            self._is_finished |= shown.still
 
 
 def latency(bench: Window, sky: str) -> list[float]:
@@ -233,11 +237,9 @@ def latency(bench: Window, sky: str) -> list[float]:
     bench.choose(sky)
     row = bench.window.panels["sky"].panels[sky].rows["turbidity"]  # type: ignore[attr-defined]
     row.name.setChecked(True)
-    bench.still()
-    watch, moves = Stopwatch(bench), []
-    for number in range(_MOVES):
-        moves.append(watch.parts_s(row.editor.slider, 200 + 40 * number))
-        bench.still()
+    watch, slider = Stopwatch(bench), row.editor.slider
+    # The first move is from the sky's own turbidity, and to it: not counted.
+    moves = [watch.parts_s(slider, 200 + 40 * number) for number in range(-1, _MOVES)][1:]
     return [float(seconds) for seconds in np.median(np.array(moves), axis=0)]
 
 

@@ -44,10 +44,12 @@ def light_at(
     rays: int,
     threads: int = 1,
     go_on: GoOn = always,
+    first_ray: int = 0,
 ) -> PointLight:
     """Light of an hour at `places_m` (P, 3) on planes with unit `normals` (P, 3), world axes.
 
-    The key light's own is not in it. Light does not depend on the number of threads.
+    The key light's own is not in it. Light does not depend on the number of threads. Rays are
+    numbered from `first_ray`: other numbers are other rays.
 
     Raises:
         GivenUp: by `go_on`.
@@ -74,7 +76,7 @@ def light_at(
         last = min(first + _BLOCK, len(places))
         here = slice_of(rows, first, last)
         # Nobody looks at points inside bodies: backs are of sheets, and hide what is behind.
-        found = with_rays(bake.tree, receivers, here, column_of, 0, rays, NODES + texels)
+        found = with_rays(bake.tree, receivers, here, column_of, first_ray, rays, NODES + texels)
         for means, of in ((light[first:last], column_light), (square[first:last], squares)):
             sky_gathered(found, of, 0, last - first, means)
             patches_gathered(found, of, 0, last - first, means)

@@ -70,6 +70,8 @@ class MeshRenderer(CasterRenderer):
         self.section: Section | None = None
         self._queries = OcclusionQueries()
         self._levels_finer = 0.0
+        # Of the pictures that one is the mean of: each has other pixels of what is cut out.
+        self.picture_number = 0
 
     def delete(self) -> None:
         """Free all that it keeps on the GPU."""
@@ -196,6 +198,7 @@ class MeshRenderer(CasterRenderer):
         uniforms = {
             "reflection_scale": float(reflection.scale),
             "level_roughness": np.array(LEVEL_ROUGHNESS),
+            "picture_number": self.picture_number,
         }
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)

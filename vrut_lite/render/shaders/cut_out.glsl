@@ -14,10 +14,12 @@ float shadow_threshold() {
     return (float((3 * at.y + at.x) * 4 % 9) + 0.5) / 9.0;
 }
 
-// A threshold by the pixel, even over 4 x 4 of them (Bayer).
+uniform int picture_number;
+
+// A threshold by the pixel, even over 4 x 4 of them (Bayer), and over eight pictures of one.
 float threshold() {
     ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;
     at &= 1;
     int fine = 2 * (at.x ^ at.y) + at.y, coarse = 2 * (half_at.x ^ half_at.y) + half_at.y;
-    return (float(4 * fine + coarse) + 0.5) / 16.0;
+    return (float((4 * fine + coarse + 2 * picture_number) & 15) + 0.5) / 16.0;
 }

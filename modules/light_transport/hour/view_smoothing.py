@@ -1,0 +1,137 @@
+"""Means over neighbouring points of a still, within what noise and room allow.
+
+Noise is smoothed over so many points to each side, then over so many that lie farther apart
+(Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly where there
+is room, and what differs by more than its noise is no noise.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.giving_up import GoOn
+from light_transport.kernels import inlined, kernel
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+_REACH, _APART = 2, (1, 2, 4)
+# Mean room tells little of what is near: farther points count within less of it.
+_SHARE_OF_ROOM = (0.3, 0.03, 0.03)
+# Points differ by so many times the noise about them. Where that is a large share of the light, a
+# few rays through a window bring most of it: room alone decides.
+_NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.15
+
+
+class PointGrid(NamedTuple):
+    """Points in rows and columns (H, W) as a picture shows them.
+
+    Attributes:
+        plane: (H, W, 4) float32, face normals and distances; 0 where nothing is seen.
+        place: (H, W, 3) float32, relative to the eye, in radii.
+    """
+
+    plane: Float32Array
+    place: Float32Array
+
+    def filled(self, values: Float32Array, points: NDArray[np.intp]) -> Float32Array:
+        """Values (N,) of some points, by their numbers (N,), as a grid (H, W); 0 elsewhere."""
+        grid = np.zeros(self.plane.shape[:2], np.float32)
+        grid.ravel()[points] = values
+        return grid
+
+
+def smoothed(
+    values: Float32Array, grid: PointGrid, room: Float32Array, error: Float32Array, go_on: GoOn
+) -> Float32Array:
+    """Means of values (H, W, 4) of this room (H, W), in radii, and error (H, W), rms."""
+    noise2 = _noise2(values, error)
+    for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
+        go_on()
+        values = _smoothed(values, *grid, room, noise2, apart, share)
+    return values
+
+
+def company(grid: PointGrid, room: Float32Array) -> Float32Array:
+    """How many points (H, W) next to a point share its light, itself included, if it is even."""
+    return np.asarray(_company(*grid, room, _SHARE_OF_ROOM[0]))
+
+
+def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
+    """The square of what noise may be (rows, columns), by what rays leave around a point."""
+    noise2 = _mean_about(error * error)
+    mean = _mean_about(luminance(values[..., :3]))
+    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
+    return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
+
+
+def _mean_about(values: FloatArray | Float32Array) -> FloatArray:
+    """Of numbers (H, W) and their neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
+    mean: FloatArray = np.asarray(values)
+    for _ in range(2):
+        rows = np.pad(mean, ((_AROUND // 2,) * 2, (0, 0)), mode="symmetric")
+        mean = np.asarray(sum(rows[k : k + len(mean)] for k in range(_AROUND))).T / _AROUND
+    return mean
+
+
+@inlined
+def _shared(plane, place, room, y, x, r, c, share):  # type: ignore[no-untyped-def]
+    """How far two points count as one, by their planes and the room about them."""
+    alike, away2, off = np.float32(0.0), np.float32(0.0), np.float32(0.0)
+    for k in range(3):
+        step = place[r, c, k] - place[y, x, k]
+        alike += plane[r, c, k] * plane[y, x, k]
+        away2 += step * step
+        off += step * plane[y, x, k]
+    away = np.sqrt(away2)
+    if alike < np.float32(0.9) or abs(off) > np.float32(0.1) * away:
+        return np.float32(0.0)
+    reach = np.float32(share) * min(room[y, x], room[r, c])
+    weight = min(np.float32(1.0), reach / max(away, np.float32(1e-9)))
+    return weight * weight
+
+
+@kernel
+def _company(plane, place, room, share):  # type: ignore[no-untyped-def]
+    """The sum of what neighbours of each point (H, W) count, at least 1."""
+    height, width = room.shape
+    out = np.empty_like(room)
+    for y in range(height):
+        for x in range(width):
+            total = np.float32(0.0)
+            for r in range(max(y - _REACH, 0), min(y + _REACH + 1, height)):
+                for c in range(max(x - _REACH, 0), min(x + _REACH + 1, width)):
+                    total += _shared(plane, place, room, y, x, r, c, share)
+            out[y, x] = max(total, np.float32(1.0))
+    return out
+
+
+@kernel
+def _smoothed(light, plane, place, room, noise2, apart, share):  # type: ignore[no-untyped-def]
+    """Means of light (H, W, 4) over neighbours on one plane, by room and squared noise (H, W)."""
+    height, width = room.shape
+    out = np.zeros_like(light)
+    for y in range(height):
+        for x in range(width):
+            total = np.float32(0.0)
+            for i in range(-_REACH, _REACH + 1):
+                for j in range(-_REACH, _REACH + 1):
+                    r, c = y + i * apart, x + j * apart
+                    if r < 0 or c < 0 or r >= height or c >= width:
+                        continue
+                    weight = _shared(plane, place, room, y, x, r, c, share)
+                    if weight <= 0.0:
+                        continue
+                    apart_by = np.float32(0.2126) * (light[r, c, 0] - light[y, x, 0])
+                    apart_by += np.float32(0.7152) * (light[r, c, 1] - light[y, x, 1])
+                    apart_by += np.float32(0.0722) * (light[r, c, 2] - light[y, x, 2])
+                    both = noise2[r, c] + noise2[y, x]
+                    same = np.float32(1.0) - apart_by**2 / max(both, np.float32(1e-30))
+                    weight *= max(same, np.float32(0.0))
+                    total += weight
+                    for k in range(4):
+                        out[y, x, k] += weight * light[r, c, k]
+            if total > 0.0:
+                for k in range(4):
+                    out[y, x, k] /= total
+    return out
