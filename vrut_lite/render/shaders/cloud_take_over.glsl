@@ -26,7 +26,7 @@ float metres_at(vec2 place) {
 
 #ifdef INTERPOLATE
 // Range of four texels; of radiance, of the greatest.
-const float SMOOTH = 0.1;
+const float SMOOTH = 0.15;
 
 bool is_smooth(sampler2D picture, ivec2 low) {
     ivec2 most = textureSize(picture, 0) - 1;

@@ -19,7 +19,7 @@ const float FEWEST_STEPS = 40.0, SHORTEST_STEP_M = 1.0;
 const int STEPS_TO_COARSE = 5;
 // Diffused optical depth of a step in a cloud's full density.
 const float DEEPEST_STEP = 1.5;
-const int SURFACE_HALVINGS = 4;
+const int SURFACE_HALVINGS = 3;
 const float OPAQUE = 0.01;
 // Of what is seen.
 const float PART = 0.15;
