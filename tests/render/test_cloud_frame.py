@@ -140,7 +140,7 @@ def test_clouds_are_finite_and_not_negative_for_every_eye(stage, sun):
 def test_a_still_is_the_full_march(gl_backend, tmp_path, monkeypatch):
     """What a still interpolates, and shares between its samples, is within 1.5 % rms of a march of
     each pixel; before a square and beside it."""
-    backend = gl_backend(size_px=(48, 32))
+    backend = gl_backend(size_px=(96, 64))
     nodes = [{"mesh": 0, "translation": [40, 50, 0], "rotation": [0, 0, 0.70710678, 0.70710678]}]
     backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0), nodes=nodes)))
     sky = np.full((6, 16, 16, 3), 4.0)
