@@ -10,10 +10,10 @@
 //!include air.glsl
 #endif
 
-const int MOST_STEPS = 256;
-// Fine steps, as shares of the layer's thickness and of the distance; coarse ones in clear air
-// are so much longer.
-const float FINE = 0.025, FINE_OF_DISTANCE = 0.006, COARSE = 3.0;
+const int MOST_STEPS = 512;
+// Fine steps, as shares of the layer's thickness and of the distance, in thick layers no longer
+// than the billows that they must find; coarse ones in clear air are so much longer.
+const float FINE = 0.025, FINEST_M = 80.0, FINE_OF_DISTANCE = 0.006, COARSE = 3.0;
 // Fine steps of a piece, at least, however far it is.
 const float FEWEST_STEPS = 40.0, SHORTEST_STEP_M = 1.0;
 const int STEPS_TO_COARSE = 5;
@@ -69,7 +69,7 @@ struct Place {
 };
 
 float fine_step_m(float t) {
-    return max(FINE * clouds.thickness_m, FINE_OF_DISTANCE * t);
+    return max(min(FINE * clouds.thickness_m, FINEST_M), FINE_OF_DISTANCE * t);
 }
 
 Place place_at(LayerRay ray, float at_m, float fine_m) {
