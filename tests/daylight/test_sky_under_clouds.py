@@ -1,11 +1,13 @@
 """The sum of a clear sky and clouds, in pure functions."""
 
+import msgspec
 import numpy as np
 import pytest
 from cloud_stage import rough_layer, slab, slab_irradiance
 from light_messages import light_messages, radiance_of
 
 from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
@@ -73,6 +75,20 @@ def test_cube_harmonics_and_ground_agree():
     np.testing.assert_allclose(cube[~UPPER], np.broadcast_to(ground, cube[~UPPER].shape), rtol=1e-3)
     on_level = 0.8 * np.array(light.key_light.irradiance_rgb) + horizontal_irradiance(cube)
     np.testing.assert_allclose(np.pi * ground / on_level, 0.2, rtol=0.01)
+
+
+def test_haze_hides_far_clouds():
+    """Low in the sky: haze of depth 5 leaves an even sky where clouds had shown, to 3 %:
+    air before clouds is in their shade, that in gaps is not."""
+    background, sun, *others = clear_sky()
+    hazy = msgspec.structs.replace(sun, haze=(HazeLayer(1000.0, (5.0, 5.0, 5.0)),))
+    low = UPPER & (texel_directions(32)[..., 1] < 0.2)
+    spread = []
+    for key_light in (sun, hazy):
+        seen = cube_of(summed(rough_layer(), sky=(background, key_light, *others)))[low]
+        spread.append((seen.std(axis=0) / seen.mean(axis=0)).max())
+    assert spread[0] > 0.1
+    assert spread[1] < 0.03
 
 
 def test_under_an_overcast_the_sun_goes_and_the_ground_darkens():

@@ -2,7 +2,8 @@
 
 Radiance along a ray: the air up to each layer sends its share of the clear sky's light, as far as
 it is lit, the layer its own through that air, and what is behind either passes by the layer's
-transmittance. The air is that of molecules alone. Importing this module imports numba.
+transmittance. The air is that of molecules and of the haze that the key light names. Importing
+this module imports numba.
 """
 
 from typing import NamedTuple
@@ -19,7 +20,8 @@ from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.sun import HazeLayer, KeyLightChanged
+from vrut_lite.daylight.sun_aloft import haze_depth
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -28,7 +30,8 @@ from vrut_lite.geometry.spherical_harmonics import (
 )
 from vrut_lite.numeric_types import FloatArray, Vector
 
-# Rayleigh scattering at sea level at 635, 550 and 465 nm, where linear sRGB has its weight.
+# Where linear sRGB has its weight, and Rayleigh scattering at sea level there.
+_RGB_NM = np.array([635.0, 550.0, 465.0])
 _RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
 _SCALE_HEIGHT_M = 8000.0
 # An eye higher than this share of the clouds' base sees them otherwise than the ground does.
@@ -174,7 +177,7 @@ def _seen(
     lit_layers = zip(layers, lights_on(layers, light), strict=True)
     for layer, light_on in sorted(lit_layers, key=lambda lit: _distance_m(lit[0], eye_m[1])):
         seen = clouds_seen(layer, light_on, eye_m, directions, 0.5 * np.pi / size)
-        before, all_of_it = _air_depths(eye_m[1], directions[:, 1], seen.distance_m)
+        before, all_of_it = _air_depths(light.haze, eye_m[1], directions[:, 1], seen.distance_m)
         share = -np.expm1(-before) / np.maximum(-np.expm1(-all_of_it), 1e-9)
         # Rays that meet no cloud have a distance of 0, which changes nothing.
         share = np.maximum(np.clip(share, 0.0, 1.0), air_so_far)
@@ -199,28 +202,34 @@ def _distance_m(layer: CloudLayer, altitude_m: float) -> float:
 
 
 def _air_depths(
-    eye_altitude_m: float, mu: FloatArray, distance_m: FloatArray
+    haze: tuple[HazeLayer, ...], eye_altitude_m: float, mu: FloatArray, distance_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Optical depths (n, 3) of molecules up to clouds (n,), and up to ground or space.
+    """Optical depths (n, 3) of the air up to clouds (n,), and up to ground or space.
 
     mu (n,): the rays' zenith cosines.
     """
     horizontal_m = distance_m * np.sqrt(np.maximum(1.0 - mu * mu, 0.0))
     far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * PLANET_RADIUS_M)
-    before = distance_m * _mean_density(eye_altitude_m, far_altitude_m)
-    # Along the horizon there is as much air as along 38 scale heights.
-    upward = _SCALE_HEIGHT_M * np.exp(-eye_altitude_m / _SCALE_HEIGHT_M)
-    downward = _SCALE_HEIGHT_M * -np.expm1(-eye_altitude_m / _SCALE_HEIGHT_M)
-    whole = np.where(mu > 0.0, upward, downward) / np.maximum(np.abs(mu), 1.0 / 38.0)
-    return before[:, None] * _RAYLEIGH_PER_M, whole[:, None] * _RAYLEIGH_PER_M
+    of_haze = [(layer.height_m, haze_depth(layer, _RGB_NM) / layer.height_m) for layer in haze]
+    before, whole = np.zeros((2, len(mu), 3))
+    for scale_m, per_m in [(_SCALE_HEIGHT_M, _RAYLEIGH_PER_M), *of_haze]:
+        in_m = distance_m * _mean_density(eye_altitude_m, far_altitude_m, scale_m)
+        before += in_m[:, None] * per_m
+        # Along the horizon there is as much as along so many scale heights.
+        most = np.sqrt(0.5 * np.pi * PLANET_RADIUS_M / scale_m)
+        upward = scale_m * np.exp(-eye_altitude_m / scale_m)
+        downward = scale_m * -np.expm1(-eye_altitude_m / scale_m)
+        through_m = np.where(mu > 0.0, upward, downward) / np.maximum(np.abs(mu), 1.0 / most)
+        whole += through_m[:, None] * per_m
+    return before, whole
 
 
-def _mean_density(from_m: float, to_m: FloatArray) -> FloatArray:
-    """Mean density (n,) of air between altitudes, relative to sea level."""
-    rise = (np.maximum(to_m, 0.0) - from_m) / _SCALE_HEIGHT_M
+def _mean_density(from_m: float, to_m: FloatArray, scale_m: float) -> FloatArray:
+    """Mean density (n,) between altitudes, relative to sea level."""
+    rise = (np.maximum(to_m, 0.0) - from_m) / scale_m
     level = np.abs(rise) < 1e-6
     mean = np.where(level, 1.0, -np.expm1(-rise) / np.where(level, 1.0, rise))
-    return np.asarray(np.exp(-from_m / _SCALE_HEIGHT_M) * mean)
+    return np.asarray(np.exp(-from_m / scale_m) * mean)
 
 
 def _vector(values: FloatArray) -> Vector:

@@ -84,11 +84,11 @@ def _optical_depth(
     depth += ozone[..., None] * ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M)
     for layer in haze:
         heights = (np.exp(-height / layer.height_m) * weight).sum(axis=-1) / layer.height_m
-        depth += heights[..., None] * _depth_at(layer, wavelength_nm)
+        depth += heights[..., None] * haze_depth(layer, wavelength_nm)
     return np.where(misses[..., None], 0.0, depth)
 
 
-def _depth_at(layer: HazeLayer, wavelength_nm: FloatArray) -> FloatArray:
+def haze_depth(layer: HazeLayer, wavelength_nm: FloatArray) -> FloatArray:
     """Vertical depth (n,) of a layer: its logarithm is a parabola of the wavelength's."""
     log_depth = np.log(np.maximum(layer.optical_depth, _LEAST_DEPTH))
     parabola = np.polyfit(np.log(HAZE_NM), log_depth, 2)

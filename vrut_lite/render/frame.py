@@ -192,9 +192,9 @@ class Frame:
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
         self.ledger.did("picture", len(shifts))
         resolved: NDArray[np.float32] | None = None
-        for number, shift_px in enumerate(shifts):
+        for sample, shift_px in enumerate(shifts):
             self._patience.check()
-            self._meshes.picture_number = number
+            self._meshes.picture_number = sample
             targets.multisampled.use()
             targets.multisampled.clear()
             shifted = view if len(shifts) == 1 else view.shifted(shift_px, targets.size)
@@ -211,6 +211,7 @@ class Frame:
                     air,
                     still,
                     state.shows,
+                    sample,
                 )
             with self.measure("resolve"):
                 self._context.copy_framebuffer(targets.resolved, targets.multisampled)
@@ -255,6 +256,7 @@ class Frame:
         air: FrameAir,
         still: bool,
         shows: Shown,
+        sample: int,
     ) -> None:
         """Solid surfaces, the sky in what they leave, clouds, and what shows all these.
 
@@ -307,7 +309,7 @@ class Frame:
         with self.measure("night"):
             self._night.draw(targets.size, view)
         with self.measure("clouds"):
-            self._clouds.draw(scene, targets, view, air, still)
+            self._clouds.draw(scene, targets, view, air, still, sample)
         if any(needs_backdrop(placed.primitive.material) for placed in blended):
             with self.measure("backdrop"):
                 self._backdrop.take(targets.multisampled, targets.size)

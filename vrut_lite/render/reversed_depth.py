@@ -51,6 +51,8 @@ class DepthTexture:
 
     def __init__(self, size: tuple[int, int]):
         self.size = size
+        # A unit whose texture is set before each use: others keep theirs.
+        GL.glActiveTexture(GL.GL_TEXTURE0)
         self._texture = int(GL.glGenTextures(1))
         GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
         GL.glTexStorage2D(GL.GL_TEXTURE_2D, 1, GL.GL_DEPTH_COMPONENT32F, *size)

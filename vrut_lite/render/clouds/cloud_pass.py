@@ -24,7 +24,8 @@ from vrut_lite.render.targets import Targets
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
-# Pixels of the frame to one of the clouds', along each side; a still has one for each.
+# Pixels of the frame to one of the clouds' while something moves, along each side; a still has one
+# for each in the end.
 COARSER = 2
 # Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
 # size of the next. Two for each thread that a software renderer may have.
@@ -37,7 +38,7 @@ _NEAR_M = 200.0
 
 
 class _Before(NamedTuple):
-    """A moving picture of the clouds: what it shows, whence, and in which light."""
+    """A picture of the clouds: what it shows, whence, and in which light."""
 
     target: Any
     view: View
@@ -52,12 +53,14 @@ class CloudPass:
     def __init__(self, context: Any, patience: Patience):
         self._context = context
         self._pieces = Pieces(patience, _MOST_TILES)
-        self._marches: dict[Defines, FullScreen] = {}
+        self._programs: dict[tuple[str, Defines], FullScreen] = {}
         self._composite: FullScreen | None = None
         self._targets = SizeCache(context, lambda size: _CloudTarget(context, size))
         self._others = SizeCache(context, lambda size: _CloudTarget(context, size))
         self._depths = SizeCache(context, DepthTexture)
         self._before: _Before | None = None
+        # What a still has already.
+        self._known: _Before | None = None
         self._turn = 0
 
     def draw(
@@ -66,81 +69,131 @@ class CloudPass:
         targets: Targets | MovingTargets,
         view: View,
         air: Defines,
-        pixels: int,
         before_meshes: bool,
         light: int | None,
+        sample: int,
     ) -> None:
         """March through the clouds and blend them in.
 
         Args:
-            pixels: of the frame to one of the clouds', along each side.
             before_meshes: whether clouds may stand before meshes.
             light: while something moves, a number of the light on them: pictures of the same light
                 are taken over. None: the picture is a still.
+            sample: of a still's pixels, which; the first comes first.
         """
-        width, height = targets.size
-        size = (-(-width // pixels), -(-height // pixels))
-        target = self._targets.get(size)
-        if self._before is not None and self._before.target is target:
-            target = self._others.get(size)
         defines = (*(name for name in air if name == "AIR"),)
-        if before_meshes:
-            defines = (*defines, "BEFORE_MESHES")
-            depth = self._depths.get(targets.size)
-            depth.copy(targets.multisampled)
-            depth.use(location=4)
-        before, self._before = self._before, None
-        if light is not None:
-            assert clouds.layer is not None
-            self._before = _Before(target, view, clouds.layer.drift_m, defines, light)
-            if before is not None and _holds(before, self._before):
-                self._take_over(before, self._before)
-                defines = (*defines, "TAKE_OVER")
-        self._march(clouds, view, defines, target, pixels)
+        depth = self._depths.get(targets.size)
+        depth.copy(targets.multisampled)
+        depth.use(location=4)
+        if light is None:
+            self._before = None
+            target = self._still(clouds, view, defines, targets.size, sample)
+        else:
+            target = self._moving(clouds, view, defines, targets.size, light)
         targets.multisampled.use()
         self._blend(target.before_sky, only_sky=True)
         if before_meshes:
             self._blend(target.before_mesh, only_sky=False)
 
+    def _moving(
+        self,
+        clouds: CloudsOnGpu,
+        view: View,
+        defines: Defines,
+        size: tuple[int, int],
+        light: int,
+    ) -> "_CloudTarget":
+        """A coarser picture, in part of what the one before shows."""
+        before, self._before = self._before, None
+        target = self._targets.get(_coarser(size))
+        if before is not None and before.target is target:
+            target = self._others.get(target.size)
+        now = _picture(target, clouds, view, defines, light)
+        if before is not None and _holds(before, now):
+            self._turn = (self._turn + 1) % _TURNS
+            self._program("cloud_known.frag", ("TAKE_OVER",)).set("turn", self._turn)
+            self._march(clouds, now, COARSER, before, ("TAKE_OVER",))
+        else:
+            self._march(clouds, now, COARSER, None)
+        self._before = now
+        return target
+
+    def _still(
+        self,
+        clouds: CloudsOnGpu,
+        view: View,
+        defines: Defines,
+        size: tuple[int, int],
+        sample: int,
+    ) -> "_CloudTarget":
+        """Every pixel marched that a coarser picture, or that of the first sample, does not say."""
+        target = (self._others if sample else self._targets).get(size)
+        now = _picture(target, clouds, view, defines, 0)
+        if not sample:
+            coarser = self._targets.get(_coarser(size))
+            self._known = _picture(coarser, clouds, view, defines, 0)
+            self._march(clouds, self._known, COARSER, None)
+        self._march(clouds, now, 1, self._known, ("TAKE_OVER", "INTERPOLATE"))
+        if not sample:
+            self._known = now
+        return target
+
     def release(self) -> None:
         """Free the GL objects."""
-        for screen in (*self._marches.values(), self._composite):
+        for screen in (*self._programs.values(), self._composite):
             if screen is not None:
                 screen.release()
-        self._before = None
+        self._before = self._known = None
         self._targets.release()
         self._others.release()
         self._depths.release()
 
-    def _take_over(self, before: _Before, now: _Before) -> None:
+    def _take_over(self, known: FullScreen, before: _Before, now: _Before) -> None:
         """Set what the march takes over."""
-        self._turn = (self._turn + 1) % _TURNS
         before.target.before_sky.use(location=_OLD_SKY_UNIT)
         before.target.before_mesh.use(location=_OLD_MESH_UNIT)
         before.target.distance_m.use(location=_OLD_DISTANCE_UNIT)
-        march = self._program((*now.defines, "TAKE_OVER"))
-        march.set("old_clip_from_axes", (before.view.projection @ before.view.rotation).T.ravel())
-        march.set("moved_m", _moved_m(before, now))
-        march.set("turn", self._turn)
+        known.set("old_clip_from_axes", (before.view.projection @ before.view.rotation).T.ravel())
+        known.set("moved_m", _moved_m(before, now))
 
-    def _program(self, defines: Defines) -> FullScreen:
-        if defines not in self._marches:
-            self._marches[defines] = FullScreen(self._context, "clouds.frag", defines)
-        return self._marches[defines]
+    def _program(self, shader: str, defines: Defines) -> FullScreen:
+        program = shader, defines
+        if program not in self._programs:
+            self._programs[program] = FullScreen(self._context, *program)
+        return self._programs[program]
 
     def _march(
-        self, clouds: CloudsOnGpu, view: View, defines: Defines, target: Any, pixels: int
+        self,
+        clouds: CloudsOnGpu,
+        now: _Before,
+        pixels: int,
+        before: _Before | None,
+        take_over: Defines = (),
     ) -> None:
-        march = self._program(defines)
-        march.set("ray_from_clip", np.linalg.inv(view.projection @ view.rotation).T.ravel())
-        march.set("near_m", float(view.projection[2, 3]))
-        march.set("view_axis", -view.rotation[2, :3])
-        march.set("mesh_pixels", float(pixels))
-        target.buffer.use()
+        """Draw a picture, of which another may know a part."""
+        known = self._program("cloud_known.frag", take_over)
+        march = self._program("clouds.frag", now.defines)
+        if before is not None:
+            self._take_over(known, before, now)
+        for program in (known, march):
+            view = now.view
+            program.set("ray_from_clip", np.linalg.inv(view.projection @ view.rotation).T.ravel())
+            program.set("near_m", float(view.projection[2, 3]))
+            program.set("view_axis", -view.rotation[2, :3])
+            program.set("mesh_pixels", pixels)
+        context = self._context
+        now.target.buffer.use()
         clouds.bind_noises()
-        self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
-        self._context.disable(self._context.CULL_FACE)
-        self._pieces.draw(target.size, lambda piece: march.draw())
+        context.disable(context.BLEND | context.CULL_FACE)
+        context.enable(context.DEPTH_TEST)
+        GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(1, np.float32))
+        GL.glDepthRange(1.0, 1.0)
+        GL.glDepthFunc(GL.GL_ALWAYS)
+        known.draw()
+        GL.glDepthFunc(GL.GL_GREATER)
+        self._pieces.draw(now.target.size, lambda piece: march.draw())
+        GL.glDepthRange(0.0, 1.0)
+        context.disable(context.DEPTH_TEST)
 
     def _blend(self, cloud: Any, only_sky: bool) -> None:
         """Blend over samples of the sky, at infinite depth, or over samples of meshes."""
@@ -160,6 +213,15 @@ class CloudPass:
         GL.glDepthRange(0.0, 1.0)
         GL.glDepthFunc(GL.GL_GREATER)
         context.disable(context.BLEND)
+
+
+def _picture(target: Any, clouds: CloudsOnGpu, view: View, defines: Defines, light: int) -> _Before:
+    assert clouds.layer is not None
+    return _Before(target, view, clouds.layer.drift_m, defines, light)
+
+
+def _coarser(size: tuple[int, int]) -> tuple[int, int]:
+    return -(-size[0] // COARSER), -(-size[1] // COARSER)
 
 
 def _holds(before: _Before, now: _Before) -> bool:
@@ -188,9 +250,13 @@ class _CloudTarget:
         self.distance_m = context.texture(size, 1, dtype="f4")
         self.distance_m.filter = (context.NEAREST, context.NEAREST)
         self.distance_m.repeat_x = self.distance_m.repeat_y = False
-        self.buffer = context.framebuffer([self.before_sky, self.before_mesh, self.distance_m])
+        # What need not be marched has a depth.
+        self._known = context.depth_renderbuffer(size)
+        self.buffer = context.framebuffer(
+            [self.before_sky, self.before_mesh, self.distance_m], self._known
+        )
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
-        for thing in (self.buffer, self.before_sky, self.before_mesh, self.distance_m):
+        for thing in (self.buffer, self._known, self.before_sky, self.before_mesh, self.distance_m):
             thing.release()

@@ -11,7 +11,7 @@ from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
-from vrut_lite.render.clouds.cloud_pass import COARSER, CloudPass
+from vrut_lite.render.clouds.cloud_pass import CloudPass
 from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
@@ -91,12 +91,16 @@ class FrameClouds:
         view: View,
         air: FrameAir,
         still: bool,
+        sample: int = 0,
     ) -> None:
-        """Layers over the sky, and over meshes that stand behind them."""
+        """Layers over the sky, and over meshes that stand behind them.
+
+        `sample`: of a still's pixels, which.
+        """
         if not self._drawn:
             return
         assert self._shadow is not None
-        pixels, highest_m = 1 if still else COARSER, scene.centre_m[1] + scene.radius_m
+        highest_m = scene.centre_m[1] + scene.radius_m
         light = None if still else self._shadow.lights
         eye_m = float(view.eye_m[1])
         # Farther layers first, so that nearer ones are blended over them.
@@ -111,7 +115,7 @@ class FrameClouds:
                 self._ledger.skip("clouds: before meshes, all below them")
             cloud.bind_again()
             self._shadow.bind_light(self._drawn.index(cloud))
-            drawing.draw(cloud, targets, view, air.mesh, pixels, before_meshes, light)
+            drawing.draw(cloud, targets, view, air.mesh, before_meshes, light, sample)
             self._ledger.did("clouds")
         # What is drawn next is shaded by the map, which lies at the lowest base.
         self._drawn[0].bind_again()

@@ -1,5 +1,6 @@
-// While something moves, three quarters of the clouds are taken over from the picture before, where
-// they have moved to: each block of pixels is marched once in four pictures.
+// Clouds that another picture has already. While something moves, three quarters are taken over from
+// the picture before, where they have moved to: each block of pixels is marched once in four
+// pictures. A still interpolates a coarser picture, or that of other samples, where it is smooth.
 
 layout(binding = 8) uniform sampler2D old_before_sky;
 layout(binding = 10) uniform sampler2D old_before_mesh;
@@ -18,19 +19,48 @@ vec2 old_place(vec3 d, float metres) {
     return clip.w > 0.0 ? 0.5 + 0.5 * clip.xy / clip.w : vec2(-1.0);
 }
 
-bool taken_over(vec3 d, float mesh_m) {
+float metres_at(vec2 place) {
+    float metres = textureLod(old_distance_m, place, 0.0).r;
+    return metres < 0.0 ? -1.0 - metres : metres;
+}
+
+#ifdef INTERPOLATE
+// Range of four texels; of radiance, of the greatest.
+const float SMOOTH = 0.15;
+
+bool is_smooth(sampler2D picture, ivec2 low) {
+    ivec2 most = textureSize(picture, 0) - 1;
+    vec4 least = vec4(FAR_M), greatest = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        vec4 texel = texelFetch(picture, clamp(low + ivec2(i & 1, i >> 1), ivec2(0), most), 0);
+        least = min(least, texel);
+        greatest = max(greatest, texel);
+    }
+    vec4 range = greatest - least;
+    return all(lessThanEqual(range.rgb, SMOOTH * greatest.rgb)) && range.a <= SMOOTH;
+}
+#endif
+
+bool taken_over(LayerRay ray) {
+    vec2 place = old_place(ray.d, FAR_M), size = vec2(textureSize(old_before_sky, 0));
+    float metres = metres_at(place);
+#ifdef INTERPOLATE
+    ivec2 low = ivec2(floor(place * size - 0.5));
+    if (!is_smooth(old_before_sky, low) || !is_smooth(old_before_mesh, low)) return false;
+#else
     ivec2 block = ivec2(gl_FragCoord.xy) / BLOCK;
     if (((block.x + 2 * (block.y & 1) + (block.y >> 1)) & (TURNS - 1)) == turn) return false;
-    vec2 place = old_place(d, FAR_M);
-    float metres = textureLod(old_distance_m, place, 0.0).r;
-    if (metres > 0.0) place = old_place(d, metres);
-    vec2 margin = 0.5 / vec2(textureSize(old_before_sky, 0));
+    if (metres > 0.0) place = old_place(ray.d, metres);
+    vec2 margin = 0.5 / size;
     if (any(lessThan(place, margin)) || any(greaterThan(place, 1.0 - margin))) return false;
-    metres = textureLod(old_distance_m, place, 0.0).r;
-    if (metres > 0.0 && abs(mesh_m - metres) < BESIDE * metres) return false;
+    metres = metres_at(place);
+#endif
+    if (metres > 0.0 && abs(ray.mesh_m - metres) < BESIDE * metres) return false;
+    // What was behind a mesh was not marched.
+    if (!ray.sky_hidden && any(lessThan(textureGather(old_distance_m, place), vec4(0.0)))) return false;
     before_sky = textureLod(old_before_sky, place, 0.0);
-    bool hidden = metres == 0.0 || mesh_m < metres;
+    bool hidden = metres == 0.0 || ray.mesh_m < metres;
     before_mesh = hidden ? vec4(0.0, 0.0, 0.0, 1.0) : textureLod(old_before_mesh, place, 0.0);
-    cloud_distance_m = metres;
+    cloud_distance_m = ray.sky_hidden ? -1.0 - metres : metres;
     return true;
 }
