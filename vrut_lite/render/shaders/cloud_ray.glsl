@@ -5,7 +5,6 @@ uniform float near_m;
 uniform int mesh_pixels;
 uniform vec3 view_axis;
 
-
 in vec3 ray;
 layout(location = 0) out vec4 before_sky;
 layout(location = 1) out vec4 before_mesh;

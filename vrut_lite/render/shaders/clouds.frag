@@ -25,7 +25,7 @@ const float OPAQUE = 0.01;
 const float PART = 0.15;
 const int MOST_PARTS = 10;
 
-// What is seen, what each part weighs.
+// What a ray has met so far.
 struct Seen {
     float transmittance;
     float distance_m;   // summed, weighted by what is seen
