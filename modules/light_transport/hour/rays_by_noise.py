@@ -45,7 +45,7 @@ def light_by_noise(
     found = light_at(bake, places_m, normals, hour, few, threads, go_on)
     room = grid.filled(found.room_m / surfaces.radius_m, seen)
     # Of those about a point: where few rays bring most, some points have met none of it.
-    error2 = mean_about(grid.filled(found.error**2, seen))
+    error2 = mean_about(grid.filled(found.error * found.error, seen))
     mean = mean_about(grid.filled(luminance(found.irradiance_rgb), seen))
     share = np.sqrt(error2) / np.maximum(mean, 1e-30)
     noisy = (share > _LARGE_SHARE) | (share > UNSEEN_NOISE * np.sqrt(company(grid, room)))
