@@ -34,7 +34,7 @@ class PointGrid(NamedTuple):
     plane: Float32Array
     place: Float32Array
 
-    def filled(self, values: Float32Array, points: NDArray[np.intp]) -> Float32Array:
+    def filled(self, values: FloatArray | Float32Array, points: NDArray[np.intp]) -> Float32Array:
         """Values (N,) of some points, by their numbers (N,), as a grid (H, W); 0 elsewhere."""
         grid = np.zeros(self.plane.shape[:2], np.float32)
         grid.ravel()[points] = values
