@@ -34,7 +34,7 @@ class PointGrid(NamedTuple):
     plane: Float32Array
     place: Float32Array
 
-    def filled(self, values: Float32Array, points: NDArray[np.intp]) -> Float32Array:
+    def filled(self, values: FloatArray | Float32Array, points: NDArray[np.intp]) -> Float32Array:
         """Values (N,) of some points, by their numbers (N,), as a grid (H, W); 0 elsewhere."""
         grid = np.zeros(self.plane.shape[:2], np.float32)
         grid.ravel()[points] = values
@@ -59,13 +59,13 @@ def company(grid: PointGrid, room: Float32Array) -> Float32Array:
 
 def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
     """The square of what noise may be (rows, columns), by what rays leave around a point."""
-    noise2 = _mean_about(error * error)
-    mean = _mean_about(luminance(values[..., :3]))
+    noise2 = mean_about(error * error)
+    mean = mean_about(luminance(values[..., :3]))
     share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
     return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
 
 
-def _mean_about(values: FloatArray | Float32Array) -> FloatArray:
+def mean_about(values: FloatArray | Float32Array) -> FloatArray:
     """Of numbers (H, W) and their neighbours, mirrored at the rim; scipy takes 0.4 s to import."""
     mean: FloatArray = np.asarray(values)
     for _ in range(2):
