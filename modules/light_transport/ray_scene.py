@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from light_transport.hour.openness import orientation_of
 from light_transport.layout.layout import Layout
 from light_transport.layout.probe_places import probe_places_m
+from light_transport.rays.cut_texels import cut_texels
 from light_transport.rays.mirror_rays import MirrorRays
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import Receivers, no_probes, probe_planes
@@ -83,8 +84,11 @@ class RayScene:
         edge = max(_SMALLEST_GROUP, _GROUP_TEXELS * float(np.median(widths)))
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.colour_of = self.texels.triangle
+        charts = layout.chart[self.texels.triangle]
+        self.texels, self.links = cut_texels(
+            self.tree, geometry, self.texels, links_of(self.texels, charts), self.over_rows
+        )
         self.receivers = Receivers(geometry, self.texels, probes, groups)
-        self.links = links_of(self.texels, layout.chart[self.texels.triangle])
         self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)

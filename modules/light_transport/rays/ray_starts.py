@@ -18,6 +18,7 @@ from light_transport.surfaces.groups import Groups
 from light_transport.surfaces.map_texels import (
     MapGeometry,
     Texels,
+    cell_at,
     ground_place,
     keep_off_edges,
     surface_place,
@@ -55,7 +56,6 @@ class Scratch(NamedTuple):
 
     stack: NDArray[np.int32]
     far_stack: Float32Array
-    pixel: NDArray[np.int64]
     shifts: FloatArray
     weights: FloatArray
     place: FloatArray
@@ -68,7 +68,7 @@ def scratch() -> Scratch:
     """New ones, for one thread."""
     threes = [np.empty(3) for _ in range(5)]
     stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
-    return Scratch(stack, far_stack, np.empty(2, np.int64), np.empty(SEQUENCES), *threes)
+    return Scratch(stack, far_stack, np.empty(SEQUENCES), *threes)
 
 
 @inlined
@@ -98,6 +98,9 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
         column, line = texels.pixel[row, 0], texels.pixel[row, 1]
         x = column + evenly(shifts[2], _STEPS[0], number)
         y = line + evenly(shifts[3], _STEPS[1], number)
+        cut = texels.cut[row]
+        if cut >= 0 and not texels.begins[cut, cell_at(texels, row, x, y)]:
+            x, y = column + 0.5, line + 0.5
         t = texels.triangle[row]
         if geometry.on_ground[t]:
             ground_place(geometry.ground, x, y, place)

@@ -10,9 +10,11 @@ from light_transport.kernels import cross, dot, inlined, kernel
 from light_transport.layout.layout import Layout
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.surfaces import GROUND, Surfaces
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 NOBODY = -1
+# Cells along an edge of a texel that something stands across.
+CELLS = 4
 # A texel is cut into so many pieces an edge, to see how much of it a triangle covers.
 _PIECES = 4
 _LEAST_COVERED = 1.0 / 32.0
@@ -54,6 +56,11 @@ class Texels(NamedTuple):
         area: (N,) float32, of the surface in them; width: (N,) float32, of a whole texel; radii.
         row_of: (height, width) int32, the number of each texel, for padding that of the texel
             that it copies, or NOBODY.
+        cut: (N,) int32, the number of each among the texels (C) that something stands across, or
+            NOBODY; `cut_texels.py` finds them.
+        cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
+            neighbour's that lies on the cell's side, or NOBODY.
+        begins: (C, CELLS^2) bool, cells that lie wholly on the side of the texel's `place`.
     """
 
     pixel: NDArray[np.int32]
@@ -63,6 +70,9 @@ class Texels(NamedTuple):
     area: Float32Array
     width: Float32Array
     row_of: NDArray[np.int32]
+    cut: NDArray[np.int32]
+    cell_row: NDArray[np.int32]
+    begins: BoolArray
 
 
 def map_geometry(surfaces: Surfaces, layout: Layout, tree: Tree) -> MapGeometry:
@@ -117,7 +127,18 @@ def texels_of(geometry: MapGeometry) -> Texels:
         (area * np.maximum(covered[rows, columns], _LEAST_COVERED)).astype(np.float32),
         np.sqrt(area).astype(np.float32),
         row_of,
+        np.full(len(pixel), NOBODY, np.int32),
+        np.empty((0, CELLS * CELLS), np.int32),
+        np.empty((0, CELLS * CELLS), bool),
     )
+
+
+@inlined
+def cell_at(texels, row, x, y):  # type: ignore[no-untyped-def]
+    """The cell of a texel that is nearest to a place in the map."""
+    column = min(max(int((x - texels.pixel[row, 0]) * CELLS), 0), CELLS - 1)
+    line = min(max(int((y - texels.pixel[row, 1]) * CELLS), 0), CELLS - 1)
+    return line * CELLS + column
 
 
 @inlined
@@ -205,12 +226,11 @@ def ground_place(ground, x, y, place):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def ground_pixel(ground, place_x, place_z, pixel):  # type: ignore[no-untyped-def]
-    """Column and row of the texel at a point of the ground."""
-    for axis in range(2):
-        away = ((place_x if axis == 0 else place_z) - ground[5 + axis]) / ground[3]
-        away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
-        pixel[axis] = int(ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2])
+def ground_at(ground, away, axis):  # type: ignore[no-untyped-def]
+    """Where a point of the ground lies in the map, along one of its axes."""
+    away = (away - ground[5 + axis]) / ground[3]
+    away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
+    return ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2]
 
 
 @inlined
