@@ -20,7 +20,7 @@ from light_transport.rays.ray_table import Rows, empty_rows
 from light_transport.rays.tree import Tree, tree_over
 from light_transport.surfaces.groups import groups_of
 from light_transport.surfaces.links import links_of, seam_links
-from light_transport.surfaces.map_texels import map_geometry, texels_of
+from light_transport.surfaces.map_texels import map_geometry, texels_of, with_backs
 from light_transport.surfaces.sheets import sheets_of
 from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.daylight.lamps import SceneLamps
@@ -43,8 +43,8 @@ def tree_of(surfaces: Surfaces) -> Tree:
 class RayScene:
     """Triangles and rows of a scene, and where the rays of rows end.
 
-    Rows are texels, row by row of the map, then six planes for each probe (+x, -x, +y, -y, +z,
-    -z), then groups of triangles without texels and backs of sheets.
+    Rows are texels, row by row of the map, and their other sides on sheets, then six planes for
+    each probe (+x, -x, +y, -y, +z, -z), then groups of triangles without texels.
 
     Attributes:
         rows: how many there are.
@@ -75,14 +75,15 @@ class RayScene:
         self.rays = 0
         self.tree = tree_of(surfaces) if tree is None else tree
         geometry = map_geometry(surfaces, layout, self.tree)
-        self.texels = texels_of(geometry)
+        sheets = sheets_of(surfaces)
+        self.texels = with_backs(texels_of(geometry), sheets)
         probes = no_probes()
         if self.probes is not None:
             places_m = probe_places_m(self.probes)
             probes = probe_planes(places_m, surfaces.centre_m, surfaces.radius_m)
         widths = self.texels.width if len(self.texels.width) else layout.texel_m / surfaces.radius_m
         edge = max(_SMALLEST_GROUP, _GROUP_TEXELS * float(np.median(widths)))
-        groups = groups_of(geometry, sheets_of(surfaces), edge)
+        groups = groups_of(geometry, sheets, edge)
         self.colour_of = self.texels.triangle
         charts = layout.chart[self.texels.triangle]
         self.texels, self.links = cut_texels(

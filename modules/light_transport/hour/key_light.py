@@ -180,7 +180,7 @@ def lit_shares(receivers, direction, around, share_of, scratch, first, last, out
             continue
         if row < first_probe:
             for k in range(3):
-                face[k] = geometry.faces[texels.triangle[row], k]
+                face[k] = texels.side[row] * geometry.faces[texels.triangle[row], k]
         else:
             shift(row, shifts)
         rays = 1 if row < first_probe else _RAYS_OF_A_GROUP

@@ -248,7 +248,7 @@ def _met_radiance(  # type: ignore[no-untyped-def]
     row = met_row(geometry, texels, groups, first_group, t, weights[1], weights[2], place, ray)
     if row == NOBODY:
         return False
-    if row >= len(texels.pixel):
+    if row >= len(texels.pixel) or texels.side[row] < 0.0:
         column = column_of[NODES + row]
         for k in range(3):
             rgb[k] = column_light[column, k] * (1.0 / math.pi)

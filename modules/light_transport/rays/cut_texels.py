@@ -95,7 +95,7 @@ def _lifted(geometry, texels, row, x, y, weights, place, normal):  # type: ignor
         t = triangle_at(geometry, column, line, x, y, weights)
         surface_place(geometry, t, weights, place, normal)
     for k in range(3):
-        place[k] += _ABOVE * texels.width[row] * geometry.faces[t, k]
+        place[k] += _ABOVE * texels.width[row] * texels.side[row] * geometry.faces[t, k]
     return t
 
 
@@ -187,6 +187,10 @@ def _sides(  # type: ignore[no-untyped-def]
                 j = texels.row_of[row, beside]
                 if j < 0 or j == i or texels.pixel[j, 0] != beside or texels.pixel[j, 1] != row:
                     continue
+                if texels.side[i] < 0.0:
+                    j = texels.back[j]
+                    if j == NOBODY:
+                        continue
                 other = _lifted(
                     geometry, texels, j, beside + 0.5, row + 0.5, weights, there, normal
                 )

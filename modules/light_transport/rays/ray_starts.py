@@ -109,8 +109,10 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
         else:
             t = triangle_at(geometry, column, line, x, y, weights)
             surface_place(geometry, t, weights, place, normal)
+        side = texels.side[row]
         for k in range(3):
-            face[k] = geometry.faces[t, k]
+            normal[k] *= side
+            face[k] = side * geometry.faces[t, k]
     elif row < len(texels.pixel) + len(probes.place):
         probe = row - len(texels.pixel)
         for k in range(3):

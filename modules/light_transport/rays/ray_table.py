@@ -191,11 +191,10 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
                 height += distance * ray[k] * face[k]
             met = met_row(geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray)
             targets[i, s] = NODES + met if met >= 0 else _DROPPED
-            if met < 0 and dot(geometry.faces[tree.order[hit]], ray) > 0.0:
-                targets[i, s] = _BACK
-            if met >= first_group and height < least:
-                t = tree.order[hit]
-                if groups.front[t] != met - first_group:
+            if dot(geometry.faces[tree.order[hit]], ray) > 0.0:
+                if met < 0:
+                    targets[i, s] = _BACK
+                elif height < least:
                     # The back of a sheet that lies on the surface: frames and plinths without a
                     # back of their own hide what is below them as bodies do.
                     targets[i, s] = _DROPPED
@@ -204,13 +203,12 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
 @inlined
 def met_row(geometry, texels, groups, first_group, t, u, v, place, ray):  # type: ignore[no-untyped-def]
     """The row that a ray met, or NOBODY where it met a body's back."""
-    group = groups.front[t]
-    faces = geometry.faces
-    if faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2] > 0.0:
-        group = groups.back[t]
-        return first_group + group if group != NO_GROUP else NOBODY
-    if group != NO_GROUP:
+    behind = dot(geometry.faces[t], ray) > 0.0
+    group = groups.back[t] if behind else groups.front[t]
+    if group >= 0:
         return first_group + group
+    if behind and group == NO_GROUP:
+        return NOBODY
     height, width = texels.row_of.shape
     if geometry.on_ground[t]:
         x = ground_at(geometry.ground, place[0], 0)
@@ -220,6 +218,8 @@ def met_row(geometry, texels, groups, first_group, t, u, v, place, ray):  # type
         x = w * uv[t, 0, 0] + u * uv[t, 1, 0] + v * uv[t, 2, 0]
         y = w * uv[t, 0, 1] + u * uv[t, 1, 1] + v * uv[t, 2, 1]
     row = texels.row_of[min(max(int(y), 0), height - 1), min(max(int(x), 0), width - 1)]
+    if row >= 0 and behind:
+        row = texels.back[row]
     if row >= 0 and texels.cut[row] >= 0:
         return texels.cell_row[texels.cut[row], cell_at(texels, row, x, y)]
     return row

@@ -47,12 +47,14 @@ class MapGeometry(NamedTuple):
 
 
 class Texels(NamedTuple):
-    """Texels (N) that have rays, row by row.
+    """Texels (N) that have rays, row by row, then their other sides where sheets have two.
 
     Attributes:
         pixel: (N, 2) int32, column and row in the map.
         triangle: (N,) int32, their owners.
         place: (N, 3) float32, in radii; normal: (N, 3) float32, the shading normal there.
+        side: (N,) float32, 1 on fronts, -1 on backs; back: (N,) int32, the other side of a front,
+            or NOBODY.
         area: (N,) float32, of the surface in them; width: (N,) float32, of a whole texel; radii.
         row_of: (height, width) int32, the number of each texel, for padding that of the texel
             that it copies, or NOBODY.
@@ -67,6 +69,8 @@ class Texels(NamedTuple):
     triangle: NDArray[np.int32]
     place: Float32Array
     normal: Float32Array
+    side: Float32Array
+    back: NDArray[np.int32]
     area: Float32Array
     width: Float32Array
     row_of: NDArray[np.int32]
@@ -124,12 +128,36 @@ def texels_of(geometry: MapGeometry) -> Texels:
         geometry.owner[rows, columns],
         place,
         normal,
+        np.ones(len(pixel), np.float32),
+        np.full(len(pixel), NOBODY, np.int32),
         (area * np.maximum(covered[rows, columns], _LEAST_COVERED)).astype(np.float32),
         np.sqrt(area).astype(np.float32),
         row_of,
         np.full(len(pixel), NOBODY, np.int32),
         np.empty((0, CELLS * CELLS), np.int32),
         np.empty((0, CELLS * CELLS), bool),
+    )
+
+
+def with_backs(texels: Texels, sheets: BoolArray) -> Texels:
+    """These texels and the other sides of those that lie on sheets, by triangles (F,)."""
+    fronts = np.flatnonzero(sheets[texels.triangle])
+    back = np.full(len(texels.pixel) + len(fronts), NOBODY, np.int32)
+    back[fronts] = len(texels.pixel) + np.arange(len(fronts), dtype=np.int32)
+
+    def both(values: NDArray) -> NDArray:
+        return np.concatenate([values, values[fronts]])
+
+    return texels._replace(
+        pixel=both(texels.pixel),
+        triangle=both(texels.triangle),
+        place=both(texels.place),
+        normal=np.concatenate([texels.normal, -texels.normal[fronts]]),
+        side=np.concatenate([texels.side, -texels.side[fronts]]),
+        back=back,
+        area=both(texels.area),
+        width=both(texels.width),
+        cut=both(texels.cut),
     )
 
 
