@@ -50,6 +50,8 @@ class RayScene:
         rows: how many there are.
         rays: how many each row has.
         table: where they end.
+        beside, links: (N, 4) int32, the texels around each in the map, and those of them that
+            nothing parts from it.
         patches, mirrors, lamps: as far as there are some.
         colour_of: (N,) int32, the triangle of `surfaces` that has a texel's colours: with patches
             `surfaces` keeps those alone that texels lie on.
@@ -86,8 +88,9 @@ class RayScene:
         groups = groups_of(geometry, sheets, edge)
         self.colour_of = self.texels.triangle
         charts = layout.chart[self.texels.triangle]
+        self.beside = links_of(self.texels, charts)
         self.texels, self.links = cut_texels(
-            self.tree, geometry, self.texels, links_of(self.texels, charts), self.over_rows
+            self.tree, geometry, self.texels, self.beside, sheets, self.over_rows
         )
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.seams = seam_links(self.texels, layout.seams)
@@ -106,7 +109,8 @@ class RayScene:
     @property
     def arrays(self) -> list[NDArray]:
         """All that grow with the scene."""
-        parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.links, self.seams]
+        parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.seams]
+        parts += [self.links, self.beside]
         parts += [*self.receivers.geometry, *self.receivers.probes, *self.receivers.groups]
         parts += [*self.surfaces.arrays, self.orientation, self.colour_of]
         parts += [] if self.patches is None else [*self.patches]

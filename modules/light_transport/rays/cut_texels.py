@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import dot, hot, inlined
-from light_transport.rays.trace import MISS, nearest_within
+from light_transport.rays.trace import FAR, MISS, nearest_within
 from light_transport.rays.tree import STACK, Tree
 from light_transport.surfaces.map_texels import (
     CELLS,
@@ -33,6 +33,8 @@ _ACROSS = np.float32(0.9)
 _INSIDE = 1e-3
 # The square of the farthest that a cell looks for a neighbour, in texels.
 _NEAR2 = 4.0
+# Where a point lies: in a body, on the side of its texel's `place`, or beyond what cuts the texel.
+_BURIED, _OWN, _BEYOND = 0, 1, 2
 OverRows = Callable[[int, Callable[[int, int], None]], None]
 
 
@@ -41,11 +43,12 @@ def cut_texels(
     geometry: MapGeometry,
     texels: Texels,
     links: NDArray[np.int32],
+    sheets: NDArray[np.bool_],
     over_rows: OverRows,
 ) -> tuple[Texels, NDArray[np.int32]]:
     """The texels with what cuts them, and their links (N, 4) without those through walls.
 
-    `over_rows` does work on ranges of so many rows.
+    `sheets` (F,): triangles with two sides; `over_rows` does work on ranges of so many rows.
     """
     count = len(texels.pixel)
     solid = (tree.opacity >= 1.0)[geometry.leaf]
@@ -67,10 +70,11 @@ def cut_texels(
     cut[rows] = np.arange(len(rows), dtype=np.int32)
     cell_row = np.full((len(rows), CELLS * CELLS), NOBODY, np.int32)
     begins = np.zeros(cell_row.shape, bool)
+    surfaces = solid & ~sheets, solid
     over_rows(
         len(rows),
         lambda a, b: _sides(
-            tree, geometry, texels, solid, rows, *_stacks(), _places(), a, b, cell_row, begins
+            tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b, cell_row, begins
         ),
     )
     return texels._replace(cut=cut, cell_row=cell_row, begins=begins), links
@@ -151,33 +155,70 @@ def _part(tree, geometry, texels, links, solid, stack, far_stack, places, first,
                 parted[i, k] = _apart(tree, geometry, solid, a, b, t, stack, far_stack)
 
 
+@inlined
+def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks):  # type: ignore[no-untyped-def]
+    """Whether a point (3,) above triangle t lies in a body, on the side of a texel's `middle`, or
+    beyond what cuts it; `own`: whether that middle is in no body."""
+    stack, far_stack = stacks
+    if own and not _apart(tree, geometry, solid, middle, place, t, stack, far_stack):
+        return _OWN
+    _, hit, _, _ = nearest_within(
+        tree,
+        np.float32(place[0]),
+        np.float32(place[1]),
+        np.float32(place[2]),
+        np.float32(side * geometry.faces[t, 0]),
+        np.float32(side * geometry.faces[t, 1]),
+        np.float32(side * geometry.faces[t, 2]),
+        FAR,
+        0,
+        stack,
+        far_stack,
+    )
+    if hit != MISS:
+        met = tree.order[hit]
+        if of_bodies[met] and side * dot(geometry.faces[met], geometry.faces[t]) > 0.0:
+            return _BURIED
+    return _BEYOND
+
+
 @hot
-def _sides(  # type: ignore[no-untyped-def]
-    tree, geometry, texels, solid, rows, stack, far_stack, places, first, last, cell_row, begins
-):
-    """Fill in the cells of cut texels."""
-    weights, middle, b, normal, there, _ = places
+def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, cell_row, begins):  # type: ignore[no-untyped-def]
+    """Fill in the cells of cut texels by the states of their middles and corners."""
+    weights, middle, point, normal, there, beyond = places
+    of_bodies, solid = surfaces
     height, width = texels.row_of.shape
     for c in range(first, last):
         i = rows[c]
-        column, line = texels.pixel[i, 0], texels.pixel[i, 1]
+        column, line, side = texels.pixel[i, 0], texels.pixel[i, 1], texels.side[i]
         t = _lifted(geometry, texels, i, column + 0.5, line + 0.5, weights, middle, normal)
+        own = (
+            _state(tree, geometry, of_bodies, solid, middle, middle, False, t, side, stacks)
+            != _BURIED
+        )
         for cell in range(CELLS * CELLS):
-            x, y = cell % CELLS, cell // CELLS
-            _lifted(
-                geometry, texels, i, column + (x + 0.5) / CELLS, line + (y + 0.5) / CELLS, weights,
-                b, normal,
-            )  # fmt: skip
-            begins[c, cell] = not _apart(tree, geometry, solid, middle, b, t, stack, far_stack)
-            if begins[c, cell]:
+            owns, others = 0, 0
+            for k in range(5):
+                # Its middle, then its corners.
+                x = 0.5 if k == 0 else (k - 1) % 2
+                y = 0.5 if k == 0 else (k - 1) // 2
+                x = column + min(max((cell % CELLS + x) / CELLS, _INSIDE), 1.0 - _INSIDE)
+                y = line + min(max((cell // CELLS + y) / CELLS, _INSIDE), 1.0 - _INSIDE)
+                _lifted(geometry, texels, i, x, y, weights, point, normal)
+                state = _state(
+                    tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
+                )
+                if state == _OWN:
+                    owns += 1
+                elif state == _BEYOND:
+                    if others == 0:
+                        for axis in range(3):
+                            beyond[axis] = point[axis]
+                    others += 1
+            begins[c, cell] = owns == 5
+            if owns > 0 and others == 0:
                 cell_row[c, cell] = i
-                for corner in range(4):
-                    at_x = column + min(max((x + corner % 2) / CELLS, _INSIDE), 1.0 - _INSIDE)
-                    at_y = line + min(max((y + corner // 2) / CELLS, _INSIDE), 1.0 - _INSIDE)
-                    _lifted(geometry, texels, i, at_x, at_y, weights, b, normal)
-                    if _apart(tree, geometry, solid, middle, b, t, stack, far_stack):
-                        begins[c, cell] = False
-                        break
+            if owns > 0 or others == 0:
                 continue
             nearest2 = _NEAR2 * texels.width[i] ** 2
             for k in range(9):
@@ -187,7 +228,7 @@ def _sides(  # type: ignore[no-untyped-def]
                 j = texels.row_of[row, beside]
                 if j < 0 or j == i or texels.pixel[j, 0] != beside or texels.pixel[j, 1] != row:
                     continue
-                if texels.side[i] < 0.0:
+                if side < 0.0:
                     j = texels.back[j]
                     if j == NOBODY:
                         continue
@@ -196,9 +237,9 @@ def _sides(  # type: ignore[no-untyped-def]
                 )
                 away2 = 0.0
                 for axis in range(3):
-                    away2 += (there[axis] - b[axis]) ** 2
+                    away2 += (there[axis] - beyond[axis]) ** 2
                 if away2 >= nearest2 or dot(geometry.faces[other], geometry.faces[t]) < _ACROSS:
                     continue
-                if not _apart(tree, geometry, solid, b, there, t, stack, far_stack):
+                if not _apart(tree, geometry, solid, beyond, there, t, stacks[0], stacks[1]):
                     nearest2 = away2
                     cell_row[c, cell] = j

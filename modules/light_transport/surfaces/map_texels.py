@@ -61,7 +61,7 @@ class Texels(NamedTuple):
         cut: (N,) int32, the number of each among the texels (C) that something stands across, or
             NOBODY; `cut_texels.py` finds them.
         cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
-            neighbour's that lies on the cell's side, or NOBODY.
+            neighbour's that lies on the cell's side; NOBODY in bodies and of two sides.
         begins: (C, CELLS^2) bool, cells that lie wholly on the side of the texel's `place`.
     """
 
