@@ -90,7 +90,7 @@ class RayScene:
         charts = layout.chart[self.texels.triangle]
         self.beside = links_of(self.texels, charts)
         self.texels, self.links = cut_texels(
-            self.tree, geometry, self.texels, self.beside, sheets, self.over_rows
+            self.tree, geometry, self.texels, charts, self.beside, sheets, self.over_rows
         )
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.seams = seam_links(self.texels, layout.seams)

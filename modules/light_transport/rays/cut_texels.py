@@ -1,6 +1,6 @@
 """Texels that something stands across: walls go on beyond ceilings, sheets end on floors.
 
-Light of one side must not get to the other. A texel that is cut belongs to the side of its `place`:
+Light of one side must not get to the other. A texel that is cut belongs to the side of its middle:
 rays begin there alone, and rays that meet it beyond take a neighbour's light. Texels with something
 between them are no neighbours, so that neither patches nor smoothing go through walls, however thin
 these are.
@@ -20,6 +20,7 @@ from light_transport.surfaces.map_texels import (
     MapGeometry,
     Texels,
     ground_place,
+    middle_of,
     surface_place,
     triangle_at,
 )
@@ -33,7 +34,7 @@ _ACROSS = np.float32(0.9)
 _INSIDE = 1e-3
 # The square of the farthest that a cell looks for a neighbour, in texels.
 _NEAR2 = 4.0
-# Where a point lies: in a body, on the side of its texel's `place`, or beyond what cuts the texel.
+# Where a point lies: in a body, on the side of its texel's middle, or beyond what cuts the texel.
 _BURIED, _OWN, _BEYOND = 0, 1, 2
 OverRows = Callable[[int, Callable[[int, int], None]], None]
 
@@ -42,22 +43,47 @@ def cut_texels(
     tree: Tree,
     geometry: MapGeometry,
     texels: Texels,
+    charts: NDArray[np.int32],
     links: NDArray[np.int32],
     sheets: NDArray[np.bool_],
     over_rows: OverRows,
 ) -> tuple[Texels, NDArray[np.int32]]:
     """The texels with what cuts them, and their links (N, 4) without those through walls.
 
-    `sheets` (F,): triangles with two sides; `over_rows` does work on ranges of so many rows.
+    `charts` (N,) of texels; `sheets` (F,): triangles with two sides; `over_rows` does work on
+    ranges of so many rows.
     """
     count = len(texels.pixel)
     solid = (tree.opacity >= 1.0)[geometry.leaf]
     solid &= np.isfinite(geometry.uv).all(axis=(1, 2)) | geometry.on_ground
-    parted = np.zeros((count, 3), bool)
+    surfaces = charts, solid & ~sheets, solid
+    crossed = np.zeros(count, bool)
+    over_rows(
+        count,
+        lambda a, b: _crossed(tree, geometry, texels, solid, _stacks(), _places(), a, b, crossed),
+    )
+    cut = np.full(count, NOBODY, np.int32)
+    rows = np.flatnonzero(crossed)
+    cut[rows] = np.arange(len(rows), dtype=np.int32)
+    middle = np.full((len(rows), 2), 0.5, np.float32)
+    texels = texels._replace(cut=cut, middle=middle)
+    over_rows(
+        len(rows),
+        lambda a, b: _middles(tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b),
+    )
+    cell_row = np.full((len(rows), CELLS * CELLS), NOBODY, np.int32)
+    begins = np.zeros(cell_row.shape, bool)
+    over_rows(
+        len(rows),
+        lambda a, b: _sides(
+            tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b, cell_row, begins
+        ),
+    )
+    parted = np.zeros((count, 2), bool)
     over_rows(
         count,
         lambda a, b: _part(
-            tree, geometry, texels, links, solid, *_stacks(), _places(), a, b, parted
+            tree, geometry, texels, links, solid, _stacks(), _places(), a, b, parted
         ),
     )
     links = links.copy()
@@ -65,19 +91,7 @@ def cut_texels(
         apart = np.flatnonzero(parted[:, column])
         links[links[apart, k], back] = NOBODY
         links[apart, k] = NOBODY
-    cut = np.full(count, NOBODY, np.int32)
-    rows = np.flatnonzero(parted[:, 2])
-    cut[rows] = np.arange(len(rows), dtype=np.int32)
-    cell_row = np.full((len(rows), CELLS * CELLS), NOBODY, np.int32)
-    begins = np.zeros(cell_row.shape, bool)
-    surfaces = solid & ~sheets, solid
-    over_rows(
-        len(rows),
-        lambda a, b: _sides(
-            tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b, cell_row, begins
-        ),
-    )
-    return texels._replace(cut=cut, cell_row=cell_row, begins=begins), links
+    return texels._replace(cell_row=cell_row, begins=begins), links
 
 
 def _stacks() -> tuple[NDArray[np.int32], Float32Array]:
@@ -104,8 +118,9 @@ def _lifted(geometry, texels, row, x, y, weights, place, normal):  # type: ignor
 
 
 @inlined
-def _apart(tree, geometry, solid, a, b, t, stack, far_stack):  # type: ignore[no-untyped-def]
+def _apart(tree, geometry, solid, a, b, t, stacks):  # type: ignore[no-untyped-def]
     """Whether something stands across between two points (3,) above triangle t."""
+    stack, far_stack = stacks
     _, hit, _, _ = nearest_within(
         tree,
         np.float32(a[0]),
@@ -125,34 +140,67 @@ def _apart(tree, geometry, solid, a, b, t, stack, far_stack):  # type: ignore[no
     return solid[met] and abs(dot(geometry.faces[met], geometry.faces[t])) < _ACROSS
 
 
-@hot
-def _part(tree, geometry, texels, links, solid, stack, far_stack, places, first, last, parted):  # type: ignore[no-untyped-def]
-    """Which texels have something before the one below (N, 3), the one to the right, and in them.
+@inlined
+def _middle(geometry, texels, row, weights, place, normal):  # type: ignore[no-untyped-def]
+    """`_lifted` of the place whose side a texel is of."""
+    x, y = middle_of(texels, row)
+    return _lifted(geometry, texels, row, x, y, weights, place, normal)
 
-    In a texel both of its diagonals are looked along.
-    """
+
+@hot
+def _crossed(tree, geometry, texels, solid, stacks, places, first, last, crossed):  # type: ignore[no-untyped-def]
+    """Which texels (N,) have something across one of their diagonals."""
+    weights, a, b, normal, _, _ = places
+    low, high = _INSIDE, 1.0 - _INSIDE
+    for i in range(first, last):
+        x, y = texels.pixel[i, 0], texels.pixel[i, 1]
+        for k in range(2):
+            left, right = (low, high) if k == 0 else (high, low)
+            t = _lifted(geometry, texels, i, x + left, y + low, weights, a, normal)
+            _lifted(geometry, texels, i, x + right, y + high, weights, b, normal)
+            if _apart(tree, geometry, solid, a, b, t, stacks):
+                crossed[i] = True
+
+
+@hot
+def _middles(tree, geometry, texels, surfaces, rows, stacks, places, first, last):  # type: ignore[no-untyped-def]
+    """Where middles of cut texels lie in bodies, move them to the nearest cell that does not."""
+    weights, point, _, normal, _, _ = places
+    _, of_bodies, solid = surfaces
+    for c in range(first, last):
+        i = rows[c]
+        t = _middle(geometry, texels, i, weights, point, normal)
+        side = texels.side[i]
+        if (
+            _state(tree, geometry, of_bodies, solid, point, point, False, t, side, stacks)
+            != _BURIED
+        ):
+            continue
+        nearest2 = np.inf
+        for cell in range(CELLS * CELLS):
+            x, y = (cell % CELLS + 0.5) / CELLS, (cell // CELLS + 0.5) / CELLS
+            away2 = (x - 0.5) ** 2 + (y - 0.5) ** 2
+            if away2 >= nearest2:
+                continue
+            at_x, at_y = texels.pixel[i, 0] + x, texels.pixel[i, 1] + y
+            t = _lifted(geometry, texels, i, at_x, at_y, weights, point, normal)
+            state = _state(tree, geometry, of_bodies, solid, point, point, False, t, side, stacks)
+            if state != _BURIED:
+                nearest2 = away2
+                texels.middle[c, 0], texels.middle[c, 1] = x, y
+
+
+@hot
+def _part(tree, geometry, texels, links, solid, stacks, places, first, last, parted):  # type: ignore[no-untyped-def]
+    """Which texels have something before the one below and the one to the right (N, 2)."""
     weights, a, b, normal, _, _ = places
     for i in range(first, last):
-        column, line = texels.pixel[i, 0], texels.pixel[i, 1]
-        low, high = _INSIDE, 1.0 - _INSIDE
-        for k in range(2):
-            t = _lifted(
-                geometry, texels, i, column + (low if k == 0 else high), line + low, weights, a,
-                normal,
-            )  # fmt: skip
-            _lifted(
-                geometry, texels, i, column + (high if k == 0 else low), line + high, weights, b,
-                normal,
-            )  # fmt: skip
-            if _apart(tree, geometry, solid, a, b, t, stack, far_stack):
-                parted[i, 2] = True
-        t = _lifted(geometry, texels, i, column + 0.5, line + 0.5, weights, a, normal)
+        t = _middle(geometry, texels, i, weights, a, normal)
         for k in range(2):
             j = links[i, 1 + 2 * k]
             if j != NOBODY:
-                x, y = texels.pixel[j, 0] + 0.5, texels.pixel[j, 1] + 0.5
-                _lifted(geometry, texels, j, x, y, weights, b, normal)
-                parted[i, k] = _apart(tree, geometry, solid, a, b, t, stack, far_stack)
+                _middle(geometry, texels, j, weights, b, normal)
+                parted[i, k] = _apart(tree, geometry, solid, a, b, t, stacks)
 
 
 @inlined
@@ -160,7 +208,7 @@ def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks
     """Whether a point (3,) above triangle t lies in a body, on the side of a texel's `middle`, or
     beyond what cuts it; `own`: whether that middle is in no body."""
     stack, far_stack = stacks
-    if own and not _apart(tree, geometry, solid, middle, place, t, stack, far_stack):
+    if own and not _apart(tree, geometry, solid, middle, place, t, stacks):
         return _OWN
     _, hit, _, _ = nearest_within(
         tree,
@@ -186,12 +234,12 @@ def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks
 def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, cell_row, begins):  # type: ignore[no-untyped-def]
     """Fill in the cells of cut texels by the states of their middles and corners."""
     weights, middle, point, normal, there, beyond = places
-    of_bodies, solid = surfaces
+    charts, of_bodies, solid = surfaces
     height, width = texels.row_of.shape
     for c in range(first, last):
         i = rows[c]
         column, line, side = texels.pixel[i, 0], texels.pixel[i, 1], texels.side[i]
-        t = _lifted(geometry, texels, i, column + 0.5, line + 0.5, weights, middle, normal)
+        t = _middle(geometry, texels, i, weights, middle, normal)
         own = (
             _state(tree, geometry, of_bodies, solid, middle, middle, False, t, side, stacks)
             != _BURIED
@@ -215,10 +263,9 @@ def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, 
                         for axis in range(3):
                             beyond[axis] = point[axis]
                     others += 1
-            begins[c, cell] = owns == 5
-            if owns > 0 and others == 0:
+            begins[c, cell] = others == 0
+            if owns >= others:
                 cell_row[c, cell] = i
-            if owns > 0 or others == 0:
                 continue
             nearest2 = _NEAR2 * texels.width[i] ** 2
             for k in range(9):
@@ -232,14 +279,12 @@ def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, 
                     j = texels.back[j]
                     if j == NOBODY:
                         continue
-                other = _lifted(
-                    geometry, texels, j, beside + 0.5, row + 0.5, weights, there, normal
-                )
+                _middle(geometry, texels, j, weights, there, normal)
                 away2 = 0.0
                 for axis in range(3):
                     away2 += (there[axis] - beyond[axis]) ** 2
-                if away2 >= nearest2 or dot(geometry.faces[other], geometry.faces[t]) < _ACROSS:
+                if away2 >= nearest2 or charts[j] != charts[i]:
                     continue
-                if not _apart(tree, geometry, solid, beyond, there, t, stacks[0], stacks[1]):
+                if not _apart(tree, geometry, solid, beyond, there, t, stacks):
                     nearest2 = away2
                     cell_row[c, cell] = j

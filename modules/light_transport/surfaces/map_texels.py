@@ -61,8 +61,9 @@ class Texels(NamedTuple):
         cut: (N,) int32, the number of each among the texels (C) that something stands across, or
             NOBODY; `cut_texels.py` finds them.
         cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
-            neighbour's that lies on the cell's side; NOBODY in bodies and of two sides.
-        begins: (C, CELLS^2) bool, cells that lie wholly on the side of the texel's `place`.
+            neighbour's that most of the cell lies on the side of.
+        middle: (C, 2) float32, where in the texel the place is whose side it is of.
+        begins: (C, CELLS^2) bool, cells of which nothing lies beyond.
     """
 
     pixel: NDArray[np.int32]
@@ -76,6 +77,7 @@ class Texels(NamedTuple):
     row_of: NDArray[np.int32]
     cut: NDArray[np.int32]
     cell_row: NDArray[np.int32]
+    middle: Float32Array
     begins: BoolArray
 
 
@@ -135,6 +137,7 @@ def texels_of(geometry: MapGeometry) -> Texels:
         row_of,
         np.full(len(pixel), NOBODY, np.int32),
         np.empty((0, CELLS * CELLS), np.int32),
+        np.empty((0, 2), np.float32),
         np.empty((0, CELLS * CELLS), bool),
     )
 
@@ -158,6 +161,41 @@ def with_backs(texels: Texels, sheets: BoolArray) -> Texels:
         area=both(texels.area),
         width=both(texels.width),
         cut=both(texels.cut),
+    )
+
+
+@inlined
+def middle_of(texels, row):  # type: ignore[no-untyped-def]
+    """The place in the map whose side a texel is of."""
+    cut = texels.cut[row]
+    x = texels.middle[cut, 0] if cut >= 0 else np.float32(0.5)
+    y = texels.middle[cut, 1] if cut >= 0 else np.float32(0.5)
+    return texels.pixel[row, 0] + x, texels.pixel[row, 1] + y
+
+
+@inlined
+def on_own_side(texels, row, number, x, y):  # type: ignore[no-untyped-def]
+    """A place in the map as it is, or moved from beyond what cuts its texel to a cell before.
+
+    Places with one `number` after another get one such cell after another.
+    """
+    begins = texels.begins[texels.cut[row]]
+    if begins[cell_at(texels, row, x, y)]:
+        return x, y
+    some = 0
+    for cell in range(CELLS * CELLS):
+        some += begins[cell]
+    if some == 0:
+        return middle_of(texels, row)
+    wanted, cell = number % some, 0
+    while wanted > 0 or not begins[cell]:
+        wanted -= begins[cell]
+        cell += 1
+    left, top = texels.pixel[row, 0], texels.pixel[row, 1]
+    x, y = (x - left) * CELLS, (y - top) * CELLS
+    return (
+        left + (cell % CELLS + x - math.floor(x)) / CELLS,
+        top + (cell // CELLS + y - math.floor(y)) / CELLS,
     )
 
 
