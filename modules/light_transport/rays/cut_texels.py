@@ -264,8 +264,8 @@ def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, 
                             beyond[axis] = point[axis]
                     others += 1
             begins[c, cell] = others == 0
+            cell_row[c, cell] = i
             if owns >= others:
-                cell_row[c, cell] = i
                 continue
             nearest2 = _NEAR2 * texels.width[i] ** 2
             for k in range(9):
