@@ -121,7 +121,13 @@ class Bake(RayScene):
         self.first_rays = rays
         good = are_good(table, rays)
         self.patches = patches_of(
-            self.surfaces, self.receivers, self.links, self.seams, good, self.patch_texels
+            self.surfaces,
+            self.receivers,
+            self.links,
+            self.beside,
+            self.seams,
+            good,
+            self.patch_texels,
         )
         own, colour_of = np.unique(self.texels.triangle, return_inverse=True)
         self.surfaces, self.colour_of = self.surfaces.colours_of(own), colour_of.astype(np.int32)

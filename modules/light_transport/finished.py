@@ -69,7 +69,7 @@ def finished_of(scene: RayScene) -> Finished:
     nearness = scene.table.nearness[:texels]
     valid = scene.table.valid[:texels]
     room = (valid / np.maximum(nearness, np.float32(1e-9))).astype(np.float32)
-    source = takes_light_of(scene.links, good, valid.astype(np.float32))
+    source = takes_light_of(scene.beside, good, valid.astype(np.float32))
     shown = np.append(source, -1)[scene.texels.row_of]
     exchange = exchange_of(scene.table, scene.patches)
     lamps = _lamp_light(scene)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from light_transport.hour.openness import orientation_of
 from light_transport.layout.layout import Layout
 from light_transport.layout.probe_places import probe_places_m
+from light_transport.rays.cut_texels import cut_texels
 from light_transport.rays.mirror_rays import MirrorRays
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import Receivers, no_probes, probe_planes
@@ -19,7 +20,7 @@ from light_transport.rays.ray_table import Rows, empty_rows
 from light_transport.rays.tree import Tree, tree_over
 from light_transport.surfaces.groups import groups_of
 from light_transport.surfaces.links import links_of, seam_links
-from light_transport.surfaces.map_texels import map_geometry, texels_of
+from light_transport.surfaces.map_texels import map_geometry, texels_of, with_backs
 from light_transport.surfaces.sheets import sheets_of
 from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.daylight.lamps import SceneLamps
@@ -42,13 +43,15 @@ def tree_of(surfaces: Surfaces) -> Tree:
 class RayScene:
     """Triangles and rows of a scene, and where the rays of rows end.
 
-    Rows are texels, row by row of the map, then six planes for each probe (+x, -x, +y, -y, +z,
-    -z), then groups of triangles without texels and backs of sheets.
+    Rows are texels, row by row of the map, and their other sides on sheets, then six planes for
+    each probe (+x, -x, +y, -y, +z, -z), then groups of triangles without texels.
 
     Attributes:
         rows: how many there are.
         rays: how many each row has.
         table: where they end.
+        beside, links: (N, 4) int32, the texels around each in the map, and those of them that
+            nothing parts from it.
         patches, mirrors, lamps: as far as there are some.
         colour_of: (N,) int32, the triangle of `surfaces` that has a texel's colours: with patches
             `surfaces` keeps those alone that texels lie on.
@@ -74,17 +77,22 @@ class RayScene:
         self.rays = 0
         self.tree = tree_of(surfaces) if tree is None else tree
         geometry = map_geometry(surfaces, layout, self.tree)
-        self.texels = texels_of(geometry)
+        sheets = sheets_of(surfaces)
+        self.texels = with_backs(texels_of(geometry), sheets)
         probes = no_probes()
         if self.probes is not None:
             places_m = probe_places_m(self.probes)
             probes = probe_planes(places_m, surfaces.centre_m, surfaces.radius_m)
         widths = self.texels.width if len(self.texels.width) else layout.texel_m / surfaces.radius_m
         edge = max(_SMALLEST_GROUP, _GROUP_TEXELS * float(np.median(widths)))
-        groups = groups_of(geometry, sheets_of(surfaces), edge)
+        groups = groups_of(geometry, sheets, edge)
         self.colour_of = self.texels.triangle
+        charts = layout.chart[self.texels.triangle]
+        self.beside = links_of(self.texels, charts)
+        self.texels, self.links = cut_texels(
+            self.tree, geometry, self.texels, charts, self.beside, sheets, self.over_rows
+        )
         self.receivers = Receivers(geometry, self.texels, probes, groups)
-        self.links = links_of(self.texels, layout.chart[self.texels.triangle])
         self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
@@ -101,7 +109,8 @@ class RayScene:
     @property
     def arrays(self) -> list[NDArray]:
         """All that grow with the scene."""
-        parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.links, self.seams]
+        parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.seams]
+        parts += [self.links, self.beside]
         parts += [*self.receivers.geometry, *self.receivers.probes, *self.receivers.groups]
         parts += [*self.surfaces.arrays, self.orientation, self.colour_of]
         parts += [] if self.patches is None else [*self.patches]

@@ -23,7 +23,7 @@ from vrut_lite.render.staleness import age_factor, sky_level
 from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.
-_MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT, _VISIBLE_SKY_UNIT = 5, 6, 7, 18
+_MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT, _VISIBLE_SKY_UNIT = 5, 6, 7, 32
 _VIEW_UNIT = 31
 _UP = np.array([0.0, 1.0, 0.0])
 

@@ -26,7 +26,7 @@ _MAP_UNITS: dict[MapName, int] = {
     "iridescence": 27,
     "iridescence_thickness": 28,
 }
-_FILM_UNIT = 26
+_FILM_UNIT = 33
 BACKDROP_UNIT = 22
 # What is smoother than this and no body shows what is behind it as it is.
 _SMOOTH = 0.05

@@ -77,7 +77,7 @@ def _passes(cosine, ior, panes, tint):  # type: ignore[no-untyped-def]
 @hot
 def _ends(tree, receivers, first_group, glass, origin, direction, scratch, target, share):  # type: ignore[no-untyped-def]
     geometry, texels, _, groups = receivers
-    stack, far_stack, pixel, left, passed, place, _, _, ray = scratch
+    stack, far_stack, left, passed, place, _, _, ray = scratch
     for i in range(len(origin)):
         for k in range(3):
             place[k], ray[k], left[k] = origin[i, k], direction[i, k], 1.0
@@ -92,7 +92,7 @@ def _ends(tree, receivers, first_group, glass, origin, direction, scratch, targe
                 place[k] += distance * ray[k]
             clear = glass.tint[t, 0] > 0.0 or glass.tint[t, 1] > 0.0 or glass.tint[t, 2] > 0.0
             if not clear or panes == _MOST_PANES - 1:
-                met = met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel)
+                met = met_row(geometry, texels, groups, first_group, t, u, v, place, ray)
                 target[i, 0] = met if met >= 0 else BODY
                 break
             faces = geometry.faces
@@ -105,7 +105,7 @@ def _ends(tree, receivers, first_group, glass, origin, direction, scratch, targe
                     )
                 passed[k] = through
             if panes == 0:
-                met = met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel)
+                met = met_row(geometry, texels, groups, first_group, t, u, v, place, ray)
                 target[i, 1] = met if met >= 0 else NOTHING
                 for k in range(3):
                     share[i, 1, k] = 1.0 - passed[k]

@@ -120,7 +120,7 @@ def free_rays(tree, receivers, free_start, directions, scratch, first, last, out
     `free_start` (N,): see `KeyRays`. Rays that would begin into their surface are laid along it,
     for the key light itself may stand above.
     """
-    stack, beam, _, shifts, weights, place, normal, face, _ = scratch
+    stack, beam, shifts, weights, place, normal, face, _ = scratch
     geometry, texels, probes, groups = receivers
     first_probe = len(texels.pixel)
     first_group = first_probe + len(probes.place)
@@ -171,7 +171,7 @@ def lit_shares(receivers, direction, around, share_of, scratch, first, last, out
 
     `around`: `free_rays` (N,) of three directions around it, which count by `share_of` (3,).
     """
-    _, _, _, shifts, weights, place, normal, face, _ = scratch
+    _, _, shifts, weights, place, normal, face, _ = scratch
     geometry, texels, probes, groups = receivers
     first_probe = len(texels.pixel)
     for row in range(first, last):
@@ -180,7 +180,7 @@ def lit_shares(receivers, direction, around, share_of, scratch, first, last, out
             continue
         if row < first_probe:
             for k in range(3):
-                face[k] = geometry.faces[texels.triangle[row], k]
+                face[k] = texels.side[row] * geometry.faces[texels.triangle[row], k]
         else:
             shift(row, shifts)
         rays = 1 if row < first_probe else _RAYS_OF_A_GROUP

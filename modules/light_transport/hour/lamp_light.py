@@ -99,7 +99,7 @@ def lamp_irradiance(tree, receivers, free_start, lamps, scratch, first, last, dr
     A row has one ray to each lamp, from where its first free ray (N,) begins; what arrives on a
     texel is that in its middle, or neighbours would differ by where in them rays begin.
     """
-    stack, far_stack, _, shifts, weights, place, normal, face, middle = scratch
+    stack, far_stack, shifts, weights, place, normal, face, middle = scratch
     geometry, texels, probes, groups = receivers
     count = len(texels.pixel)
     for row in range(first, last):

@@ -124,7 +124,7 @@ def _find(tree, receivers, eye, points):  # type: ignore[no-untyped-def]
     geometry, texels, probes, groups = receivers
     row, places, normals, faces, towards = points
     first_group = len(texels.pixel) + len(probes.place)
-    weights, pixel = np.empty(3), np.empty(2, np.int64)
+    weights = np.empty(3)
     stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
     for i in range(len(towards)):
         d = towards[i]
@@ -134,7 +134,7 @@ def _find(tree, receivers, eye, points):  # type: ignore[no-untyped-def]
         t = tree.order[hit]
         weights[0], weights[1], weights[2] = 1.0 - u - v, u, v
         surface_place(geometry, t, weights, places[i], normals[i])
-        row[i] = met_row(geometry, texels, groups, first_group, t, u, v, places[i], d, pixel)
+        row[i] = met_row(geometry, texels, groups, first_group, t, u, v, places[i], d)
         side = 1.0 if dot(geometry.faces[t], d) < 0.0 else -1.0
         alike = 1.0 if dot(geometry.faces[t], normals[i]) > 0.0 else -1.0
         for k in range(3):

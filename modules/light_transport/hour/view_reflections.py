@@ -124,7 +124,7 @@ def _lobes(tree, receivers, points, own, scene, light, radiance, error, room):  
     stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
     shifts, weights = np.empty(SEQUENCES), np.empty(3)
     place, normal, ray = np.empty(3), np.empty(3), np.empty(3)
-    pixel, rgb = np.empty(2, np.int64), np.empty(3, np.float32)
+    rgb = np.empty(3, np.float32)
     beam, sums = np.empty(STACK, np.float32), np.empty((2, 7))
     for k in range(3):
         beam[BEAM + k] = light[2][k]
@@ -177,8 +177,8 @@ def _lobes(tree, receivers, points, own, scene, light, radiance, error, room):  
                 for k in range(3):
                     place[k] += distance * ray[k]
                 if not _met_radiance(
-                    tree, receivers, scene, light, t, weights, ray, number, place, normal, pixel,
-                    beam, stack, rgb,
+                    tree, receivers, scene, light, t, weights, ray, number, place, normal, beam,
+                    stack, rgb,
                 ):  # fmt: skip
                     continue
                 nearness += weight / max(distance, np.float32(1e-6))
@@ -238,25 +238,22 @@ def _open_radiance(light, ray, rgb):  # type: ignore[no-untyped-def]
 
 @inlined
 def _met_radiance(  # type: ignore[no-untyped-def]
-    tree, receivers, scene, light, t, weights, ray, number, place, normal, pixel, beam, stack, rgb
+    tree, receivers, scene, light, t, weights, ray, number, place, normal, beam, stack, rgb
 ):
     """Fill in what a surface sends that a ray met; False at the back of a body."""
     geometry, texels, probes, groups = receivers
     lit, column_light, column_of, reflectance, emitted, colour_of = scene
     _, _, key, key_rgb = light
     first_group = len(texels.pixel) + len(probes.place)
-    row = met_row(
-        geometry, texels, groups, first_group, t, weights[1], weights[2], place, ray, pixel
-    )
+    row = met_row(geometry, texels, groups, first_group, t, weights[1], weights[2], place, ray)
     if row == NOBODY:
         return False
-    if row >= len(texels.pixel):
+    if row >= len(texels.pixel) or texels.side[row] < 0.0:
         column = column_of[NODES + row]
         for k in range(3):
             rgb[k] = column_light[column, k] * (1.0 / math.pi)
         return True
-    height, width = texels.row_of.shape
-    x, y = min(max(pixel[0], 0), width - 1), min(max(pixel[1], 0), height - 1)
+    x, y = texels.pixel[row, 0], texels.pixel[row, 1]
     surface_place(geometry, t, weights, place, normal)
     by_key = 0.0
     if key_rgb[1] > 0.0 and dot(geometry.faces[t], key) > 0.0 and dot(normal, key) > 0.0:

@@ -202,7 +202,7 @@ def _trace(tree, receivers, part_of, own, hollow, view, scratch, target, near): 
     """
     centre, facing, directions = view
     geometry, texels, probes, groups = receivers
-    stack, far_stack, pixel, _, _, place, _, _, ray = scratch
+    stack, far_stack, _, _, place, _, _, ray = scratch
     first_group = len(texels.pixel) + len(probes.place)
     faces = geometry.faces
     for i in range(len(directions)):
@@ -228,7 +228,7 @@ def _trace(tree, receivers, part_of, own, hollow, view, scratch, target, near): 
                 place[k] += ahead * ray[k]
             if passed:
                 continue
-            row = met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel)
+            row = met_row(geometry, texels, groups, first_group, t, u, v, place, ray)
             if row != NOBODY:
                 target[i], near[i] = row, np.float32(1.0) / max(travelled, np.float32(1e-6))
             break

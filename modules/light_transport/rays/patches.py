@@ -44,11 +44,16 @@ def patches_of(
     surfaces: Surfaces,
     receivers: Receivers,
     links: NDArray[np.int32],
+    beside: NDArray[np.int32],
     seams: NDArray[np.int32],
     good: BoolArray,
     texels_an_edge: float,
 ) -> Patches:
-    """Patches of the rows that are good (N,), by links (N, 4) and seams (K, 2), see `links`."""
+    """Patches of the rows that are good (N,), by links (N, 4) and seams (K, 2), see `links`.
+
+    Others have the patch of the nearest good one that is linked, or else of one `beside` (N, 4),
+    whatever stands between.
+    """
     texels, groups = receivers.texels, receivers.groups
     count, probes = len(texels.pixel), len(receivers.probes.place)
     key = _keys(surfaces, receivers, texels_an_edge)
@@ -78,7 +83,7 @@ def patches_of(
     ground = np.zeros(total, bool)
     ground[of_row[member]] = on_ground[member]
     return Patches(
-        _columns(of_row, links, count, total),
+        _columns(of_row, links, beside, count, total),
         start,
         member,
         weight.astype(np.float32),
@@ -133,12 +138,13 @@ def _connected(links, seams, key, good):  # type: ignore[no-untyped-def]
 def _columns(
     of_row: NDArray[np.int32],
     links: NDArray[np.int32],
+    beside: NDArray[np.int32],
     count: int,
     patches: int,
 ) -> NDArray[np.int32]:
     """The table's column for each node and row."""
     patch = of_row.copy()
-    patch[:count] = _spread(patch[:count], links)
+    patch[:count] = _spread(_spread(patch[:count], links), beside)
     # Texels among buried texels alone, and probes, send no light: the column after the last patch.
     columns = NODES + np.where(patch >= 0, patch, patches)
     return np.concatenate([np.arange(NODES), columns]).astype(np.int32)

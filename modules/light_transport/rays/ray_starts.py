@@ -20,6 +20,7 @@ from light_transport.surfaces.map_texels import (
     Texels,
     ground_place,
     keep_off_edges,
+    on_own_side,
     surface_place,
     triangle_at,
 )
@@ -55,7 +56,6 @@ class Scratch(NamedTuple):
 
     stack: NDArray[np.int32]
     far_stack: Float32Array
-    pixel: NDArray[np.int64]
     shifts: FloatArray
     weights: FloatArray
     place: FloatArray
@@ -68,7 +68,7 @@ def scratch() -> Scratch:
     """New ones, for one thread."""
     threes = [np.empty(3) for _ in range(5)]
     stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
-    return Scratch(stack, far_stack, np.empty(2, np.int64), np.empty(SEQUENCES), *threes)
+    return Scratch(stack, far_stack, np.empty(SEQUENCES), *threes)
 
 
 @inlined
@@ -98,6 +98,9 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
         column, line = texels.pixel[row, 0], texels.pixel[row, 1]
         x = column + evenly(shifts[2], _STEPS[0], number)
         y = line + evenly(shifts[3], _STEPS[1], number)
+        cut = texels.cut[row]
+        if cut >= 0:
+            x, y = on_own_side(texels, row, number, x, y)
         t = texels.triangle[row]
         if geometry.on_ground[t]:
             ground_place(geometry.ground, x, y, place)
@@ -106,8 +109,10 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
         else:
             t = triangle_at(geometry, column, line, x, y, weights)
             surface_place(geometry, t, weights, place, normal)
+        side = texels.side[row]
         for k in range(3):
-            face[k] = geometry.faces[t, k]
+            normal[k] *= side
+            face[k] = side * geometry.faces[t, k]
     elif row < len(texels.pixel) + len(probes.place):
         probe = row - len(texels.pixel)
         for k in range(3):

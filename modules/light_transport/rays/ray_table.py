@@ -15,7 +15,7 @@ from light_transport.rays.sky_nodes import NODES, node_of
 from light_transport.rays.trace import MISS, mixed, nearest_along
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.groups import NO_GROUP
-from light_transport.surfaces.map_texels import NOBODY, ground_pixel
+from light_transport.surfaces.map_texels import NOBODY, cell_at, ground_at
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 _DROPPED, _BACK = -1, -2
@@ -162,7 +162,7 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
     They end at a node, at NODES + a row, at a body's _BACK, or are _DROPPED.
     """
     geometry, texels, probes, groups = receivers
-    stack, far_stack, pixel, shifts, weights, place, normal, face, ray = scratch
+    stack, far_stack, shifts, weights, place, normal, face, ray = scratch
     first_group = len(texels.pixel) + len(probes.place)
     rows, count = targets.shape
     for i in range(rows):
@@ -189,41 +189,40 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
             for k in range(3):
                 place[k] += distance * ray[k]
                 height += distance * ray[k] * face[k]
-            met = met_row(
-                geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray, pixel
-            )
+            met = met_row(geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray)
             targets[i, s] = NODES + met if met >= 0 else _DROPPED
-            if met < 0 and dot(geometry.faces[tree.order[hit]], ray) > 0.0:
-                targets[i, s] = _BACK
-            if met >= first_group and height < least:
-                t = tree.order[hit]
-                if groups.front[t] != met - first_group:
+            if dot(geometry.faces[tree.order[hit]], ray) > 0.0:
+                if met < 0:
+                    targets[i, s] = _BACK
+                elif height < least:
                     # The back of a sheet that lies on the surface: frames and plinths without a
                     # back of their own hide what is below them as bodies do.
                     targets[i, s] = _DROPPED
 
 
 @inlined
-def met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
+def met_row(geometry, texels, groups, first_group, t, u, v, place, ray):  # type: ignore[no-untyped-def]
     """The row that a ray met, or NOBODY where it met a body's back."""
-    group = groups.front[t]
-    faces = geometry.faces
-    if faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2] > 0.0:
-        group = groups.back[t]
-        return first_group + group if group != NO_GROUP else NOBODY
-    if group != NO_GROUP:
+    behind = dot(geometry.faces[t], ray) > 0.0
+    group = groups.back[t] if behind else groups.front[t]
+    if group >= 0:
         return first_group + group
+    if behind and group == NO_GROUP:
+        return NOBODY
     height, width = texels.row_of.shape
     if geometry.on_ground[t]:
-        ground_pixel(geometry.ground, place[0], place[2], pixel)
+        x = ground_at(geometry.ground, place[0], 0)
+        y = ground_at(geometry.ground, place[2], 1)
     else:
-        w = 1.0 - u - v
-        for k in range(2):
-            pixel[k] = int(
-                w * geometry.uv[t, 0, k] + u * geometry.uv[t, 1, k] + v * geometry.uv[t, 2, k]
-            )
-    column, line = min(max(pixel[0], 0), width - 1), min(max(pixel[1], 0), height - 1)
-    return texels.row_of[line, column]
+        uv, w = geometry.uv, 1.0 - u - v
+        x = w * uv[t, 0, 0] + u * uv[t, 1, 0] + v * uv[t, 2, 0]
+        y = w * uv[t, 0, 1] + u * uv[t, 1, 1] + v * uv[t, 2, 1]
+    row = texels.row_of[min(max(int(y), 0), height - 1), min(max(int(x), 0), width - 1)]
+    if row >= 0 and behind:
+        row = texels.back[row]
+    if row >= 0 and texels.cut[row] >= 0:
+        return texels.cell_row[texels.cut[row], cell_at(texels, row, x, y)]
+    return row
 
 
 @kernel

@@ -76,16 +76,22 @@ def _lets_pass(opacity, t, ray):  # type: ignore[no-untyped-def]
     return opacity[t] < _ONE and mixed(ray, t) >= opacity[t] * np.float32(4294967296.0)
 
 
-@hot
+@inlined
 def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignore[no-untyped-def]
     """The nearest triangle on a ray: distance, place in the tree's order (MISS), u, v.
 
     `ray` numbers the ray, for triangles that let a share of rays pass; the stacks hold STACK
     int32 and float32 numbers and are overwritten.
     """
+    return nearest_within(tree, ox, oy, oz, dx, dy, dz, FAR, ray, stack, far_stack)
+
+
+@hot
+def nearest_within(tree, ox, oy, oz, dx, dy, dz, far, ray, stack, far_stack):  # type: ignore[no-untyped-def]
+    """`nearest` of what is not as far as `far` of the direction's lengths."""
     boxes, child, triangle, opacity = tree.boxes, tree.child, tree.triangle, tree.opacity
     ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
-    far, hit, hit_u, hit_v = FAR, MISS, _ZERO, _ZERO
+    hit, hit_u, hit_v = MISS, _ZERO, _ZERO
     top, node = 0, 0
     while True:
         if node >= 0:

@@ -1,4 +1,4 @@
-"""Triangles that share one value of light: those without texels, and backs of sheets."""
+"""Triangles without texels that share one value of light, those of sheets on either side."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from light_transport.row_numbers import row_numbers
 from light_transport.surfaces.map_texels import MapGeometry, edges_of
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
-NO_GROUP = -1
+NO_GROUP, BY_TEXELS = -1, -2
 # More than these, which 16 bits can name, are not told apart; boxes of space then become larger.
 _MOST = 30_000
 
@@ -18,7 +18,8 @@ class Groups(NamedTuple):
     """Sides of triangles that lie in one box of space and face one way (G).
 
     Attributes:
-        front, back: (F,) int16, the group of each side of a triangle, or NO_GROUP.
+        front, back: (F,) int16, the group of each side of a triangle, or NO_GROUP. The back of a
+            sheet that has texels is BY_TEXELS.
         start: (G + 1,) int64, where each group's sides begin in the next two.
         triangle: (K,) int32.
         area_up_to: (K,) float32, area of the group's sides up to this one, over all of them.
@@ -38,10 +39,10 @@ class Groups(NamedTuple):
 def groups_of(geometry: MapGeometry, sheets: BoolArray, edge: float) -> Groups:
     """Groups in boxes of this edge, in radii.
 
-    `sheets` (F,): triangles whose backs are seen. Fronts have groups where the map has no texels.
+    `sheets` (F,): triangles whose backs are seen. What has texels in the map has no groups.
     """
     has_texels = np.isfinite(geometry.uv).all(axis=(1, 2)) | geometry.on_ground
-    fronts, backs = np.flatnonzero(~has_texels), np.flatnonzero(sheets)
+    fronts, backs = np.flatnonzero(~has_texels), np.flatnonzero(sheets & ~has_texels)
     triangle = np.concatenate([fronts, backs]).astype(np.int32)
     is_front = np.arange(len(triangle)) < len(fronts)
     corner, b, c = edges_of(geometry, triangle)
@@ -55,6 +56,7 @@ def groups_of(geometry: MapGeometry, sheets: BoolArray, edge: float) -> Groups:
     total = np.bincount(group, area, count)
     front = np.full(len(geometry.faces), NO_GROUP, np.int16)
     back = front.copy()
+    back[sheets & has_texels] = BY_TEXELS
     front[triangle[is_front]], back[triangle[~is_front]] = group[is_front], group[~is_front]
     running = np.concatenate([[0.0], np.cumsum(area)])
     up_to = running[1:] - running[start[:-1]][group]

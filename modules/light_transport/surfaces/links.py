@@ -24,7 +24,10 @@ def seam_links(texels: Texels, seams: NDArray[np.int32]) -> NDArray[np.int32]:
     """Pairs (K, 2) of texels that meet at a seam, each once; `seams` as in `Layout`."""
     ends = texels.row_of.ravel()[seams.astype(np.int64)].reshape(-1, 2)
     ends = np.sort(ends[(ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])], axis=1)
-    return np.unique(ends, axis=0).astype(np.int32)
+    backs = texels.back[ends]
+    return np.unique(np.concatenate([ends, backs[(backs >= 0).all(axis=1)]]), axis=0).astype(
+        np.int32
+    )
 
 
 @kernel
@@ -42,6 +45,10 @@ def _links(texels, charts):  # type: ignore[no-untyped-def]
             # Padding names the texel that it copies.
             if j < 0 or texels.pixel[j, 0] != c or texels.pixel[j, 1] != r:
                 continue
+            if texels.side[i] < 0.0:
+                j = texels.back[j]
+                if j == NOBODY:
+                    continue
             away = texels.place[j] - texels.place[i]
             reach = _NEAR * max(texels.width[i], texels.width[j])
             if charts[i] == charts[j] and dot(away, away) < reach * reach:

@@ -10,9 +10,11 @@ from light_transport.kernels import cross, dot, inlined, kernel
 from light_transport.layout.layout import Layout
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.surfaces import GROUND, Surfaces
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 NOBODY = -1
+# Cells along an edge of a texel that something stands across.
+CELLS = 4
 # A texel is cut into so many pieces an edge, to see how much of it a triangle covers.
 _PIECES = 4
 _LEAST_COVERED = 1.0 / 32.0
@@ -45,24 +47,38 @@ class MapGeometry(NamedTuple):
 
 
 class Texels(NamedTuple):
-    """Texels (N) that have rays, row by row.
+    """Texels (N) that have rays, row by row, then their other sides where sheets have two.
 
     Attributes:
         pixel: (N, 2) int32, column and row in the map.
         triangle: (N,) int32, their owners.
         place: (N, 3) float32, in radii; normal: (N, 3) float32, the shading normal there.
+        side: (N,) float32, 1 on fronts, -1 on backs; back: (N,) int32, the other side of a front,
+            or NOBODY.
         area: (N,) float32, of the surface in them; width: (N,) float32, of a whole texel; radii.
         row_of: (height, width) int32, the number of each texel, for padding that of the texel
             that it copies, or NOBODY.
+        cut: (N,) int32, the number of each among the texels (C) that something stands across, or
+            NOBODY; `cut_texels.py` finds them.
+        cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
+            neighbour's that most of the cell lies on the side of.
+        middle: (C, 2) float32, where in the texel the place is whose side it is of.
+        begins: (C, CELLS^2) bool, cells of which nothing lies beyond.
     """
 
     pixel: NDArray[np.int32]
     triangle: NDArray[np.int32]
     place: Float32Array
     normal: Float32Array
+    side: Float32Array
+    back: NDArray[np.int32]
     area: Float32Array
     width: Float32Array
     row_of: NDArray[np.int32]
+    cut: NDArray[np.int32]
+    cell_row: NDArray[np.int32]
+    middle: Float32Array
+    begins: BoolArray
 
 
 def map_geometry(surfaces: Surfaces, layout: Layout, tree: Tree) -> MapGeometry:
@@ -114,10 +130,81 @@ def texels_of(geometry: MapGeometry) -> Texels:
         geometry.owner[rows, columns],
         place,
         normal,
+        np.ones(len(pixel), np.float32),
+        np.full(len(pixel), NOBODY, np.int32),
         (area * np.maximum(covered[rows, columns], _LEAST_COVERED)).astype(np.float32),
         np.sqrt(area).astype(np.float32),
         row_of,
+        np.full(len(pixel), NOBODY, np.int32),
+        np.empty((0, CELLS * CELLS), np.int32),
+        np.empty((0, 2), np.float32),
+        np.empty((0, CELLS * CELLS), bool),
     )
+
+
+def with_backs(texels: Texels, sheets: BoolArray) -> Texels:
+    """These texels and the other sides of those that lie on sheets, by triangles (F,)."""
+    fronts = np.flatnonzero(sheets[texels.triangle])
+    back = np.full(len(texels.pixel) + len(fronts), NOBODY, np.int32)
+    back[fronts] = len(texels.pixel) + np.arange(len(fronts), dtype=np.int32)
+
+    def both(values: NDArray) -> NDArray:
+        return np.concatenate([values, values[fronts]])
+
+    return texels._replace(
+        pixel=both(texels.pixel),
+        triangle=both(texels.triangle),
+        place=both(texels.place),
+        normal=np.concatenate([texels.normal, -texels.normal[fronts]]),
+        side=np.concatenate([texels.side, -texels.side[fronts]]),
+        back=back,
+        area=both(texels.area),
+        width=both(texels.width),
+        cut=both(texels.cut),
+    )
+
+
+@inlined
+def middle_of(texels, row):  # type: ignore[no-untyped-def]
+    """The place in the map whose side a texel is of."""
+    cut = texels.cut[row]
+    x = texels.middle[cut, 0] if cut >= 0 else np.float32(0.5)
+    y = texels.middle[cut, 1] if cut >= 0 else np.float32(0.5)
+    return texels.pixel[row, 0] + x, texels.pixel[row, 1] + y
+
+
+@inlined
+def on_own_side(texels, row, number, x, y):  # type: ignore[no-untyped-def]
+    """A place in the map as it is, or moved from beyond what cuts its texel to a cell before.
+
+    Places with one `number` after another get one such cell after another.
+    """
+    begins = texels.begins[texels.cut[row]]
+    if begins[cell_at(texels, row, x, y)]:
+        return x, y
+    some = 0
+    for cell in range(CELLS * CELLS):
+        some += begins[cell]
+    if some == 0:
+        return middle_of(texels, row)
+    wanted, cell = number % some, 0
+    while wanted > 0 or not begins[cell]:
+        wanted -= begins[cell]
+        cell += 1
+    left, top = texels.pixel[row, 0], texels.pixel[row, 1]
+    x, y = (x - left) * CELLS, (y - top) * CELLS
+    return (
+        left + (cell % CELLS + x - math.floor(x)) / CELLS,
+        top + (cell // CELLS + y - math.floor(y)) / CELLS,
+    )
+
+
+@inlined
+def cell_at(texels, row, x, y):  # type: ignore[no-untyped-def]
+    """The cell of a texel that is nearest to a place in the map."""
+    column = min(max(int((x - texels.pixel[row, 0]) * CELLS), 0), CELLS - 1)
+    line = min(max(int((y - texels.pixel[row, 1]) * CELLS), 0), CELLS - 1)
+    return line * CELLS + column
 
 
 @inlined
@@ -205,12 +292,11 @@ def ground_place(ground, x, y, place):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def ground_pixel(ground, place_x, place_z, pixel):  # type: ignore[no-untyped-def]
-    """Column and row of the texel at a point of the ground."""
-    for axis in range(2):
-        away = ((place_x if axis == 0 else place_z) - ground[5 + axis]) / ground[3]
-        away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
-        pixel[axis] = int(ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2])
+def ground_at(ground, away, axis):  # type: ignore[no-untyped-def]
+    """Where a point of the ground lies in the map, along one of its axes."""
+    away = (away - ground[5 + axis]) / ground[3]
+    away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
+    return ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2]
 
 
 @inlined

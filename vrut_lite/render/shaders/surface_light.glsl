@@ -4,7 +4,7 @@
 layout(binding = 5) uniform sampler2D light_map;
 layout(binding = 6) uniform sampler3D light_probes;  // its layers: six faces, each all of z
 layout(binding = 7) uniform sampler2D open_sky;      // open_irradiance.py's table
-layout(binding = 18) uniform sampler2D visible_sky;  // b and a of the share a + b . d that is seen
+layout(binding = 32) uniform sampler2D visible_sky;  // b and a of the share a + b . d that is seen
 //!include surface_light_block.glsl
 
 const float FEWEST_THINGS = 0.05;  // share of all directions below which things are too few to tell

@@ -1,5 +1,5 @@
 // A thin film on a surface, KHR_materials_iridescence: geometry/thin_film.py makes its table.
-layout(binding = 26) uniform sampler3D film_table;
+layout(binding = 33) uniform sampler3D film_table;
 #ifdef HAS_IRIDESCENCE_TEX
 layout(binding = 27) uniform sampler2D iridescence_map;
 #endif

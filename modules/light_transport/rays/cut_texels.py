@@ -1,0 +1,290 @@
+"""Texels that something stands across: walls go on beyond ceilings, sheets end on floors.
+
+Light of one side must not get to the other. A texel that is cut belongs to the side of its middle:
+rays begin there alone, and rays that meet it beyond take a neighbour's light. Texels with something
+between them are no neighbours, so that neither patches nor smoothing go through walls, however thin
+these are.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import dot, hot, inlined
+from light_transport.rays.trace import FAR, MISS, nearest_within
+from light_transport.rays.tree import STACK, Tree
+from light_transport.surfaces.map_texels import (
+    CELLS,
+    NOBODY,
+    MapGeometry,
+    Texels,
+    ground_place,
+    middle_of,
+    surface_place,
+    triangle_at,
+)
+from vrut_lite.numeric_types import Float32Array
+
+# What is between two places is looked for so high above the surface, of a texel's width.
+_ABOVE = np.float32(0.05)
+# The most that what stands across may face as the surface does (cosine): bumps do not count.
+_ACROSS = np.float32(0.9)
+# Corners of cells lie so far inside their texel, in texels.
+_INSIDE = 1e-3
+# The square of the farthest that a cell looks for a neighbour, in texels.
+_NEAR2 = 4.0
+# Where a point lies: in a body, on the side of its texel's middle, or beyond what cuts the texel.
+_BURIED, _OWN, _BEYOND = 0, 1, 2
+OverRows = Callable[[int, Callable[[int, int], None]], None]
+
+
+def cut_texels(
+    tree: Tree,
+    geometry: MapGeometry,
+    texels: Texels,
+    charts: NDArray[np.int32],
+    links: NDArray[np.int32],
+    sheets: NDArray[np.bool_],
+    over_rows: OverRows,
+) -> tuple[Texels, NDArray[np.int32]]:
+    """The texels with what cuts them, and their links (N, 4) without those through walls.
+
+    `charts` (N,) of texels; `sheets` (F,): triangles with two sides; `over_rows` does work on
+    ranges of so many rows.
+    """
+    count = len(texels.pixel)
+    solid = (tree.opacity >= 1.0)[geometry.leaf]
+    solid &= np.isfinite(geometry.uv).all(axis=(1, 2)) | geometry.on_ground
+    surfaces = charts, solid & ~sheets, solid
+    crossed = np.zeros(count, bool)
+    over_rows(
+        count,
+        lambda a, b: _crossed(tree, geometry, texels, solid, _stacks(), _places(), a, b, crossed),
+    )
+    cut = np.full(count, NOBODY, np.int32)
+    rows = np.flatnonzero(crossed)
+    cut[rows] = np.arange(len(rows), dtype=np.int32)
+    middle = np.full((len(rows), 2), 0.5, np.float32)
+    texels = texels._replace(cut=cut, middle=middle)
+    over_rows(
+        len(rows),
+        lambda a, b: _middles(tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b),
+    )
+    cell_row = np.full((len(rows), CELLS * CELLS), NOBODY, np.int32)
+    begins = np.zeros(cell_row.shape, bool)
+    over_rows(
+        len(rows),
+        lambda a, b: _sides(
+            tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b, cell_row, begins
+        ),
+    )
+    parted = np.zeros((count, 2), bool)
+    over_rows(
+        count,
+        lambda a, b: _part(
+            tree, geometry, texels, links, solid, _stacks(), _places(), a, b, parted
+        ),
+    )
+    links = links.copy()
+    for k, back, column in ((1, 0, 0), (3, 2, 1)):
+        apart = np.flatnonzero(parted[:, column])
+        links[links[apart, k], back] = NOBODY
+        links[apart, k] = NOBODY
+    return texels._replace(cell_row=cell_row, begins=begins), links
+
+
+def _stacks() -> tuple[NDArray[np.int32], Float32Array]:
+    return np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+
+
+def _places() -> tuple[NDArray[np.float64], ...]:
+    return tuple(np.empty(3) for _ in range(6))
+
+
+@inlined
+def _lifted(geometry, texels, row, x, y, weights, place, normal):  # type: ignore[no-untyped-def]
+    """Fill in the point above a place in a texel; returns the triangle there."""
+    column, line = texels.pixel[row, 0], texels.pixel[row, 1]
+    t = texels.triangle[row]
+    if geometry.on_ground[t]:
+        ground_place(geometry.ground, x, y, place)
+    else:
+        t = triangle_at(geometry, column, line, x, y, weights)
+        surface_place(geometry, t, weights, place, normal)
+    for k in range(3):
+        place[k] += _ABOVE * texels.width[row] * texels.side[row] * geometry.faces[t, k]
+    return t
+
+
+@inlined
+def _apart(tree, geometry, solid, a, b, t, stacks):  # type: ignore[no-untyped-def]
+    """Whether something stands across between two points (3,) above triangle t."""
+    stack, far_stack = stacks
+    _, hit, _, _ = nearest_within(
+        tree,
+        np.float32(a[0]),
+        np.float32(a[1]),
+        np.float32(a[2]),
+        np.float32(b[0] - a[0]),
+        np.float32(b[1] - a[1]),
+        np.float32(b[2] - a[2]),
+        np.float32(1.0),
+        0,
+        stack,
+        far_stack,
+    )
+    if hit == MISS:
+        return False
+    met = tree.order[hit]
+    return solid[met] and abs(dot(geometry.faces[met], geometry.faces[t])) < _ACROSS
+
+
+@inlined
+def _middle(geometry, texels, row, weights, place, normal):  # type: ignore[no-untyped-def]
+    """`_lifted` of the place whose side a texel is of."""
+    x, y = middle_of(texels, row)
+    return _lifted(geometry, texels, row, x, y, weights, place, normal)
+
+
+@hot
+def _crossed(tree, geometry, texels, solid, stacks, places, first, last, crossed):  # type: ignore[no-untyped-def]
+    """Which texels (N,) have something across one of their diagonals."""
+    weights, a, b, normal, _, _ = places
+    low, high = _INSIDE, 1.0 - _INSIDE
+    for i in range(first, last):
+        x, y = texels.pixel[i, 0], texels.pixel[i, 1]
+        for k in range(2):
+            left, right = (low, high) if k == 0 else (high, low)
+            t = _lifted(geometry, texels, i, x + left, y + low, weights, a, normal)
+            _lifted(geometry, texels, i, x + right, y + high, weights, b, normal)
+            if _apart(tree, geometry, solid, a, b, t, stacks):
+                crossed[i] = True
+
+
+@hot
+def _middles(tree, geometry, texels, surfaces, rows, stacks, places, first, last):  # type: ignore[no-untyped-def]
+    """Where middles of cut texels lie in bodies, move them to the nearest cell that does not."""
+    weights, point, _, normal, _, _ = places
+    _, of_bodies, solid = surfaces
+    for c in range(first, last):
+        i = rows[c]
+        t = _middle(geometry, texels, i, weights, point, normal)
+        side = texels.side[i]
+        if (
+            _state(tree, geometry, of_bodies, solid, point, point, False, t, side, stacks)
+            != _BURIED
+        ):
+            continue
+        nearest2 = np.inf
+        for cell in range(CELLS * CELLS):
+            x, y = (cell % CELLS + 0.5) / CELLS, (cell // CELLS + 0.5) / CELLS
+            away2 = (x - 0.5) ** 2 + (y - 0.5) ** 2
+            if away2 >= nearest2:
+                continue
+            at_x, at_y = texels.pixel[i, 0] + x, texels.pixel[i, 1] + y
+            t = _lifted(geometry, texels, i, at_x, at_y, weights, point, normal)
+            state = _state(tree, geometry, of_bodies, solid, point, point, False, t, side, stacks)
+            if state != _BURIED:
+                nearest2 = away2
+                texels.middle[c, 0], texels.middle[c, 1] = x, y
+
+
+@hot
+def _part(tree, geometry, texels, links, solid, stacks, places, first, last, parted):  # type: ignore[no-untyped-def]
+    """Which texels have something before the one below and the one to the right (N, 2)."""
+    weights, a, b, normal, _, _ = places
+    for i in range(first, last):
+        t = _middle(geometry, texels, i, weights, a, normal)
+        for k in range(2):
+            j = links[i, 1 + 2 * k]
+            if j != NOBODY:
+                _middle(geometry, texels, j, weights, b, normal)
+                parted[i, k] = _apart(tree, geometry, solid, a, b, t, stacks)
+
+
+@inlined
+def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks):  # type: ignore[no-untyped-def]
+    """Whether a point (3,) above triangle t lies in a body, on the side of a texel's `middle`, or
+    beyond what cuts it; `own`: whether that middle is in no body."""
+    stack, far_stack = stacks
+    if own and not _apart(tree, geometry, solid, middle, place, t, stacks):
+        return _OWN
+    _, hit, _, _ = nearest_within(
+        tree,
+        np.float32(place[0]),
+        np.float32(place[1]),
+        np.float32(place[2]),
+        np.float32(side * geometry.faces[t, 0]),
+        np.float32(side * geometry.faces[t, 1]),
+        np.float32(side * geometry.faces[t, 2]),
+        FAR,
+        0,
+        stack,
+        far_stack,
+    )
+    if hit != MISS:
+        met = tree.order[hit]
+        if of_bodies[met] and side * dot(geometry.faces[met], geometry.faces[t]) > 0.0:
+            return _BURIED
+    return _BEYOND
+
+
+@hot
+def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, cell_row, begins):  # type: ignore[no-untyped-def]
+    """Fill in the cells of cut texels by the states of their middles and corners."""
+    weights, middle, point, normal, there, beyond = places
+    charts, of_bodies, solid = surfaces
+    height, width = texels.row_of.shape
+    for c in range(first, last):
+        i = rows[c]
+        column, line, side = texels.pixel[i, 0], texels.pixel[i, 1], texels.side[i]
+        t = _middle(geometry, texels, i, weights, middle, normal)
+        own = (
+            _state(tree, geometry, of_bodies, solid, middle, middle, False, t, side, stacks)
+            != _BURIED
+        )
+        for cell in range(CELLS * CELLS):
+            owns, others = 0, 0
+            for k in range(5):
+                # Its middle, then its corners.
+                x = 0.5 if k == 0 else (k - 1) % 2
+                y = 0.5 if k == 0 else (k - 1) // 2
+                x = column + min(max((cell % CELLS + x) / CELLS, _INSIDE), 1.0 - _INSIDE)
+                y = line + min(max((cell // CELLS + y) / CELLS, _INSIDE), 1.0 - _INSIDE)
+                _lifted(geometry, texels, i, x, y, weights, point, normal)
+                state = _state(
+                    tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
+                )
+                if state == _OWN:
+                    owns += 1
+                elif state == _BEYOND:
+                    if others == 0:
+                        for axis in range(3):
+                            beyond[axis] = point[axis]
+                    others += 1
+            begins[c, cell] = others == 0
+            cell_row[c, cell] = i
+            if owns >= others:
+                continue
+            nearest2 = _NEAR2 * texels.width[i] ** 2
+            for k in range(9):
+                row, beside = line + k // 3 - 1, column + k % 3 - 1
+                if row < 0 or beside < 0 or row >= height or beside >= width:
+                    continue
+                j = texels.row_of[row, beside]
+                if j < 0 or j == i or texels.pixel[j, 0] != beside or texels.pixel[j, 1] != row:
+                    continue
+                if side < 0.0:
+                    j = texels.back[j]
+                    if j == NOBODY:
+                        continue
+                _middle(geometry, texels, j, weights, there, normal)
+                away2 = 0.0
+                for axis in range(3):
+                    away2 += (there[axis] - beyond[axis]) ** 2
+                if away2 >= nearest2 or charts[j] != charts[i]:
+                    continue
+                if not _apart(tree, geometry, solid, beyond, there, t, stacks):
+                    nearest2 = away2
+                    cell_row[c, cell] = j

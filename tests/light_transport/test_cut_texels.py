@@ -1,0 +1,104 @@
+"""Light on either side of what stands across a texel: walls thinner than texels, and sheets.
+
+Closed rooms stand in the sun on a floor that goes on outdoors. Little light gets in.
+"""
+
+import numpy as np
+import pytest
+from boxes import box, floor, hour, quads
+from light_transport.bake import Bake
+from light_transport.rays.ray_table import columns_and_rays
+from light_transport.surfaces.map_texels import CELLS
+
+HALF_M, HIGH_M, TEXELS = 1.0, 2.0, 16
+# Of the floor, which is of 8 m.
+TEXEL_M = 8.0 / TEXELS
+SUN = hour(5.0, irradiance=100.0, key=(0.4, 0.7, 0.2))
+
+
+def room_of(thick_m):
+    """The quads of a room whose walls have two sides that are so far apart."""
+    inner = box((-HALF_M, 0.0, -HALF_M), (HALF_M, HIGH_M, HALF_M), inwards=True)
+    out = HALF_M + thick_m
+    outer = box((-out, -0.01, -out), (out, HIGH_M + thick_m, out))
+    return [*outer, *(side for k, side in enumerate(inner) if k != 3)]
+
+
+def sheet_room():
+    """Four walls and a lid without thickness, seen from outside, that reach beyond each other."""
+    longer = HALF_M + 0.2
+    sides = box((-HALF_M, 0.0, -HALF_M), (HALF_M, HIGH_M, HALF_M))
+    walls = []
+    for k in (0, 1, 2, 4, 5):
+        side = np.array(sides[k])
+        along = np.ptp(side, axis=0) > 0.0
+        along[1] = False
+        walls.append(np.where(along, np.sign(side) * (longer + 0.01 * k), side))
+    return walls
+
+
+def rows_inside(bake, scene):
+    """Rows that lie in the room and face it: of the floor, and of walls."""
+    surfaces, texels = scene[0], bake.texels
+    place = texels.place.astype(float) * surfaces.radius_m + surfaces.centre_m
+    towards = np.array([0.0, 0.5 * HIGH_M, 0.0]) - place
+    faces = np.einsum("ni,ni->n", texels.normal, towards) > 0.0
+    edge = np.array([HALF_M, HIGH_M, HALF_M]) + 1e-3
+    on_floor = texels.triangle < 2
+    inner = (np.abs(place[:, [0, 2]]) < HALF_M - 1e-3).all(axis=1)
+    return faces & (np.abs(place) < edge).all(axis=1) & (~on_floor | inner)
+
+
+def arrives(bake):
+    """What rays bring to each row (N,), of one colour."""
+    light = bake.column_light(SUN)[:, 1]
+    column, rays = columns_and_rays(bake.table.entry)
+    sums = np.add.reduceat(np.append(light[column] * rays, 0.0), bake.table.start[:-1])
+    return np.where(np.diff(bake.table.start) > 0, sums / np.maximum(bake.table.valid, 1), 0.0)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.11, 0.26, 0.37])
+@pytest.mark.parametrize(
+    ("thick_m", "share"), [(None, 0.25), (0.1 * TEXEL_M, 0.1), (0.6 * TEXEL_M, 1e-4)]
+)
+def test_a_room_of_thin_walls_is_dark_in_the_mean(thick_m, share, shift):
+    """Wherever walls cross the texels of a floor that is one with that outdoors. The room is four
+    of these wide: a quarter of a texel, which is told to lie on one side, is much of it."""
+    ground = floor(-4.0 + shift, 4.0 + shift, -4.0 + 0.7 * shift, 4.0 + 0.7 * shift)
+    walls = sheet_room() if thick_m is None else room_of(thick_m)
+    scene = quads(ground, *walls, texels=TEXELS, reflectance=0.8, double_sided=thick_m is None)
+    bake = Bake(*scene, patch_texels=3.0)
+    bake.add_rays(64)
+    inside, light = rows_inside(bake, scene), arrives(bake)
+    assert inside.sum() > 100
+    found = light[: len(inside)][inside & bake.good[: len(inside)]].mean()
+    assert found < share * np.median(light[: TEXELS**2])
+
+
+def test_cells_lie_on_one_side_of_what_cuts_their_texel():
+    """A sheet on a floor: by the places of cells in double precision, rays begin on the side of
+    their texel's middle, and none that lies beyond shows the texel itself."""
+    ground = floor(-4.0, 4.0, -4.0, 4.0)
+    at = 0.3 * TEXEL_M
+    sheet = [[-3.0, 0.0, at], [3.0, 0.0, at], [3.0, 2.0, at], [-3.0, 2.0, at]]
+    scene = quads(ground, sheet, texels=TEXELS, double_sided=True)
+    texels = Bake(*scene).texels
+    place = texels.place.astype(float) * scene[0].radius_m + scene[0].centre_m
+    on_floor = np.flatnonzero((texels.triangle < 2) & (texels.side > 0.0))
+    row = on_floor[(np.abs(place[on_floor, 0]) < 2.4)]
+    row = row[np.abs(place[row, 2] - at) < 0.5 * TEXEL_M]
+    assert len(row) > 5
+    assert (texels.cut[row] >= 0).all()
+    # Texels of the floor's quad run with z from its first corner, the south.
+    cell = (np.arange(CELLS * CELLS) // CELLS + 0.5) / CELLS - 0.5
+    for i in row:
+        z = place[i, 2] - cell * TEXEL_M
+        same = (z - at) * (place[i, 2] - at) > 0.0
+        straddles = np.abs(z - at) < 0.5 * TEXEL_M / CELLS
+        own, shown = texels.begins[texels.cut[i]], texels.cell_row[texels.cut[i]]
+        assert own[same & ~straddles].all()
+        assert not own[~same & ~straddles].any()
+        assert (shown[same & ~straddles] == i).all()
+        beyond = shown[~same & ~straddles]
+        assert (beyond != i).all()
+        assert ((place[beyond, 2] - at) * (place[i, 2] - at) < 0.0).all()
