@@ -53,7 +53,7 @@ from light_transport.tolerance_knobs import KNOBS
 KNOBS.knobs["bounces"].run(10)
 """
 
-AT_ONCE = 2
+AT_ONCE = 3
 
 
 def run(code: str) -> None:
