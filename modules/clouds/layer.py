@@ -5,7 +5,7 @@ import numpy as np
 
 from clouds.genera import GENERA
 from clouds.noise import detail_volume, shape_volume, weather_map
-from clouds.settings import Layer
+from clouds.settings import Layer, Passes
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import (
     column_of,
@@ -15,6 +15,7 @@ from vrut_lite.daylight.cloud_density import (
     shape_at,
     weather_at,
 )
+from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
@@ -28,6 +29,7 @@ _CLOSED = 0.997
 # Columns of less optical depth count as clear sky, in thin layers those of less than this share of
 # what a full column has.
 _LEAST_OPTICAL_DEPTH, _LEAST_SHARE = 0.5, 0.05
+_THINNEST, _DENSEST_PER_M, _USUAL_ALBEDO = 0.1, 0.2, 0.15
 # Layers of one seed are not of one noise.
 _SEEDS_APART = 1_000_003
 
@@ -77,7 +79,29 @@ def cloud_layer(layer: Layer, seed: int) -> CloudLayer:
         particles=genus.particles,
         form=genus.form,
     )
-    return with_coverage(made, layer.coverage)
+    covered = with_coverage(made, layer.coverage)
+    return covered if layer.passes is None else with_light(covered, layer.passes)
+
+
+def with_light(layer: CloudLayer, passes: Passes) -> CloudLayer:
+    """The layer with the extinction at which this share of a clear sky's light passes, in the mean.
+
+    A column counts as a plane layer of its depth over usual ground: what passes gaps is in the
+    mean, what clouds' sides send on is not. The extinction stays between a tenth of its own and
+    the densest cloud's.
+    """
+    columns_m = _Samples(layer).column_density(layer.threshold) * layer.thickness_m
+    sine, direct = float(np.sin(passes.sun_elevation_rad)), passes.direct_share
+    low, high = np.log([_THINNEST * layer.extinction_per_m, _DENSEST_PER_M])
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        depths = np.exp(middle) * columns_m
+        even = float(even_transmittance(depths).mean())
+        light = direct * float(layer_transmittance(depths, sine).mean()) + (1.0 - direct) * even
+        # The ground's light comes back from the clouds, and so on.
+        light /= 1.0 - _USUAL_ALBEDO * (1.0 - even)
+        low, high = (middle, high) if light > passes.global_share else (low, middle)
+    return msgspec.structs.replace(layer, extinction_per_m=float(np.exp(low)))
 
 
 def with_coverage(layer: CloudLayer, coverage: float) -> CloudLayer:

@@ -1,6 +1,7 @@
 """The module `clouds`: makes layers from its settings and moves them with the clock.
 
-Without coverage or without demand nothing is made and nothing compiled.
+Without coverage or without demand nothing is made and nothing compiled. Where the settings follow
+the weather, an hour's clouds are by `CloudinessChanged`.
 """
 
 import math
@@ -8,7 +9,9 @@ import math
 import msgspec
 import numpy as np
 
+from clouds.by_weather import layers_under
 from clouds.settings import CloudSettings, Layer
+from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
@@ -39,15 +42,16 @@ class Clouds(Module):
 
     def __init__(self, link: Link, settings: CloudSettings):
         super().__init__(link, settings)
-        self._asked: CloudSettings | None = None
+        self._asked: tuple[CloudSettings, CloudinessChanged | None] | None = None
         self._layers: tuple[CloudLayer, ...] = ()
         self._posted: tuple[CloudLayer, ...] = ()
 
     @handles(ClockMoved)
     @handles(SetPlace)
     @handles(Demand)
-    def inputs_changed(self, _message: ClockMoved | SetPlace | Demand) -> None:
-        """The clock moves the clouds; a place turns them; a demand may be the first."""
+    @handles(CloudinessChanged)
+    def inputs_changed(self, _message: ClockMoved | SetPlace | Demand | CloudinessChanged) -> None:
+        """Clock, place and weather move, turn and change the clouds; a demand may be the first."""
         self._update()
 
     @handles(JobResult)
@@ -73,17 +77,27 @@ class Clouds(Module):
         self._update()
 
     def _update(self) -> None:
-        if not self.settings.layers:
+        asked = _without_wind(self.settings), self._cloudiness
+        if not self._wanted_layers:
             self.ledger.skip("clouds: no coverage")
             self._forget()
         elif self.link.wanted(CloudsChanged) is None:
             self.ledger.skip("clouds: unwanted")
-        elif self._asked != _without_wind(self.settings):
-            self._asked = _without_wind(self.settings)
+        elif self._asked != asked:
+            self._asked = asked
             self._layers = ()
-            self.link.start_job(JOB, make_layers, self._asked)
+            self.link.start_job(JOB, make_layers, *asked)
         elif self._layers:
             self._post(self._blown())
+
+    @property
+    def _cloudiness(self) -> CloudinessChanged | None:
+        """The weather's, where the settings follow it."""
+        return self.link.last(CloudinessChanged) if self.settings.follow_weather else None
+
+    @property
+    def _wanted_layers(self) -> tuple[Layer, ...]:
+        return layers_under(self.settings, self._cloudiness)
 
     def _forget(self) -> None:
         """Drop the layers; post this once if there were any."""
@@ -108,16 +122,19 @@ class Clouds(Module):
         north_offset_rad = 0.0 if place is None else place.north_offset_rad
         return tuple(
             msgspec.structs.replace(made, drift_m=drift_m(layer, seconds, north_offset_rad))
-            for made, layer in zip(self._layers, self.settings.layers, strict=True)
+            for made, layer in zip(self._layers, self._wanted_layers, strict=True)
         )
 
 
-def make_layers(settings: CloudSettings) -> tuple[CloudSettings, tuple[CloudLayer, ...]]:
-    """The background job; it returns its settings too, to identify the layers."""
+def make_layers(
+    settings: CloudSettings, cloudiness: CloudinessChanged | None = None
+) -> tuple[tuple[CloudSettings, CloudinessChanged | None], tuple[CloudLayer, ...]]:
+    """The background job; it returns its arguments too, to identify the layers."""
     # Imported here because it imports numba, which is needed only if there are clouds.
     from clouds.layer import cloud_layer
 
-    return settings, tuple(cloud_layer(layer, settings.seed) for layer in settings.layers)
+    layers = layers_under(settings, cloudiness)
+    return (settings, cloudiness), tuple(cloud_layer(layer, settings.seed) for layer in layers)
 
 
 def drift_m(layer: Layer, seconds: float, north_offset_rad: float = 0.0) -> tuple[float, float]:

@@ -1,6 +1,6 @@
 """The settings of the clouds: three layers, each by its genus and by numbers of one's own."""
 
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple, get_args
 
 import msgspec
 
@@ -25,10 +25,22 @@ Speed = setting("Speed of the wind up there.", 0, 120, unit="m/s")
 Azimuth = setting("Where the wind comes from, from true north, clockwise.", 0, 360, unit="deg")
 # What a layer's settings are called without its prefix.
 _NUMBERS = ("coverage", "base_m", "thickness_m", "extinction_per_m")
+_OWN = ("genus", *_NUMBERS, "wind_speed_m_s", "wind_azimuth_deg")
+
+
+class Passes(NamedTuple):
+    """Light that a layer is to let through: a share of that on level ground below a clear sky.
+
+    `direct_share` of that is the sun's.
+    """
+
+    global_share: float
+    direct_share: float
+    sun_elevation_rad: float
 
 
 class Layer(NamedTuple):
-    """One layer as it is to be made."""
+    """One layer as it is to be made; where it `passes` a known light, of another extinction."""
 
     genus: Genus
     coverage: float
@@ -37,6 +49,7 @@ class Layer(NamedTuple):
     extinction_per_m: float
     wind_speed_m_s: float
     wind_azimuth_deg: float
+    passes: Passes | None = None
 
 
 class CloudSettings(msgspec.Struct, frozen=True):
@@ -77,6 +90,10 @@ class CloudSettings(msgspec.Struct, frozen=True):
     high_extinction_per_m: Annotated[float | None, Extinction] = None
     high_wind_speed_m_s: Annotated[float, Speed] = 30.0
     high_wind_azimuth_deg: Annotated[float, Azimuth] = 270.0
+    follow_weather: Annotated[
+        bool,
+        setting("Genus, coverage and depth that are left open are those of the weather's hour."),
+    ] = False
     seed: Annotated[
         int, setting("Another number, other clouds.", 0, 999_999, source=SHAPE_SOURCE)
     ] = 1
@@ -104,7 +121,7 @@ class CloudSettings(msgspec.Struct, frozen=True):
         return tuple(lifted)
 
     def _layer(self, prefix: str) -> Layer:
-        own = {name: getattr(self, prefix + name) for name in Layer._fields}
+        own = {name: getattr(self, prefix + name) for name in _OWN}
         genus = own["genus"] or _PLAIN[prefix]
         typical = GENERA[genus]._asdict()
         if own["genus"] is None:
@@ -113,6 +130,11 @@ class CloudSettings(msgspec.Struct, frozen=True):
         return Layer(**{**own, **known, "genus": genus})
 
 
+# The prefix of a genus's settings; low ones have none.
+PREFIXES = {
+    **dict.fromkeys(get_args(MiddleGenus), "middle_"),
+    **dict.fromkeys(get_args(HighGenus), "high_"),
+}
 # The layers by the prefix of their settings, and the genus of a coverage without one.
 _PLAIN: dict[str, Genus] = {"": "Cu", "middle_": "Ac", "high_": "Ci"}
 
@@ -125,6 +147,10 @@ def _sky_of(line: str, **genera: Genus) -> Preset:
 
 CloudSettings.presets = {
     "Clear": _sky_of("no cloud"),
+    "Weather file": Preset(
+        "the clouds of each hour, as a weather file has them",
+        {**_sky_of("").values, "follow_weather": True},
+    ),
     "Fair weather": _sky_of("cumulus of a fine day, its shadows apart", genus="Cu"),
     "Mostly cloudy": Preset(
         "large clouds with gaps of sun", {**_sky_of("", genus="Cu").values, "coverage": 0.7}

@@ -8,15 +8,8 @@ import numpy as np
 
 from vrut_lite.daylight.cie_skies import OVERCAST, SUNLESS, general_sky
 from vrut_lite.daylight.sky_distribution import Distribution, Overcast
-from weather_sky.perez import (
-    LOWEST_SUN_RAD,
-    SOLAR_CONSTANT_W_M2,
-    AllWeather,
-    air_mass,
-    all_weather,
-    distance_factor,
-    precipitable_water_cm,
-)
+from weather_sky.clear_year import meinel
+from weather_sky.perez import LOWEST_SUN_RAD, AllWeather, all_weather, precipitable_water_cm
 from weather_sky.twilight import twilight_lux
 
 Kind = Literal[
@@ -61,14 +54,8 @@ class Conditions:
 
     @cached_property
     def irradiances_w_m2(self) -> tuple[float, float]:
-        """Direct normal and diffuse horizontal: the measured ones, or of a clear sky.
-
-        The clear sky is Meinel's (1976), 0.7 to the power of air mass^0.678 of what arrives above
-        the air, with a tenth of that on level ground from the sky.
-        """
-        above = SOLAR_CONSTANT_W_M2 * float(distance_factor(self.day_of_year))
-        direct = above * 0.7 ** float(air_mass(self.sun_zenith_rad)) ** 0.678
-        diffuse = 0.1 * direct if self.apparent_elevation_rad > 0.0 else 0.0
+        """Direct normal and diffuse horizontal: the measured ones, or of a clear sky."""
+        direct, diffuse = map(float, meinel(self.apparent_elevation_rad, self.day_of_year))
         if self.hides_sun:
             direct = 0.0
         if self.direct_normal_w_m2 is not None:

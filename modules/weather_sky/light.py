@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import msgspec
 import numpy as np
 
 from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
-from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.haze import MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
@@ -22,11 +23,30 @@ from weather_sky.tolerance import Quality
 _LIGHT_SIZE = 64
 # Over this angle the light beside the sun falls to a third where it falls most steeply.
 _STEEPEST_RAD = 0.12
+# Of a search: an optical depth to 0.001.
+_HALVINGS = 12
+
+
+def haze_before(haze: SetHaze, conditions: Conditions) -> SetHaze:
+    """As much of this haze as leaves a cloudless sun its illuminance; as it is without a sun."""
+    if conditions.direct_lux <= 0.0:
+        return haze
+    elevation = conditions.apparent_elevation_rad
+    least, most = 0.0, MOST_OPTICAL_DEPTH
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (least + most)
+        haze = msgspec.structs.replace(haze, optical_depth_550=middle)
+        lux = LUMENS_PER_WATT * float(luminance(sun_irradiance_rgb(haze, elevation)))
+        least, most = (middle, most) if lux > conditions.direct_lux else (least, middle)
+    return haze
 
 
 @dataclass(frozen=True)
 class WeatherLight(Sky):
-    """Sky, sun and ground; `sun_direction` is the apparent one, in world axes."""
+    """Sky, sun and ground; `sun_direction` is the apparent one, in world axes.
+
+    `haze` colours the sun, and dims it for clouds.
+    """
 
     conditions: Conditions
     sun_direction: Vector
@@ -88,7 +108,8 @@ class WeatherLight(Sky):
         if lux <= 0.0:
             return SunDisc(np.zeros(3), RADIUS_RAD)
         tint = np.maximum(sun_irradiance_rgb(self.haze, self.conditions.apparent_elevation_rad), 0)
-        return SunDisc(tint * (lux / LUMENS_PER_WATT / float(luminance(tint))), RADIUS_RAD)
+        shines = tint * (lux / LUMENS_PER_WATT / float(luminance(tint)))
+        return SunDisc(shines, RADIUS_RAD, haze=self.haze.layers)
 
     def ambient(self) -> FloatArray:
         """Harmonics of a small cube of sky and ground."""

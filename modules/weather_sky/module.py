@@ -2,17 +2,24 @@
 
 With a file an hour has one sky and one sun, that of the middle of its sunlit part; the picture
 changes from hour to hour as the file does. Without one the sun follows the clock.
+
+The file's light has its clouds in it. Where layers of clouds are shown, the sky behind them is the
+cloudless one of the season (`clear_year.py`). How cloudy an hour is, is told to all
+(`CloudinessChanged`).
 """
 
+from vrut_lite.daylight.cloudiness import CloudinessChanged
+from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour
 from vrut_lite.daylight.sun import sun_moved
 from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import ClockMoved
-from vrut_lite.kernel.module import Manifest, handles
+from vrut_lite.kernel.module import Link, Manifest, handles
+from weather_sky.clear_year import ClearYear
 from weather_sky.conditions import Conditions
-from weather_sky.light import WeatherLight
+from weather_sky.light import WeatherLight, haze_before
 from weather_sky.settings import WeatherSettings
 from weather_sky.sun import middle_of_sunlit, suns_at
 from weather_sky.tolerance import Quality, quality_for
@@ -32,6 +39,12 @@ class WeatherSky(SkyModule):
     settings_type = WeatherSettings
     settings: WeatherSettings
 
+    def __init__(self, link: Link, settings: WeatherSettings):
+        super().__init__(link, settings)
+        # A file and its clear skies; the cloudiness that was told last.
+        self._clear: tuple[SetWeather, ClearYear] | None = None
+        self._told: CloudinessChanged | None = None
+
     # --- the sky -------------------------------------------------------------------------
 
     def quality(self, tolerance: float) -> Quality:
@@ -47,8 +60,15 @@ class WeatherSky(SkyModule):
             day = clock.instant.timetuple().tm_yday
             if weather is not None:
                 measured = weather.hour_at(clock.instant)
-                direct = measured.direct_normal_w_m2 if direct is None else direct
-                diffuse = measured.diffuse_horizontal_w_m2 if diffuse is None else diffuse
+                shone = measured.direct_normal_w_m2, measured.diffuse_horizontal_w_m2
+                if self._behind_clouds:
+                    row = weather.row_at(clock.instant)
+                    clear = self._clear_year(weather).irradiances(
+                        row, hour.sun.apparent_elevation_rad
+                    )
+                    shone = float(clear[0]), float(clear[1])
+                direct = shone[0] if direct is None else direct
+                diffuse = shone[1] if diffuse is None else diffuse
                 dew_point = measured.dew_point_c if dew_point is None else dew_point
         conditions = Conditions(
             kind=own.distribution,
@@ -59,17 +79,46 @@ class WeatherSky(SkyModule):
             apparent_elevation_rad=hour.sun.apparent_elevation_rad,
             visible_disc_fraction=hour.sun.visible_disc_fraction,
         )
-        return WeatherLight(conditions, hour.sun.direction, own.albedo, self.haze)
+        haze = haze_before(self.haze, conditions) if self._behind_clouds else self.haze
+        return WeatherLight(conditions, hour.sun.direction, own.albedo, haze)
 
     @property
     def _weather(self) -> SetWeather | None:
         return self.link.last(SetWeather)
 
+    @property
+    def _behind_clouds(self) -> bool:
+        clouds = self.link.last(CloudsChanged)
+        return clouds is not None and bool(clouds.layers)
+
+    def _clear_year(self, weather: SetWeather) -> ClearYear:
+        """The clear skies of the file, made once."""
+        if self._clear is None or self._clear[0] is not weather:
+            self._clear = weather, ClearYear(weather)
+        return self._clear[1]
+
     @handles(SetWeather)
     def weather_set(self, _message: SetWeather) -> None:
         """Another year: another sun, and another sky."""
+        self._tell_cloudiness()
         self.move_sun()
         self._update()
+
+    @handles(CloudsChanged)
+    def clouds_changed(self, _message: CloudsChanged) -> None:
+        """Clouds that come or go change the sky behind them; clouds that move do not."""
+        if self._weather is not None:
+            self._update()
+
+    def _tell_cloudiness(self) -> None:
+        """Tell how cloudy the hour is, where a file knows it, once for an hour."""
+        clock, weather = self.link.last(ClockMoved), self._weather
+        if clock is None or weather is None:
+            return
+        told = self._clear_year(weather).cloudiness(weather.row_at(clock.instant), NAME)
+        if told != self._told:
+            self.link.post(told)
+            self._told = told
 
     # --- the sun -------------------------------------------------------------------------
 
@@ -77,6 +126,7 @@ class WeatherSky(SkyModule):
     @handles(SetPlace)
     def hour_changed(self, _message: ClockMoved | SetPlace) -> None:
         """The hour or the place changed: so may sun and sky. A sun that moves brings its sky."""
+        self._tell_cloudiness()
         before = self._sun_of
         self.move_sun()
         if self._sun_of == before:

@@ -3,11 +3,13 @@
 Within 0.02 degrees from 1950 to 2050 (J. J. Michalsky 1988, Solar Energy 40, 227).
 """
 
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.daylight.weather import LEAP_HOURS, SetWeather
 from vrut_lite.numeric_types import FloatArray
 
 RADIUS_RAD = 0.004652
@@ -98,3 +100,12 @@ def middle_of_sunlit(
     share = np.clip(np.where(crosses, share + np.nan_to_num(step), 0.5), 0.0, 1.0)
     middle = np.where(crosses, np.where(rising, 0.5 + 0.5 * share, 0.5 * share), 0.5)
     return np.asarray(start + _HOUR_S * middle)
+
+
+def suns_of_year(weather: SetWeather) -> Suns:
+    """The suns (hours,) of the middle of each hour's sunlit part, of 2023 or the leap year 2024."""
+    count = len(weather.direct_normal_w_m2)
+    first = datetime(2024 if count == LEAP_HOURS else 2023, 1, 1, tzinfo=UTC).timestamp()
+    starts = first + _HOUR_S * (np.arange(count) - weather.utc_offset_h)
+    where = weather.latitude_deg, weather.longitude_deg, weather.altitude_m
+    return suns_at(middle_of_sunlit(starts, *where), *where)

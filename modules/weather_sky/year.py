@@ -1,33 +1,22 @@
 """A whole year of weather on a plane: 8,760 irradiances, by the same sky as the pictures."""
 
-from datetime import UTC, datetime
-
 import numpy as np
 
 from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
 from vrut_lite.daylight.haze import DEFAULT_HAZE
 from vrut_lite.daylight.sky_distribution import Distribution
-from vrut_lite.daylight.weather import LEAP_HOURS, SetWeather
+from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import FloatArray, Vector
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.hemisphere import Nodes, horizontal, nodes
 from weather_sky.perez import all_weather, precipitable_water_cm
-from weather_sky.sun import Suns, middle_of_sunlit, suns_at
+from weather_sky.sun import suns_of_year
 from weather_sky.twilight import twilight_lux
 
 UP: Vector = (0.0, 0.0, 1.0)
 # Edge of the grid of directions, and hours that are in memory at a time.
 _NODES, _AT_A_TIME = 32, 512
-
-
-def suns_of_year(weather: SetWeather) -> Suns:
-    """The suns (hours,) of the middle of each hour's sunlit part, of 2023 or the leap year 2024."""
-    count = len(weather.direct_normal_w_m2)
-    first = datetime(2024 if count == LEAP_HOURS else 2023, 1, 1, tzinfo=UTC).timestamp()
-    starts = first + 3600.0 * (np.arange(count) - weather.utc_offset_h)
-    where = weather.latitude_deg, weather.longitude_deg, weather.altitude_m
-    return suns_at(middle_of_sunlit(starts, *where), *where)
 
 
 def irradiance_of_year(weather: SetWeather, normal: Vector = UP) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudForm, CloudLayer, CloudsChanged
 from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.daylight.gpu_job import GpuJob
@@ -207,6 +208,9 @@ SOUND = [
     ),
     SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
     AirChanged(volume=AIR, source="s"),
+    CloudinessChanged(
+        cover=0.5, global_share=None, direct_share=0.8, sun_elevation_rad=0.3, source="s"
+    ),
     CloudsChanged(layers=(CLOUDS,), source="s"),
     AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
     SkyRadianceChanged(

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from weather_sky.conditions import Conditions
 from weather_sky.light import WeatherLight
-from weather_sky.year import irradiance_of_year, suns_of_year
+from weather_sky.sun import suns_of_year
+from weather_sky.year import irradiance_of_year
 
 from vrut_lite.daylight.haze import DEFAULT_HAZE
 from vrut_lite.daylight.weather_file import read_weather

@@ -2,6 +2,7 @@
 
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.haze import SetHaze
@@ -47,6 +48,7 @@ DERIVED: tuple[type[Derived], ...] = (
     KeyLightChanged,
     SpectrumSeen,
     AirChanged,
+    CloudinessChanged,
     CloudsChanged,
     AmbientChanged,
     SkyRadianceChanged,
