@@ -15,6 +15,7 @@ from night_sky.lamp_sky import lamp_share
 from night_sky.night_air import SENT_DOWN, NightAir
 from night_sky.sky_axes import Watch, body_km, ecliptic_of_j2000, unit
 from night_sky.stars import colour_of, planck_colour
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import FloatArray
 
@@ -110,13 +111,18 @@ def zodiacal_cd(j2000: FloatArray, at: Watch) -> FloatArray:
 
 def lamp_glow(sine: FloatArray, air: NightAir, sources: Sources) -> FloatArray:
     """Radiance (n, 3) of air over ground that shines evenly, of the zenith asked for."""
+    ground = lamps_from_above(air.haze, sources)
+    return lamp_share(air.haze, sine) * ground if ground.any() else np.zeros(3)
+
+
+def lamps_from_above(haze: SetHaze, sources: Sources) -> FloatArray:
+    """Radiance (3,) of ground that shines evenly, under a zenith as bright as asked for."""
     extra = 10.0 ** (-0.4 * sources.zenith_magnitude) - 10.0 ** (-0.4 * NATURAL_MAGNITUDE)
     if extra <= 0.0:
         return np.zeros(3)
-    shape = lamp_share(air.haze, sine) * planck_colour(np.array(_LAMP_K))
-    at_zenith = lamp_share(air.haze, np.ones(1))[0] * planck_colour(np.array(_LAMP_K))
-    level = _ZENITH_CD * extra / LUMENS_PER_WATT / float(luminance(at_zenith))
-    return np.asarray(level * shape)
+    colour = planck_colour(np.array(_LAMP_K))
+    at_zenith = lamp_share(haze, np.ones(1))[0] * colour
+    return np.asarray(_ZENITH_CD * extra / LUMENS_PER_WATT / float(luminance(at_zenith)) * colour)
 
 
 @lru_cache(maxsize=1)

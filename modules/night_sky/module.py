@@ -29,6 +29,7 @@ from vrut_lite.daylight.night_glow import map_directions
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.refraction import dip_rad, eye_aloft_m, horizon_elevation
 from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import NO_LAMPS
 from vrut_lite.daylight.sky_module import PRODUCTS
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
@@ -36,6 +37,7 @@ from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.numeric_types import FloatArray, Vector
 
 if TYPE_CHECKING:
+    from night_sky.glow import Sources
     from night_sky.moon import Moon
     from night_sky.night_air import NightAir
     from night_sky.sight import Sight
@@ -147,6 +149,7 @@ class NightSky(Module):
                 glow_rgb=None if below.by_day else self._present_glow(below.at, where),
                 source=NAME,
                 sun_left_rgb=below.sun_left_rgb,
+                lamps_rgb=NO_LAMPS if below.by_day else self._lamps_rgb(),
             )
         )
         self._tell_points(self._present_sight(clock.instant, place) if self._eye_m else below)
@@ -206,10 +209,22 @@ class NightSky(Module):
             self._air = {**ground, eye_m: night_air(haze, eye_m)}
         return self._air[eye_m]
 
-    def _present_glow(self, at: "Watch", where: tuple[float, ...]) -> Array:
-        from night_sky.glow import Sources, glow
+    @property
+    def _sources(self) -> "Sources":
+        from night_sky.glow import Sources
 
-        sources = Sources(self.settings.solar_flux_sfu, self.settings.zenith_magnitude)
+        return Sources(self.settings.solar_flux_sfu, self.settings.zenith_magnitude)
+
+    def _lamps_rgb(self) -> Vector:
+        from night_sky.glow import lamps_from_above
+
+        red, green, blue = lamps_from_above(haze_of(self.link), self._sources).tolist()
+        return red, green, blue
+
+    def _present_glow(self, at: "Watch", where: tuple[float, ...]) -> Array:
+        from night_sky.glow import glow
+
+        sources = self._sources
         made_of = where, sources, self._air_of
         air, days = self._present_air(), at.time.ut
         turned = self._glow_at is None or abs(days - self._glow_at) >= _GLOW_SERVES_DAYS

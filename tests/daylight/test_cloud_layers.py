@@ -8,8 +8,9 @@ from light_messages import light_messages, radiance_of
 
 from vrut_lite.daylight.cloud_layers import clear_light, lights_on, mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
-from vrut_lite.daylight.cloud_transport import ice_crystals
+from vrut_lite.daylight.cloud_transport import even_transmittance, ice_crystals
 from vrut_lite.daylight.clouds import CloudForm, CloudsChanged
+from vrut_lite.daylight.sky import NO_LAMPS
 from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
@@ -65,8 +66,18 @@ def test_the_moon_lights_clouds_as_a_fainter_sun():
     """Clouds under a moon of a lux are not those of day: a hundred-thousandth of the sun aloft."""
     _, sun, _ = light_messages(np.zeros((6, 8, 8, 3)), SUN, (1e-3, 1e-3, 1e-3))
     moon = msgspec.structs.replace(sun, body="moon")
-    assert clear_light(sun, CLEAR.irradiance_sh).sun_passed == 1.0
-    assert 5e-6 < clear_light(moon, CLEAR.irradiance_sh).sun_passed < 2e-5
+    assert clear_light(sun, CLEAR.irradiance_sh, NO_LAMPS).sun_passed == 1.0
+    assert 5e-6 < clear_light(moon, CLEAR.irradiance_sh, NO_LAMPS).sun_passed < 2e-5
+
+
+def test_lower_layers_hide_lamps_from_upper_ones():
+    """The lower layer sees all of the lamps, the upper one what an even layer lets through."""
+    low, high = slab(extinction_per_m=0.02), slab(base_m=4000.0)
+    lamps = (0.4, 0.2, 0.1)
+    under, over = lights_on((low, high), CLEAR._replace(lamps_rgb=lamps))
+    assert under.lamps_rgb == lamps
+    passed = float(even_transmittance(low.optical_depth))
+    assert over.lamps_rgb == pytest.approx([passed * lamp for lamp in lamps])
 
 
 def test_nearer_layers_hide_those_behind_them():

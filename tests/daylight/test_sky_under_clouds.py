@@ -6,6 +6,7 @@ import pytest
 from cloud_stage import rough_layer, slab, slab_irradiance
 from light_messages import light_messages, radiance_of
 
+from vrut_lite.daylight.cloud_transport import even_transmittance
 from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
 from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
@@ -61,6 +62,23 @@ def test_the_light_of_a_slab_is_that_on_paper():
     cube = cube_of(summed(layer, sky=black))
     expected = slab_irradiance(layer, np.array(SUN))
     np.testing.assert_allclose(horizontal_irradiance(cube), expected, rtol=0.05)
+
+
+def test_lamps_below_light_the_base():
+    """A sky without light over lands that shine: the level gets what a slab sends back, to 5 %.
+
+    A slab sends back of even light what it lets not pass. Without lamps there is no light at all.
+    """
+    layer, lamps = slab(extinction_per_m=0.02), (0.05, 0.03, 0.01)
+    dark = light_messages(np.zeros((6, 32, 32, 3)), (0.0, -1.0, 0.0))
+    unlit = summed(layer, sky=dark)
+    assert not cube_of(unlit).any()
+    lit = summed(layer, sky=(*dark[:2], msgspec.structs.replace(dark[2], lamps_rgb=lamps)))
+    sent_back = 1.0 - even_transmittance(layer.optical_depth)
+    found = horizontal_irradiance(cube_of(lit))
+    np.testing.assert_allclose(found, np.pi * np.array(lamps) * sent_back, rtol=0.05)
+    by_harmonics = evaluate_irradiance(lit.ambient.irradiance_sh_rgb.values, np.array(UP))
+    np.testing.assert_allclose(by_harmonics, found, rtol=0.01)
 
 
 def test_cube_harmonics_and_ground_agree():

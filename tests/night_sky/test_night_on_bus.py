@@ -90,6 +90,28 @@ def unused():
     night.kernel.close()
 
 
+def test_lamps_of_the_lands_are_told_by_night(kept):
+    """Lands under a brighter zenith shine more, in a lamp's colour; by day and far from towns none.
+
+    The air over them is then as bright as the zenith that was asked for.
+    """
+    kept.want()
+    kept.at(MOONLESS)
+    assert kept.kernel.last(AmbientChanged).lamps_rgb == (0.0, 0.0, 0.0)
+    told = []
+    for magnitude in (20.0, 18.0):
+        setting = SetSetting(module="night_sky", name="zenith_magnitude", value=magnitude)
+        kept.tell(setting)
+        told.append(kept.kernel.last(AmbientChanged).lamps_rgb)
+    (red, green, blue), dimmer = told[1], told[0]
+    assert red > green > blue > 0.0
+    extra = [10.0 ** (-0.4 * m) - 10.0 ** (-0.4 * 22.0) for m in (18.0, 20.0)]
+    assert red / dimmer[0] == pytest.approx(extra[0] / extra[1], rel=1e-6)
+    kept.at(MOONLESS.replace(hour=11))
+    assert kept.kernel.last(AmbientChanged).lamps_rgb == (0.0, 0.0, 0.0)
+    kept.tell(SetSetting(module="night_sky", name="zenith_magnitude", value=22.0))
+
+
 def test_by_full_moon_the_moon_is_the_key_light(night):
     night.want()
     by_moon, by_sky = night.at(FULL_MOON).lux()

@@ -17,7 +17,7 @@ from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 # Depth of droplets that hinders light as much as a depth of 1 of ice: their mean cosines, 0.75
 # after delta-M and 0.48, and the share of droplets' extinction that diffuses, 0.58.
@@ -27,14 +27,17 @@ _LEAST_SINE = 0.05
 _DOWN = np.array([0.0, -1.0, 0.0])
 
 
-def clear_light(key_light: KeyLightChanged, irradiance_sh: NDArray) -> ClearLight:
+def clear_light(
+    key_light: KeyLightChanged, irradiance_sh: NDArray, lamps_rgb: Vector
+) -> ClearLight:
     """The light of a clear sky on clouds; the moon counts as a sun so much fainter."""
     passed, direction = 1.0, key_light.direction
     if key_light.body == "moon":
         sun = float(luminance(sun_aloft(0.0, direction[1], key_light.haze)))
         moon = float(luminance(key_light.irradiance_rgb))
         passed = min(moon / sun, 1.0) if sun > 0.0 else 0.0
-    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed, key_light.haze)
+    irradiance, haze = key_light.irradiance_rgb, key_light.haze
+    return ClearLight(direction, irradiance, irradiance_sh, passed, haze, lamps_rgb)
 
 
 def mean_sun_share(layers: Iterable[CloudLayer], sine: float) -> float:
@@ -59,7 +62,18 @@ def lights_on(layers: tuple[CloudLayer, ...], clear: ClearLight) -> tuple[ClearL
     lights = [clear]
     for layer in layers[:0:-1]:
         lights.append(_below(layer, lights[-1], clear))
-    return tuple(reversed(lights))
+    lights.reverse()
+    return _over_lamps(layers, lights) if any(clear.lamps_rgb) else tuple(lights)
+
+
+def _over_lamps(layers: tuple[CloudLayer, ...], lights: list[ClearLight]) -> tuple[ClearLight, ...]:
+    """The lights with what of the lamps below lower layers let through."""
+    seen, lamps = [], lights[0].lamps_rgb
+    for layer, light in zip(layers, lights, strict=True):
+        seen.append(light._replace(lamps_rgb=lamps))
+        passed = 1.0 - layer.coverage * (1.0 - float(even_transmittance(layer.optical_depth)))
+        lamps = lamps[0] * passed, lamps[1] * passed, lamps[2] * passed
+    return tuple(seen)
 
 
 def air_share(
@@ -93,6 +107,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
         _two_sided(by_sky, from_ground),
         light.sun_passed * share,
         light.haze,
+        light.lamps_rgb,
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sky import NO_LAMPS
 from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -24,7 +25,8 @@ class ClearLight(NamedTuple):
     """The light on a layer: that of a sky without clouds, as in the frame's `Light`, or of what is
     above the layer (`cloud_layers.py`).
 
-    `sun_passed` is the share of the sun aloft that layers above let through, `haze` the air's.
+    `sun_passed` is the share of the sun aloft that layers above let through, `haze` the air's,
+    `lamps_rgb` the radiance of the lands around by their lamps, as the layer sees it.
     """
 
     sun_direction: Vector
@@ -32,6 +34,7 @@ class ClearLight(NamedTuple):
     irradiance_sh: NDArray
     sun_passed: float = 1.0
     haze: tuple[HazeLayer, ...] = ()
+    lamps_rgb: Vector = NO_LAMPS
 
     @property
     def by_sun(self) -> FloatArray:
@@ -61,4 +64,4 @@ def light_from_below(layer: CloudLayer, light: ClearLight) -> FloatArray:
     again = 1.0 / (1.0 - albedo * covered * (1.0 - even))
     from_clouds = aloft * layer_transmittance(depth, sine) + light.by_sky * even
     lit = (1.0 - covered) * (light.by_sun + light.by_sky) + covered * from_clouds
-    return np.asarray(clear * (lit / light.on_ground) * again)
+    return np.asarray((clear * (lit / light.on_ground) + np.asarray(light.lamps_rgb)) * again)

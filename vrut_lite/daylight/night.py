@@ -9,6 +9,7 @@ import msgspec
 from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.limits import MOST_LIGHT
+from vrut_lite.daylight.sky import NO_LAMPS
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
@@ -64,7 +65,8 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
     90 deg, column c at the azimuth (c + 0.5) / columns times 360 deg in world axes (from -Z,
     clockwise from above). `moon` is None where it is too low to light anything.
     `instant` is the clock's.
-    `sun_left_rgb` is the share of the sun's light that the moon leaves in an eclipse.
+    `sun_left_rgb` is the share of the sun's light that the moon leaves in an eclipse. `lamps_rgb`
+    is the radiance of the lands around by their lamps, seen from above: it lights clouds.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -74,6 +76,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
     glow_rgb: Array | None
     source: str
     sun_left_rgb: Vector = NO_ECLIPSE
+    lamps_rgb: Vector = NO_LAMPS
 
     def check(self) -> None:
         """A moon, and a map of the hemisphere."""
@@ -84,6 +87,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
         if self.glow_rgb is not None:
             checks.arrays(self, {"glow_rgb": ("<f4", ("rows", "columns", 3))})
         checks.light(self, "sun_left_rgb", 1.0)
+        checks.light(self, "lamps_rgb", MOST_LIGHT)
         checks.text(self, "source")
 
     def check_arrays(self) -> None:

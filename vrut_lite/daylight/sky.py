@@ -11,6 +11,8 @@ from vrut_lite.daylight.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Number, Vector
 
+NO_LAMPS: Vector = (0.0, 0.0, 0.0)
+
 _MOST_WAVELENGTHS = 4096
 
 
@@ -87,16 +89,22 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
 
 
 class AmbientChanged(Derived, frozen=True, kw_only=True):
-    """Irradiance of sky and ground, without the sun: harmonics (25, 3) float32, W m^-2."""
+    """Irradiance of sky and ground, without the sun: harmonics (25, 3) float32, W m^-2.
+
+    `lamps_rgb` is the radiance of the lands around by their lamps, W m^-2 sr^-1, which lights
+    clouds, and the scene by them alone.
+    """
 
     slot: ClassVar[str | None] = "sky"
 
     irradiance_sh_rgb: Array
     source: str
+    lamps_rgb: Vector = NO_LAMPS
 
     def check(self) -> None:
         """The harmonics of order 4 and below."""
         checks.array(self, "irradiance_sh_rgb", (25, 3), ("<f4", "<f8"))
+        checks.light(self, "lamps_rgb", MOST_LIGHT)
         checks.text(self, "source")
 
     def check_arrays(self) -> None:

@@ -20,6 +20,7 @@ from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight
 from vrut_lite.daylight.night_glow import glow_cube
 from vrut_lite.daylight.refraction import horizon_elevation
+from vrut_lite.daylight.sky import NO_LAMPS
 from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
 from vrut_lite.daylight.sun import Body, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
@@ -83,6 +84,7 @@ class SkyAtNight(Sky):
         sun_share: of the sun's light that is shown; see the function.
         sun_left_rgb: of the sun's light, below 1 in its eclipses.
         horizon_rad: elevation of the eye's horizon, below 0 aloft.
+        lamps: radiance of the lands around by their lamps.
     """
 
     by_sun: Sky
@@ -94,6 +96,7 @@ class SkyAtNight(Sky):
     sun_share: float = 1.0
     sun_left_rgb: Vector = NO_ECLIPSE
     horizon_rad: float = 0.0
+    lamps: Vector = NO_LAMPS
 
     @property
     def sunlit(self) -> bool:
@@ -182,6 +185,11 @@ class SkyAtNight(Sky):
         if self.glow is not None:
             harmonics = harmonics + self.share * _harmonics(self.glow, self._lit_ground)
         return harmonics
+
+    def lamps_rgb(self) -> Vector:
+        """The night's share of them."""
+        red, green, blue = self.lamps
+        return self.share * red, self.share * green, self.share * blue
 
     def ground_albedo_rgb(self) -> FloatArray:
         """The same ground by night."""

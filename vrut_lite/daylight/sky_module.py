@@ -301,6 +301,7 @@ class SkyModule(Module):
             sun_share=sun_share(hour.sun),
             sun_left_rgb=night.sun_left_rgb,
             horizon_rad=-dip_rad(eye_aloft_m(hour.eye_height_m)),
+            lamps=night.lamps_rgb,
         )
 
     def _demand(self, kind: type[Derived]) -> Demand | None:
@@ -367,7 +368,10 @@ class SkyModule(Module):
             self._post(sky.background_on_ground(size).light_message(name))
         else:
             harmonics = Array(np.asarray(sky.ambient(), dtype=np.float32))
-            self._post(AmbientChanged(irradiance_sh_rgb=harmonics, source=name))
+            lamps_rgb = sky.lamps_rgb()
+            self._post(
+                AmbientChanged(irradiance_sh_rgb=harmonics, lamps_rgb=lamps_rgb, source=name)
+            )
         self._posted[kind] = made_from
 
     def _post(self, message: Derived) -> None:

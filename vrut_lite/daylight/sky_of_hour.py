@@ -16,7 +16,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged, ViewShader
+from vrut_lite.daylight.sky import NO_LAMPS, BackgroundChanged, SkyRadianceChanged, ViewShader
 from vrut_lite.daylight.sun import Body, HazeLayer, KeyLightChanged, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
@@ -206,6 +206,10 @@ class Sky:
     def ambient(self) -> FloatArray | Float32Array:
         """Harmonics (25, 3) of the irradiance on the scene by sky and ground."""
         raise NotImplementedError
+
+    def lamps_rgb(self) -> Vector:
+        """Radiance of the lands around by their lamps; none by day."""
+        return NO_LAMPS
 
     def ground_albedo_rgb(self) -> FloatArray:
         """Albedo (3,) of the ground, for light that the sky itself does not know."""

@@ -80,7 +80,8 @@ def light_under_clouds(
         ValueError: the clear sky's background has never left the GPU.
     """
     sun = clear.key_light
-    light = clear_light(sun, clear.ambient.irradiance_sh_rgb.values)
+    ambient = clear.ambient
+    light = clear_light(sun, ambient.irradiance_sh_rgb.values, ambient.lamps_rgb)
     share = _sun_share(layers, sun.direction, view.middle_m, view.half_width_m)
     on_ground = _on_ground(layers, light, clear.radiance, view.middle_m, share)
     texels, scale = encode_float16(on_ground.cube)

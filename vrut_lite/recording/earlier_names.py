@@ -15,7 +15,9 @@ _LATER_OF_SCENES = (
 )  # fmt: skip
 # Fields that earlier messages lack, by today's type names, and what they meant without them.
 _ADDED: dict[str, Plain] = {
+    "AmbientChanged": {"lamps_rgb": [0.0, 0.0, 0.0]},
     "KeyLightChanged": {"body": "sun", "haze": UNKNOWN},
+    "NightLightChanged": {"lamps_rgb": UNKNOWN},
     "SceneOpened": dict.fromkeys(_LATER_OF_SCENES, UNKNOWN),
 }
 

@@ -25,6 +25,7 @@ class Light:
     `sun_irradiance` is that of a plane that faces the sun, before clouds; `irradiance_sh` (25, 3)
     is that of sky and clouds together, `clear_sh` of the clear sky. `sky` is seen behind the scene,
     before clouds are drawn; `mirrored` has them in it. `sun_radius_rad` is that of an even disc.
+    `lamps_rgb` is the radiance of the lands around, for clouds.
     """
 
     sun_direction: tuple[float, float, float]
@@ -34,6 +35,7 @@ class Light:
     sky: Sky
     mirrored: Sky
     sun_radius_rad: float
+    lamps_rgb: tuple[float, float, float]
 
 
 class Shadow(NamedTuple):

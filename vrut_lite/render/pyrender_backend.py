@@ -241,7 +241,8 @@ class PyrenderBackend:
             summed = state.sky_light.ambient.irradiance_sh_rgb.values
         mirrored = self._mirrored or sky
         radius_rad = sun.even_radius_rad
-        return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored, radius_rad)
+        lamps_rgb, shines = ambient.lamps_rgb, sun.irradiance_rgb
+        return Light(sun.direction, shines, summed, clear, sky, mirrored, radius_rad, lamps_rgb)
 
 
 def _lit_scene(state: SceneState, ambient: AmbientChanged) -> LitScene | None:

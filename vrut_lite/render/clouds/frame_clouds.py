@@ -73,7 +73,7 @@ class FrameClouds:
             pixel_rad=2.0 / (float(view.projection[1, 1]) * size[1]),
         )
         assert self._shadow is not None
-        clear = clear_light(key_light, light.clear_sh)
+        clear = clear_light(key_light, light.clear_sh, light.lamps_rgb)
         beneath = evaluate_irradiance(light.irradiance_sh, (0.0, 1.0, 0.0))
         layers = tuple(cloud.layer for cloud in self._drawn if cloud.layer is not None)
         casts = self._shadow.bind(self._drawn, lights_on(layers, clear), beneath, around)
