@@ -2,7 +2,7 @@
 
 A file knows two numbers of an hour's clouds: the share of the hemisphere that they cover, and what
 they leave of the light of a cloudless sky. Which genus has these two is ours, by the mean light
-under each (Kasten and Czeplak 1980, figure 3: 0.16 of it below nimbostratus, 0.18 below stratus,
+under each (Kasten and Czeplak 1980: 0.16 of it below nimbostratus, 0.18 below stratus,
 0.27 below altostratus, 0.61 below cirrus, overcast each).
 """
 
