@@ -23,8 +23,8 @@ _BYTE_OF_SUM = np.uint64(0xFF)
 
 @njit(cache=True, nogil=True)
 def smooth_edges(toned, display, first, end):  # type: ignore[no-untyped-def]
-    """Write rows from `first` to before `end` of a picture (h, w), whose uint32 are red, green, blue
-    and luma from the lowest byte on, into one for display (h, w, 3), uint8.
+    """Write rows from `first` to before `end` of a picture (h, w), whose uint32 are red, green,
+    blue and luma from the lowest byte on, into one for display (h, w, 3), uint8.
 
     Row 0 of what comes is at the bottom, of what is written at the top.
     """
