@@ -43,7 +43,7 @@ class Program(ShaderProgram):
             for name, value in values.items():
                 self.set_uniform(name, value)
 
-    def set_uniform(self, name: str, value: Any, unsigned: bool = False) -> None:
+    def set_uniform(self, name: str, value: Any) -> None:
         """Set a uniform of the bound program, unless it is unused or has the value.
 
         A number, a vector (2,) to (4,), vectors (n, 3) of other than three rows, or a matrix
