@@ -6,18 +6,33 @@ from bruneton_sky.solver_rungs import SolverRung, rung_sizes, rung_tolerance
 from vrut_lite.kernel.job import JobControl
 
 
+class GivenUp(Exception):
+    """A newer atmosphere is wanted."""
+
+
 def solve_air(
     atmosphere: Atmosphere,
     orders: int = MOST_ORDERS,
     rung: SolverRung = "usual",
     control: JobControl | None = None,
 ) -> SourceField:
-    """All orders of scattering: so many computed at most, the rest as a geometric series."""
+    """All orders of scattering: so many computed at most, the rest as a geometric series.
+
+    Raises:
+        GivenUp: `control` was cancelled; asked after each order.
+    """
+
+    def tell(share: float) -> None:
+        if control is not None:
+            if control.cancelled():
+                raise GivenUp
+            control.progress(share)
+
     return solve(
         atmosphere,
         orders,
         rung_sizes(atmosphere, rung),
         all_orders=True,
         tolerance=rung_tolerance(atmosphere, rung),
-        progress=control.progress if control is not None else None,
+        progress=tell,
     )

@@ -101,7 +101,8 @@ def test_air_follows_slot_and_settings(sky: SkyOnBus) -> None:
     sky.eye(0.0, 20_000.0)
     (clear,) = air_of(sky)
     sky.set("turbidity", 8.0)
-    (hazy,) = air_of(sky)
+    draft, hazy = air_of(sky)
+    assert draft is not None
     assert clear is not None
     assert hazy is not None
     view = np.array([0.0, 0.0, -1.0])

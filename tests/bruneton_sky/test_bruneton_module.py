@@ -89,7 +89,7 @@ def test_place_and_settings_make_a_new_sky(lit: SkyOnBus) -> None:
     lit.sun(30.0, ground_m=-400.0)
     lit.sun(30.0, ground_m=3000.0)
     lit.set("turbidity", 8.0)
-    level, basin, high, hazy = blue(lit)
+    level, _, basin, _, high, _, hazy = blue(lit)
     assert basin < level
     assert high > 1.5 * level
     assert hazy < 0.95 * high
@@ -103,8 +103,26 @@ def test_the_old_sky_stays_until_the_new_one_is_there(lit: SkyOnBus) -> None:
     old, moved = blue(lit)
     assert moved > old
     lit.finish()
-    (hazy,) = blue(lit)
+    _, hazy = blue(lit)
     assert hazy < old
+
+
+def test_a_draft_of_another_air_stands_in_by_day(by_day: SkyOnBus) -> None:
+    """It is the same to the eye and comes in a fifth of the time; in twilight it is darker."""
+
+    def ambient() -> list[np.ndarray]:
+        found = [m for m in by_day.taken() if isinstance(m, AmbientChanged)]
+        return [message.irradiance_sh_rgb.values[0] for message in found]
+
+    by_day.taken()
+    by_day.set("turbidity", 5.0)
+    draft, solved = ambient()
+    assert np.any(draft != solved)
+    np.testing.assert_allclose(draft, solved, rtol=5e-3)
+    by_day.sun(-3.0)
+    by_day.taken()
+    by_day.set("turbidity", 4.0)
+    assert len(ambient()) == 1
 
 
 def test_dragging_a_slider_leaves_one_job(lit: SkyOnBus) -> None:

@@ -100,6 +100,21 @@ def test_shadows_of_a_moved_sun_are_coarse_for_as_long_as_it_moves(backend, box_
     np.testing.assert_array_equal(look(backend, around(0), TARGET).radiance, finished)
 
 
+def test_shadows_wait_in_moving_pictures_until_the_sun_has_left_its_width(backend, box_file):
+    """Nearer than that shadows lie within their penumbra; a finished picture has its own sun's."""
+    show_box(backend, box_file)
+    light(backend, uniform_sky(0.1), **SUN)
+    look(backend, around(0), TARGET)
+    drawn = []
+    for elevation_deg, still in ((35.4, False), (35.7, False), (36.2, False), (36.2, True)):
+        before = backend.ledger.done["shadow map"]
+        moved = {**SUN, "sun_direction": sun_at(elevation_deg, 40.0)}
+        light(backend, uniform_sky(0.1), **moved)
+        look(backend, around(0), TARGET, still=still)
+        drawn.append(backend.ledger.done["shadow map"] - before)
+    assert drawn == [0, 1, 0, 1]
+
+
 def test_a_renderer_is_tried_once_and_its_row_of_the_table_known(gl_owner, tmp_path, monkeypatch):
     """Its time is kept by name and version; a damaged file is as none."""
     kept = tmp_path / "devices.json"

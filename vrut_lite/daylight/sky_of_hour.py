@@ -80,12 +80,14 @@ class Quality(Protocol):
 class Work(NamedTuple):
     """A plain function and its arguments, for a background job; equal work is not done twice.
 
-    `of` is handed on with the result: settings that the light needs too, say.
+    `of` is handed on with the result: settings that the light needs too, say. What `first` makes
+    stands in, where a sky is shown already: the same to the eye, and sooner.
     """
 
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
     of: Any = None
+    first: "Work | None" = None
 
 
 class Prepared(NamedTuple):

@@ -30,7 +30,9 @@ class Preparation:
         self.latest: Prepared | None = None
         self.ready = False
         self._done: Work | None = None
+        # What is to be done in the end, and what is being done for it.
         self._asked: Work | None = None
+        self._running: Work | None = None
         self._failed: Work | None = None
 
     def ask(self, work: Work | None) -> None:
@@ -38,6 +40,7 @@ class Preparation:
         if work is None:
             self.ready = True
             return
+        first, work = work.first, work._replace(first=None)
         if work == self._asked:
             return
         self.drop()
@@ -46,7 +49,12 @@ class Preparation:
         self._failed = None
         if work != self._done:
             self._asked = work
-            self._link.start_job(SOLVE, work.function, *work.arguments)
+            sooner = first is not None and self.ready and first != self._done
+            self._start(first if sooner and first is not None else work)
+
+    def _start(self, work: Work) -> None:
+        self._running = work
+        self._link.start_job(SOLVE, work.function, *work.arguments)
 
     def drop(self) -> None:
         """Give up the work that is being done."""
@@ -57,12 +65,16 @@ class Preparation:
 
     def take(self, result: JobResult) -> bool:
         """Take in a job's result; whether there is something new."""
-        work, self._asked = self._asked, None
-        if result.error or work is None:
-            self._failed = work
+        asked, work = self._asked, self._running
+        if result.error or asked is None or work is None:
+            self._failed, self._asked = asked, None
             return False
         self._done, self.latest, self.ready = work, Prepared(work.of, result.value), True
         self._ledger.did("preparation")
+        if work == asked:
+            self._asked = None
+        else:
+            self._start(asked)
         return True
 
 

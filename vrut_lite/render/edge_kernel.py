@@ -22,9 +22,9 @@ _BYTE_OF_SUM = np.uint64(0xFF)
 
 
 @njit(cache=True, nogil=True)
-def smooth_edges(toned, display):  # type: ignore[no-untyped-def]
-    """Write a picture for display (h, w, 3), uint8, of one (h, w) whose uint32 are red, green, blue
-    and luma, from the lowest byte on.
+def smooth_edges(toned, display, first, end):  # type: ignore[no-untyped-def]
+    """Write rows from `first` to before `end` of a picture (h, w), whose uint32 are red, green,
+    blue and luma from the lowest byte on, into one for display (h, w, 3), uint8.
 
     Row 0 of what comes is at the bottom, of what is written at the top.
     """
@@ -32,8 +32,8 @@ def smooth_edges(toned, display):  # type: ignore[no-untyped-def]
     # Of the 2 x 2 pixels about each corner of a row's pixels.
     below, above = np.empty(width + 1, np.int32), np.empty(width + 1, np.int32)
     contrast = np.empty(width, np.int32)
-    _sum_corners(toned[0], toned[0], above)
-    for y in range(height):
+    _sum_corners(toned[max(first - 1, 0)], toned[first], above)
+    for y in range(first, end):
         below, above = above, below
         row, out = toned[y], display[height - 1 - y]
         _sum_corners(row, toned[min(y + 1, height - 1)], above)

@@ -415,7 +415,7 @@ class Frame:
     def _reflection(self, light: Light, seen: list[PlacedPrimitive], still: bool) -> Reflection:
         """The sky for the surfaces that mirror it."""
         glossy = [placed for placed in seen if not placed.primitive.material.matte]
-        mirrors = sum(map(self._surface_light.mirrors, seen))
+        mirrors = self._surface_light.upload_mirrors(seen)
         if mirrors:
             self.ledger.did("mirror", mirrors)
         else:

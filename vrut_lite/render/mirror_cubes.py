@@ -1,4 +1,4 @@
-"""Cube maps of the surroundings of glossy parts, on the GPU: uploaded when such a part is drawn."""
+"""Cube maps of the surroundings of glossy parts, on the GPU: uploaded when such a part is seen."""
 
 from typing import Any
 
@@ -35,8 +35,8 @@ class MirrorCubes:
         has_light = light is not None and light.mirrors is not None
         self._mirrors, self._light = mirrors, light if has_light else None
 
-    def bind(self, number: int, eye_m: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bind a part's cubes; the eye (3,) as seen from their middle."""
+    def upload(self, number: int) -> None:
+        """Bring a part's cubes to the GPU; before anything is drawn, or it waits for that."""
         assert self._mirrors is not None
         assert self._light is not None
         assert self._light.mirrors is not None
@@ -46,12 +46,17 @@ class MirrorCubes:
                 self._cube(self._light.mirrors.values[number]),
                 self._cube(nearness[..., None]),
             )
-        radiance, nearness_cube = self._textures[number]
+        radiance, _ = self._textures[number]
         if self._radiance_is_of.get(number) is not self._light:
             _write(radiance, self._light.mirrors.values[number])
             radiance.build_mipmaps()
             radiance.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
             self._radiance_is_of[number] = self._light
+
+    def bind(self, number: int, eye_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bind a part's cubes, which are uploaded; the eye (3,) as seen from their middle."""
+        assert self._mirrors is not None
+        radiance, nearness_cube = self._textures[number]
         radiance.use(location=_LIGHT_UNIT)
         nearness_cube.use(location=_NEARNESS_UNIT)
         return np.asarray(eye_m - self._mirrors.centre_m.values[number])

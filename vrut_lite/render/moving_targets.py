@@ -1,5 +1,6 @@
 """The framebuffers of a picture while something moves: one sample a pixel."""
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,9 @@ from OpenGL import GL
 
 from vrut_lite.render.reversed_depth import DepthTexture
 from vrut_lite.render.unlocked import read_bytes, read_rgba
+
+# Smooths half of a picture, while the GL thread smooths the other.
+_other_half = ThreadPoolExecutor(1, "edges")
 
 
 class Drawn:
@@ -94,7 +98,10 @@ class MovingTargets:
 
         toned = read_bytes(self._toned).view("<u4")[..., 0]
         display = np.empty((*toned.shape, 3), np.uint8)
-        smooth_edges(toned, display)
+        half, end = len(toned) // 2, len(toned)
+        upper = _other_half.submit(smooth_edges, toned, display, half, end)
+        smooth_edges(toned, display, 0, half)
+        upper.result()
         return display
 
     def release(self) -> None:

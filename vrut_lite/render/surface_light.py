@@ -106,6 +106,14 @@ class SurfaceLightOnGpu:
         """Whether a mesh has a cube map of its surroundings."""
         return placed.mirror is not None and self._mirrors.there
 
+    def upload_mirrors(self, seen: list[PlacedPrimitive]) -> int:
+        """Bring the cubes of these meshes to the GPU; returns how many have some."""
+        numbers = [placed.mirror for placed in seen if self.mirrors(placed)]
+        for number in numbers:
+            assert number is not None
+            self._mirrors.upload(number)
+        return len(numbers)
+
     def bind_mirror(self, placed: PlacedPrimitive, eye_m: NDArray[np.float64]) -> NDArray:
         """Hand a mesh its cubes; the eye (3,) as seen from their middle."""
         assert placed.mirror is not None

@@ -81,9 +81,9 @@ class SurfaceTermsOnGpu:
         self._buffer: int | None = None
         self._films: dict[Film, int] = {}
 
-    def bind(self, material: Any, scale: float) -> None:
-        """Hand a material's numbers and maps to the mesh that is drawn next, `scale` times as
-        large as in the file."""
+    def bind(self, material: Any, world_from_model: np.ndarray) -> None:
+        """Hand a material's numbers and maps to the mesh that is drawn next, which a matrix (4, 4)
+        places."""
         if not _has_terms(material):
             return
         terms: SurfaceTerms = material.terms
@@ -94,7 +94,7 @@ class SurfaceTermsOnGpu:
             sheen_rgb=terms.sheen_rgb,
             sheen_roughness=terms.sheen_roughness,
             extinction_per_m=terms.extinction_per_m,
-            thickness_m=terms.thickness_m * scale,
+            thickness_m=terms.thickness_m * _scale_of(world_from_model),
             ior=terms.ior,
             transmission=terms.transmission,
             clearcoat=terms.clearcoat,
@@ -142,6 +142,6 @@ class SurfaceTermsOnGpu:
         self._films.clear()
 
 
-def scale_of(world_from_model: np.ndarray) -> float:
+def _scale_of(world_from_model: np.ndarray) -> float:
     """How many times larger a matrix (4, 4) makes what it moves, on average."""
     return float(np.abs(np.linalg.det(world_from_model[:3, :3])) ** (1 / 3))

@@ -100,7 +100,13 @@ def solve(
     for index, air in enumerate(groups):
         nodes = make_nodes(atmosphere, air, size, index)
         phase = fed_phase_tables(atmosphere, size.degree, nodes.altitude_m)[index]
-        done = _sum_orders(nodes, transmittance[index], phase, orders, tolerance, all_orders)
+
+        def tell(done: int, index: int = index) -> None:
+            if progress is not None:
+                # How many orders there will be is not known.
+                progress((index + 1.0 - 0.5 ** (done - 1)) / len(groups))
+
+        done = _sum_orders(nodes, transmittance[index], phase, orders, tolerance, all_orders, tell)
         sums.append(done)
         sources.append(nodes.source(done.coefficients))
         if progress is not None:
@@ -157,6 +163,7 @@ def _sum_orders(
     orders: int,
     tolerance: float,
     all_orders: bool,
+    tell: Callable[[int], None],
 ) -> _Sum:
     suns = nodes.suns.mu_s.size
     none = np.zeros((suns, LANES), dtype=np.float32)
@@ -168,6 +175,7 @@ def _sum_orders(
     ratio, done = none, 2
     estimate = _amount(total)
     while done < orders:
+        tell(done)
         before, known = last, estimate
         radiance = nodes.next_radiance(nodes.source(last), radiance, done + 1)
         last = nodes.operator.project(radiance)

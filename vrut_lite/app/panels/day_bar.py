@@ -13,6 +13,7 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
+    QPixmap,
     QPolygonF,
     QWheelEvent,
 )
@@ -45,6 +46,9 @@ class DayBar(QWidget):
         super().__init__()
         self._day: Day | None = None
         self._moon: MoonDay | None = None
+        # All but the cursor, as painted last, and of which size and font; none: to be painted anew.
+        self._behind = QPixmap()
+        self._looks: tuple[object, ...] | None = None
         self._stops: list[tuple[float, QColor]] = []
         self._instant: datetime | None = None
         self._dragging = False
@@ -64,7 +68,7 @@ class DayBar(QWidget):
 
     def show_day(self, day: Day) -> None:
         """Draw this day."""
-        self._day = day
+        self._day, self._looks = day, None
         shares = day.seconds / day.length_s
         # A gradient stop each ten minutes.
         self._stops = [
@@ -75,7 +79,7 @@ class DayBar(QWidget):
 
     def show_moon(self, moon: MoonDay | None) -> None:
         """Mark when the moon rises and sets, and underline while it is up."""
-        self._moon = moon
+        self._moon, self._looks = moon, None
         self.update()
 
     @property
@@ -194,10 +198,26 @@ class DayBar(QWidget):
     # --- painting ----------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint band, hours, events and cursor."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        """Paint band, hours and events, kept from last time, and the cursor."""
         band = QRectF(_MARGIN_PX, _TOP_PX, self._way_px, _BAND_PX)
+        ratio = self.devicePixelRatioF()
+        looks = self.size(), ratio, self.font()
+        if self._looks != looks:
+            self._looks, self._behind = looks, QPixmap(self.size() * ratio)
+            self._behind.setDevicePixelRatio(ratio)
+            self._behind.fill(Qt.GlobalColor.transparent)
+            self._paint_behind(self._behind, band)
+        painter = QPainter(self)
+        painter.drawPixmap(0, 0, self._behind)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if self._day is not None and self._instant is not None:
+            self._paint_hand(painter, band, self._instant)
+
+    def _paint_behind(self, pixmap: QPixmap, band: QRectF) -> None:
+        """All that stays while time plays."""
+        painter = QPainter(pixmap)
+        painter.setFont(self.font())
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if self._day is None:
             painter.fillRect(band, QColor(theme.BACKGROUND))
             return
@@ -208,8 +228,6 @@ class DayBar(QWidget):
         self._paint_marks(painter)
         if self._moon is not None:
             self._paint_moon(painter, band, self._moon)
-        if self._instant is not None:
-            self._paint_hand(painter, band, self._instant)
 
     def _gradient(self, band: QRectF) -> QLinearGradient:
         gradient = QLinearGradient(band.topLeft(), band.topRight())

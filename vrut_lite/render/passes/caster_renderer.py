@@ -16,7 +16,7 @@ from vrut_lite.render.passes.triangles import draw_triangles
 from vrut_lite.render.passes.view import translation
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import SHADERS, Defines
-from vrut_lite.render.surface_terms import SurfaceTermsOnGpu, scale_of
+from vrut_lite.render.surface_terms import SurfaceTermsOnGpu
 
 pyrender = import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
@@ -108,7 +108,7 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         program._bind()
         program.set_uniform("clip_from_model", clip_from_model)
         if material.terms.transmits:
-            self._terms.bind(material, scale_of(placed.world_from_model))
+            self._terms.bind(material, placed.world_from_model)
         if defines:
             program.set_uniform("blended", float(material.alphaMode == "BLEND"))
             program.set_uniform("map_aspect", float(shadow.aspect))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vrut_lite.daylight.scene_content import MapName
 from vrut_lite.daylight.section import Section
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
+from vrut_lite.render import direct_gl
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
@@ -35,11 +36,11 @@ from vrut_lite.render.passes.triangles import (
     show_side,
     sides,
 )
-from vrut_lite.render.passes.view import View, normal_matrix, translation
-from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.passes.view import View, normal_matrix
+from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene, Uploads
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
-from vrut_lite.render.surface_terms import scale_of, term_defines
+from vrut_lite.render.surface_terms import term_defines
 
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
@@ -70,6 +71,14 @@ class MeshRenderer(CasterRenderer):
         self.section: Section | None = None
         self._queries = OcclusionQueries()
         self._levels_finer = 0.0
+        # What a mesh's program is told of its place, as the last view sees it.
+        self._uploads: Uploads | None = None
+        self._places: dict[PlacedPrimitive, dict[str, NDArray[np.float64]]] = {}
+        self._places_seen_by: View | None = None
+        # What it is told of a mesh's surface, drawn solid and blended.
+        self._surfaces: dict[tuple[PlacedPrimitive, bool], dict[str, Any]] = {}
+        # Programs by primitive and what they are compiled with.
+        self._programs: dict[tuple[Any, Defines], Program] = {}
         # Of the pictures that one is the mean of: each has other pixels of what is cut out.
         self.picture_number = 0
 
@@ -119,12 +128,12 @@ class MeshRenderer(CasterRenderer):
             self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
             for side in sides(placed, blended=False):
                 show_side(primitive, side)
-                primitive._bind()
+                direct_gl.bind_vertices(primitive._vaid)
                 asked[placed, side] = [
                     (run, self._queries.ask(partial(draw_run, primitive, run))) for run in runs
                 ]
-                primitive._unbind()
-            GL.glDisable(GL.GL_CLIP_DISTANCE0)
+                direct_gl.bind_vertices(0)
+            direct_gl.disable(GL.GL_CLIP_DISTANCE0)
         return asked
 
     def draw_depth_of_solid(
@@ -143,23 +152,37 @@ class MeshRenderer(CasterRenderer):
     def _draw_depth_of(self, placed: PlacedPrimitive, view: View, side: Side) -> None:
         self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
         draw_side(placed.primitive, side)
-        GL.glDisable(GL.GL_CLIP_DISTANCE0)
+        direct_gl.disable(GL.GL_CLIP_DISTANCE0)
 
     def _cuts(self, placed: PlacedPrimitive) -> Defines:
         return ("SECTION",) if self.section is not None and not placed.is_ground else ()
 
     def _set_place(self, program: Program, placed: PlacedPrimitive, view: View) -> None:
         """Where a mesh stands as seen from the eye, and what of it is cut away."""
-        eye_from_model = translation(-view.eye_m) @ placed.world_from_model
-        program.set_uniform("clip_from_model", view.clip_from_eye @ eye_from_model)
-        program.set_uniform("eye_from_model", eye_from_model)
-        if program.place("clip_from_eye") >= 0:
-            program.set_uniform("clip_from_eye", view.clip_from_eye)
-        if program.place("normal_matrix") >= 0:
-            program.set_uniform("normal_matrix", normal_matrix(eye_from_model))
+        if self._places_seen_by is not view:
+            self._places_seen_by, self._places = view, {}
+        place = self._places.get(placed)
+        if place is None:
+            eye_from_model = placed.world_from_model.copy()
+            eye_from_model[:3, 3] -= view.eye_m
+            place = self._places[placed] = {
+                "clip_from_model": view.clip_from_eye @ eye_from_model,
+                "eye_from_model": eye_from_model,
+                "clip_from_eye": view.clip_from_eye,
+                "normal_matrix": normal_matrix(eye_from_model),
+            }
+        program.set_uniforms("place", place)
         if self._cuts(placed):
             program.set_uniform("section", _seen_from(self.section, view.eye_m))
-            GL.glEnable(GL.GL_CLIP_DISTANCE0)
+            direct_gl.enable(GL.GL_CLIP_DISTANCE0)
+
+    def update(self, scene: PyrenderScene) -> None:
+        """Bring the scene's buffers and textures to the GPU, and free those that left it."""
+        if scene.uploads is not self._uploads:
+            self._uploads, self._places_seen_by = scene.uploads, None
+            self._programs.clear()
+            self._surfaces.clear()
+        super().update(scene)
 
     def read_finer(self, scene: PyrenderScene, levels: float) -> None:
         """Read maps so many of their levels finer than pixels ask for."""
@@ -195,10 +218,14 @@ class MeshRenderer(CasterRenderer):
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
         GL.glDepthMask(GL.GL_FALSE if blended else GL.GL_TRUE)
-        uniforms = {
+        of_picture = {
             "reflection_scale": float(reflection.scale),
             "level_roughness": np.array(LEVEL_ROUGHNESS),
             "picture_number": self.picture_number,
+            "sun_direction": np.asarray(light.sun_direction, dtype=float),
+            "sun_irradiance": np.asarray(light.sun_irradiance, dtype=float),
+            "sky_scale": float(light.mirrored.scale),
+            "irradiance_sh": np.asarray(light.irradiance_sh),
         }
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
@@ -218,17 +245,15 @@ class MeshRenderer(CasterRenderer):
                     *side.defines,
                 )
                 program = self._mesh_program(placed.primitive, (*defines, *own))
-                for name, value in (uniforms | shadow_uniforms).items():
-                    program.set_uniform(name, value)
-                _set_light(program, light)
+                program.set_uniforms("picture", of_picture)
+                program.set_uniforms("shadow", shadow_uniforms)
                 self._set_place(program, placed, view)
                 self._set_surface(program, placed, blended)
                 if surface_light.mirrors(placed):
                     mirror_eye_m = surface_light.bind_mirror(placed, view.eye_m)
                     program.set_uniform("mirror_eye_m", mirror_eye_m)
                 draw_side(placed.primitive, side, blended, runs)
-                self._reset_active_textures()
-                GL.glDisable(GL.GL_CLIP_DISTANCE0)
+                direct_gl.disable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
         GL.glDepthMask(GL.GL_TRUE)
@@ -236,29 +261,27 @@ class MeshRenderer(CasterRenderer):
 
     def _mesh_program(self, primitive: Any, defines: Defines) -> Program:
         """The program of a mesh with these features, bound."""
-        self._program_cache.also = defines
-        program: Program = self._get_primitive_program(
-            primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
-        )
+        program = self._programs.get((primitive, defines))
+        if program is None:
+            self._program_cache.also = defines
+            program = self._programs[primitive, defines] = self._get_primitive_program(
+                primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
+            )
         program._bind()
         return program
 
     def _set_surface(self, program: Program, placed: PlacedPrimitive, blended: bool) -> None:
+        uniforms = self._surfaces.get((placed, blended))
+        # The ground is painted anew by the hour.
+        if uniforms is None or placed.is_ground:
+            uniforms = self._surfaces[placed, blended] = _surface_uniforms(placed, blended)
+        program.set_uniforms("surface", uniforms)
         material = placed.primitive.material
-        _set_surface(program, placed.primitive, blended)
-        if placed.light_corner_px is not None:
-            program.set_uniform("light_corner_px", placed.light_corner_px.astype(np.float32))
-        self._terms.bind(material, scale_of(placed.world_from_model))
-        self._bind_material(program, material)
-
-    def _bind_material(self, program: Program, material: Any) -> None:
-        for name, texture in _textures(material):
+        self._terms.bind(material, placed.world_from_model)
+        for unit, (_, texture) in enumerate(_textures(material)):
             if texture is not None:
-                self._bind_texture(texture, f"material.{name}_texture", program)
-        program.set_uniform("material.emissive_factor", material.emissiveFactor)
-        program.set_uniform("material.base_color_factor", material.baseColorFactor)
-        program.set_uniform("material.metallic_factor", material.metallicFactor)
-        program.set_uniform("material.roughness_factor", material.roughnessFactor)
+                direct_gl.active_texture(GL.GL_TEXTURE0 + unit)
+                direct_gl.bind_texture(GL.GL_TEXTURE_2D, texture._texid)
 
 
 def _lobe_defines(material: Any) -> Defines:
@@ -286,24 +309,29 @@ def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
     reflection.reflectance.use(location=_REFLECTANCE_UNIT)
 
 
-def _set_light(program: Program, light: Light) -> None:
-    program.set_uniform("sun_direction", np.asarray(light.sun_direction, dtype=float))
-    program.set_uniform("sun_irradiance", np.asarray(light.sun_irradiance, dtype=float))
-    program.set_uniform("sky_scale", float(light.mirrored.scale))
-    program.set_uniform("irradiance_sh", np.asarray(light.irradiance_sh))
-
-
-def _set_surface(program: Program, primitive: Any, blended: bool) -> None:
-    material = primitive.material
-    first, end = alpha_range(primitive, blended)
-    program.set_uniform("alpha_cutoff", first)
-    program.set_uniform("alpha_end", end)
-    program.set_uniform("opaque", 0.0 if blended else 1.0)
+def _surface_uniforms(placed: PlacedPrimitive, blended: bool) -> dict[str, Any]:
+    """What a mesh's program is told of its surface; textures are bound in their order."""
+    material = placed.primitive.material
+    first, end = alpha_range(placed.primitive, blended)
+    uniforms = {
+        "alpha_cutoff": first,
+        "alpha_end": end,
+        "opaque": 0.0 if blended else 1.0,
+        "normal_scale": float(material.normal_scale),
+        "occlusion_strength": float(material.occlusion_strength),
+        "dielectric_f0": 0.0 if material.matte else DIELECTRIC_F0,
+        "material.emissive_factor": np.asarray(material.emissiveFactor, dtype=float),
+        "material.base_color_factor": np.asarray(material.baseColorFactor, dtype=float),
+        "material.metallic_factor": float(material.metallicFactor),
+        "material.roughness_factor": float(material.roughnessFactor),
+    }
     for name, map_name in _LAYER_UNIFORMS.items():
-        program.set_uniform(name, material.layer_of.get(map_name, 0))
-    program.set_uniform("normal_scale", float(material.normal_scale))
-    program.set_uniform("occlusion_strength", float(material.occlusion_strength))
-    program.set_uniform("dielectric_f0", 0.0 if material.matte else DIELECTRIC_F0)
+        uniforms[name] = material.layer_of.get(map_name, 0)
+    for unit, (name, _) in enumerate(_textures(material)):
+        uniforms[f"material.{name}_texture"] = unit
+    if placed.light_corner_px is not None:
+        uniforms["light_corner_px"] = placed.light_corner_px.astype(np.float32)
+    return uniforms
 
 
 def _seen_from(section: Section | None, eye_m: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -5,10 +5,11 @@ Each holds all the scene's depth, so that penumbras are as wide as their casters
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
 A second map then covers the eye's surroundings. In smaller ones it covers what a finished still
 shows, if that is less than half of the scene. Each is drawn when scene, sun or place have changed,
-in quick pictures with a quarter of the texels.
+in quick pictures with a quarter of the texels, and when the sun has moved by its own width.
 """
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -128,13 +129,16 @@ class ShadowMap:
 class ShadowMaps:
     """The scene's map, and one around the eye, each made when it is first needed.
 
-    A quick picture draws maps of fewer texels, unless the fine ones are of its sun.
+    A quick picture draws maps of fewer texels, unless the fine ones are of its sun, or shows those
+    of a sun that stood less than its diameter away: shadows then lie within half of their penumbra.
     """
 
     def __init__(self, context: Any, ledger: Ledger):
         self._context = context
         self._ledger = ledger
         self._maps: dict[tuple[str, int], ShadowMap] = {}
+        # Of the sun whose maps were drawn last.
+        self._direction = (0.0, 0.0, 0.0)
 
     def update(
         self,
@@ -147,6 +151,10 @@ class ShadowMaps:
         finished: bool = False,
     ) -> Shadows:
         """The shadows that a view shows; `always` draws them also when nothing changed."""
+        moved = math.dist(light.sun_direction, self._direction)
+        if quick and moved < 2.0 * light.sun_radius_rad:
+            light = replace(light, sun_direction=self._direction)
+        self._direction = light.sun_direction
 
         def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
             # A fine map is not made only to be asked: the first picture would wait for it.

@@ -130,8 +130,9 @@ class SpecularFilter:
         self._source = self._cube(self._source, min(size, _SOURCE_SIZE))
         self._next = self._cube(self._next, min(max(size, _SMALLEST), _LARGEST))
         self._copy()
+        # The quick ones first: the next picture is waited for.
         self._slices.extend(
-            (level, face) for level in range(len(LEVEL_ROUGHNESS)) for face in range(_FACES)
+            (level, face) for level in range(len(LEVEL_ROUGHNESS))[::-1] for face in range(_FACES)
         )
 
     def _looks_like(self, cells: NDArray[np.float64]) -> bool:

@@ -1,9 +1,9 @@
 """Draw calls of pyrender's primitives, by the sides that show."""
 
-import ctypes
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from vrut_lite.render import direct_gl
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.shader_files import Defines
@@ -74,42 +74,41 @@ def draw_side(
     if runs is None:
         draw_triangles(primitive)
         return
-    primitive._bind()
+    direct_gl.bind_vertices(primitive._vaid)
     for run in runs:
         draw_run(primitive, run)
-    primitive._unbind()
+    direct_gl.bind_vertices(0)
 
 
 def show_side(primitive: Any, side: Side, blended: bool = False) -> None:
     """Set what draws one side of a mesh."""
-    GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
     if blended:
-        GL.glEnable(GL.GL_BLEND)
+        direct_gl.enable(GL.GL_BLEND)
         if primitive.material.terms.transmits:
             # What is behind times a colour that the shader says.
-            GL.glBlendFunc(GL.GL_ONE, GL.GL_SRC1_COLOR)
+            direct_gl.blend_function(GL.GL_ONE, GL.GL_SRC1_COLOR)
         else:
-            GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
+            direct_gl.blend_function(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
     else:
-        GL.glDisable(GL.GL_BLEND)
+        direct_gl.disable(GL.GL_BLEND)
     if side.hidden:
-        GL.glEnable(GL.GL_CULL_FACE)
-        GL.glCullFace(side.hidden)
+        direct_gl.enable(GL.GL_CULL_FACE)
+        direct_gl.cull_face(side.hidden)
     else:
-        GL.glDisable(GL.GL_CULL_FACE)
+        direct_gl.disable(GL.GL_CULL_FACE)
 
 
 def draw_triangles(primitive: Any) -> None:
     """Draw all of a primitive with the state that is set."""
-    primitive._bind()
+    direct_gl.bind_vertices(primitive._vaid)
     if primitive.indices is not None:
-        GL.glDrawElements(primitive.mode, primitive.indices.size, GL.GL_UNSIGNED_INT, None)
+        direct_gl.draw_elements(primitive.mode, primitive.indices.size, GL.GL_UNSIGNED_INT, None)
     else:
-        GL.glDrawArrays(primitive.mode, 0, len(primitive.positions))
-    primitive._unbind()
+        direct_gl.draw_arrays(primitive.mode, 0, len(primitive.positions))
+    direct_gl.bind_vertices(0)
 
 
 def draw_run(primitive: Any, run: Run) -> None:
     """Draw some triangles of a primitive that is bound."""
-    start = ctypes.c_void_p(3 * _BYTES_OF_INDEX * run.first)
-    GL.glDrawElements(primitive.mode, 3 * run.triangles, GL.GL_UNSIGNED_INT, start)
+    start = 3 * _BYTES_OF_INDEX * run.first
+    direct_gl.draw_elements(primitive.mode, 3 * run.triangles, GL.GL_UNSIGNED_INT, start)

@@ -53,11 +53,16 @@ void main() {
     vec4 weight = vec4(rest.x, share.x, rest.x, share.x) * vec4(rest.yy, share.yy);
     weight *= vec4(lessThanEqual(off, vec4(near_enough)));
     float total = dot(weight, vec4(1.0));
-    vec4 moved = vec4(0.0);
-    for (int k = 0; k < 4; ++k) {
-        moved += weight[k] * texelFetch(old_radiance, ivec2(first) + ivec2(k & 1, k >> 1), 0);
+    // Where not all four are there, the heaviest and one beside it, or it alone: one look-up.
+    bvec2 end = bvec2(max(weight.y, weight.w) > max(weight.x, weight.z),
+                      max(weight.z, weight.w) > max(weight.x, weight.y));
+    float beside = end.x ? (end.y ? weight.z : weight.x) : (end.y ? weight.w : weight.y);
+    float across = end.y ? (end.x ? weight.y : weight.x) : (end.x ? weight.w : weight.z);
+    if (min(min(weight.x, weight.y), min(weight.z, weight.w)) <= 0.0) {
+        if (beside > 0.0 || across <= 0.0) share.y = float(end.y);
+        if (beside <= 0.0) share.x = float(end.x);
     }
-    moved /= max(total, 1e-20);
+    vec4 moved = textureLod(old_radiance, (first + 0.5 + share) / size, 0.0);
     float holds_for = moved.a / max(seen_turned * depth, 1e-20);
     if (inside && total >= LEAST_WEIGHT && !has_its_turn(ivec2(gl_FragCoord.xy), holds_for)) {
         frag_radiance = vec4(brighter * moved.rgb, moved.a);
