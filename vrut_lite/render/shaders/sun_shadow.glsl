@@ -43,6 +43,21 @@ float sun_radius(sampler2D ranges, vec3 at, float spread, vec2 steep, float texe
     return found.y < at.z - reach - texel ? 0.0 : max(radius, HARD_RADIUS);
 }
 
+// Of a gather's comparisons, by the weights of its columns and rows. Components are left and right of
+// the upper row, right and left of the lower: w z / x y.
+float weighed(vec4 hit, vec2 first, vec2 second) {
+    vec2 rows = hit.wx * first.x + hit.zy * second.x;
+    return dot(rows, vec2(first.y, second.y));
+}
+
+// One linearly filtered comparison, in texels, with a surface of this depth there.
+float lit_linearly(sampler2DShadow map, vec2 place, float depth, vec2 steep, vec2 texel) {
+    vec2 within = fract(place);
+    float below = depth + dot(steep, (0.5 - within) * texel);
+    vec4 hit = textureGather(map, (place - within + 1.0) * texel, clamp(below, 0.0, 1.0));
+    return weighed(hit, 1.0 - within, within);
+}
+
 // Share of the sun at a place in a shadow map. A penumbra is the mean over the disc that the sun's
 // cone cuts at the farthest caster (Fernando 2005, "Percentage-closer soft shadows"), of linearly
 // filtered comparisons along a spiral (Vogel 1979). Where it is narrower than texels can tell,
@@ -63,6 +78,9 @@ float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, floa
     float disc = sqrt(max(radius * radius - TAP_VARIANCE, 0.0));
     vec2 place = at.xy * size - 0.5, f = fract(place);
     float depth = at.z - 0.5 * texel.x * (abs(steep.x) + abs(steep.y) + aspect);
+    // Where the middle is lit, what is farther than it shades nothing: beyond an inner corner that
+    // is the other surface, which the plane lies behind.
+    float shaded = 1.0 - lit_linearly(map, place, depth, steep, texel);
     float lit = 0.0;
     vec2 turned = vec2(1.0, 0.0);
     for (int i = 0; i < taps; ++i) {
@@ -74,12 +92,10 @@ float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, floa
         vec2 middle = soft ? spiral - within + 1.0 : place - f + 2.0 * square;
         vec2 first = soft ? 1.0 - within : mix(1.0 - f, vec2(1.0), square);
         vec2 second = soft ? within : mix(vec2(1.0), f, square);
-        vec2 off = (middle - place - 0.5) * texel;
-        float below = depth + dot(steep, off) - (soft ? OWN_SLOPE * far * texel.x * aspect : 0.0);
-        vec4 hit = textureGather(map, middle * texel, clamp(below, 0.0, 1.0));
-        // Components are left and right of the upper row, right and left of the lower: w z / x y.
-        vec2 rows = hit.wx * first.x + hit.zy * second.x;
-        lit += dot(rows, vec2(first.y, second.y));
+        float lower = dot(steep, (middle - place - 0.5) * texel);
+        float below = depth + min(lower, lower * shaded);
+        below -= soft ? OWN_SLOPE * far * texel.x * aspect : 0.0;
+        lit += weighed(textureGather(map, middle * texel, clamp(below, 0.0, 1.0)), first, second);
     }
     return radius <= 0.0 ? 0.0 : lit / (soft ? float(SOFT_TAPS) : 9.0);
 }
