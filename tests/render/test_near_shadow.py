@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
-from scene_stage import light, look, square
+from scene_stage import light, look, look_finished, square
 from stateful_backend import opened
 
 from vrut_lite.render.passes.light_axes import light_matrix
@@ -63,12 +63,14 @@ def test_a_hut_on_a_plain_of_40_km_casts_a_shadow(backend, tmp_path):
 
 @pytest.mark.gl
 @pytest.mark.parametrize("height_m", [1.7, 300.0, 5000.0])
-def test_no_line_where_the_near_map_ends(backend, tmp_path, height_m):
-    """A lit plain, from the near map through its rim to the other: no pixel differs by more than
-    0.2 % from the next, nor by more than its sheen, 4 %, from any."""
+@pytest.mark.parametrize("shot", [look, look_finished])
+def test_no_line_where_a_map_ends(backend, tmp_path, shot, height_m):
+    """A lit plain, from the near map through its rim to the other, or over a still's squares: no
+    pixel differs by more than 0.2 % from the next, nor by more than its sheen, 4 %, from any.
+    """
     show_land(backend, tmp_path)
     eye = np.array([3.0, height_m, 5.0])
-    picture = look(backend, eye, eye + np.array([1.0, -0.9, 0.3]), 0.7).radiance[..., 1]
+    picture = shot(backend, eye, eye + np.array([1.0, -0.9, 0.3]), 0.7).radiance[..., 1]
     assert np.ptp(picture) < 0.04 * picture.min()
     for axis in (0, 1):
         assert np.abs(np.diff(picture, axis=axis)).max() < 2e-3 * picture.min()
@@ -79,8 +81,9 @@ def test_a_mountain_casts_from_outside_the_near_map(backend, tmp_path):
     """A tower 2 km high, 1.5 km towards the sun, shades the eye's place: it is beyond the map."""
     towards = 1500.0 * np.array([SUN[0], 0.0, SUN[2]]) / np.hypot(SUN[0], SUN[2])
     show_land(backend, tmp_path, ((towards[0], 1000.0, towards[2]), (600.0, 2000.0, 600.0)))
-    picture = look(backend, (0.0, 50.0, 0.1), (0.0, 0.0, 0.0), 0.5).radiance
-    np.testing.assert_array_equal(picture, 0.0)
+    for shot in (look, look_finished):
+        picture = shot(backend, (0.0, 50.0, 0.1), (0.0, 0.0, 0.0), 0.5).radiance
+        np.testing.assert_array_equal(picture, 0.0)
 
 
 @pytest.mark.gl
