@@ -25,8 +25,10 @@ from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 # As sun_shadow.glsl has them: squares, two in a row, texels along a side, and the part of their
 # half width inside which the widest filter stays in a square.
 SQUARES, SQUARE_TEXELS, INSIDE = 4, 2048, 1.0 - 2.0 * 132.0 / 2048.0
-# Pixels: finer texels than this show nothing more.
-_FINEST_PX, _COARSEST_PX = 0.25, 1e6
+# Texels of the radius of the widest penumbra that is followed.
+MOST_RADIUS = 128.0
+# Pixels: texels of a quarter would do but for a low sun, which lengthens them on the ground.
+_FINEST_PX, _COARSEST_PX = 1.0 / 16.0, 1e6
 # Between the points that are known others are seen, and deeper ones.
 _ROOM, _DEEPER = 1.03, 1.1
 _HALVINGS = 24
@@ -76,7 +78,8 @@ class StillShadowMap:
             return self._shadow
         points = self._grid.points(meshes, seen, view, size_px)
         middle_m = scene.centre_m - view.eye_m
-        squares = fitted(points, light.sun_direction, middle_m, scene.half_extent_m)
+        spread = math.tan(light.sun_radius_rad)
+        squares = fitted(points, light.sun_direction, spread, middle_m, scene.half_extent_m)
         axes = light_axes(light.sun_direction)
         places: list[tuple[Shadow, tuple[int, int]]] = []
         for number, square in enumerate(squares):
@@ -107,7 +110,7 @@ class StillShadowMap:
                     for square in squares
                 ]
             ),
-            spread=math.tan(light.sun_radius_rad),
+            spread=spread,
         )
         self._drawn = now
         self._ledger.did("still shadow map")
@@ -122,6 +125,7 @@ class StillShadowMap:
 def fitted(
     points: SeenPoints,
     direction: ArrayLike,
+    spread: float,
     middle_m: NDArray[np.float64],
     half_extent_m: NDArray[np.float64],
 ) -> list[Square]:
@@ -129,8 +133,9 @@ def fitted(
 
     What casts lies in a box around `middle_m` (3,) from the eye, half as large as `half_extent_m`
     (3,) each way. The first square holds all points in the sphere around the box, as the sun sees
-    it; each further one those for which the texels before are too wide. How many pixels a texel may
-    be wide is the least for which four suffice.
+    it, and is wide enough for the widest penumbra, of a sun whose radius has this tangent; each
+    further one holds those for which the texels before are too wide. How many pixels a texel may be
+    wide is the least for which four suffice.
     """
     axes, radius_m = light_axes(direction), float(np.linalg.norm(half_extent_m))
     at = points.from_eye_m @ axes.T
@@ -142,6 +147,11 @@ def fitted(
     low, high = np.minimum.accumulate(at), np.maximum.accumulate(at)
     halves_m = _ROOM / INSIDE * 0.5 * np.max((high - low)[:, :2], axis=1)
     halves_m = np.maximum(halves_m, 0.5 * SQUARE_TEXELS * _FINEST_PX * pixel_m[0])
+    nearest_m = _nearest_to_sun(
+        0.5 * (low[-1] + high[-1]), halves_m[-1], axes, middle_m, half_extent_m
+    )
+    widest_m = spread * _DEEPER * (nearest_m - low[-1, 2])
+    halves_m[-1] = max(halves_m[-1], 0.5 * SQUARE_TEXELS * widest_m / MOST_RADIUS)
 
     def counts(most_px: float) -> tuple[list[int], bool]:
         """How many of the points each square holds, and whether the last is fine enough."""
