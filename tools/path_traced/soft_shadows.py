@@ -4,7 +4,8 @@
 
 Columns of the sheet are the finished still under a sun without width, under the sun, and the path
 tracer's picture. A Markdown table is printed of an edge that climbs over level ground: its width
-from 10 to 90 % of the light, at five heights. Nothing is kept on disk; all takes some minutes of one core.
+from 10 to 90 % of the light, at five heights. Nothing is kept on disk; all takes some minutes of
+one core.
 """
 
 import argparse
@@ -28,6 +29,7 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.project import CameraView, Project, daylight_inputs, load_project, view_inputs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
@@ -77,7 +79,7 @@ def state_of(project: Project) -> SceneState:
     try:
         host.inject(*daylight_inputs(project), *view_inputs(project))
         host.settle()
-        return lit_by(host.state, "sun")
+        return replace(lit_by(host.state, "sun"), stars=None)
     finally:
         host.close()
 
@@ -101,18 +103,19 @@ def finished(state: SceneState) -> SceneState:
 
 
 def row(gl: PyrenderBackend, name: str, state: SceneState, spp: int) -> list[Captioned]:
-    """Three pictures at one exposure."""
+    """Three pictures at one exposure, that of what the sun lights."""
     assert state.key_light is not None
     point = msgspec.structs.replace(state.key_light, angular_radius_rad=_POINT_RAD)
     still = finished(state)
-    frame = gl.draw(still)
+    frame = gl.draw(still).radiance
+    ev100 = ev100_of(state.exposure, frame[frame.max(axis=-1) > 0.0][None])
     radiances = {
         "a sun without width": gl.draw(replace(still, key_light=point)).radiance,
-        "finished still": frame.radiance,
+        "finished still": frame,
         "path tracer": traced(state, SUN, spp),
     }
     return [
-        (f"{name}: {said}", display_picture(radiance, frame.ev100))
+        (f"{name}: {said}", display_picture(radiance, ev100))
         for said, radiance in radiances.items()
     ]
 
