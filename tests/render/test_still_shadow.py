@@ -212,3 +212,25 @@ def test_depths_of_a_view_are_points_of_the_scene():
     np.testing.assert_allclose(points.from_eye_m[:, 2], -5.0)
     np.testing.assert_allclose(points.pixel_m, 0.01)
     np.testing.assert_allclose(points.from_eye_m[-1, :2], [2.5 * 5.0 / 6.0, 2.5 * 0.75])
+
+
+@pytest.mark.gl
+def test_the_map_is_drawn_once_for_a_view_and_not_without_a_sun(plain):
+    """Another exposure needs none, another view does; by night surfaces are black, none is drawn."""
+
+    def drawn():
+        return plain.ledger.done["still shadow map"]
+
+    view = (0.0, 2.0, 3.0), (0.0, 0.0, 0.0)
+    look_finished(plain, *view)
+    before = drawn()
+    look_finished(plain, *view)
+    assert drawn() == before
+    look_finished(plain, (0.0, 2.5, 3.0), (0.0, 0.0, 0.0))
+    assert drawn() == before + 1
+    light(plain, BLACK, sun_direction=tuple(SUN), sun_irradiance=(0.0,) * 3)
+    np.testing.assert_array_equal(
+        look_finished(plain, (0.0, 3.0, 3.0), (0.0, 0.0, 0.0)).radiance, 0.0
+    )
+    assert drawn() == before + 1
+    assert plain.ledger.skipped["still shadow map: no sun to cast one"] >= 1

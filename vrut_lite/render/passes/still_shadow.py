@@ -48,7 +48,8 @@ class Square(NamedTuple):
 class StillShadowMap:
     """One texture of squares; made and used on the GL thread only.
 
-    The ledger counts "still shadow map" as done, and as skipped where nothing has changed.
+    The ledger counts "still shadow map" as done, and as skipped without sun or where nothing has
+    changed.
     """
 
     def __init__(self, context: Any, ledger: Ledger):
@@ -76,10 +77,18 @@ class StillShadowMap:
         if not always and self._shadow is not None and self._drawn == now:
             self._ledger.skip("still shadow map: same scene, same sun, same view")
             return self._shadow
+        if not always and not any(light.sun_irradiance):
+            self._ledger.skip("still shadow map: no sun to cast one")
+            return self._shadow_of(scene, light, [])
         points = self._grid.points(meshes, seen, view, size_px)
         middle_m = scene.centre_m - view.eye_m
-        spread = math.tan(light.sun_radius_rad)
-        squares = fitted(points, light.sun_direction, spread, middle_m, scene.half_extent_m)
+        squares = fitted(
+            points,
+            light.sun_direction,
+            math.tan(light.sun_radius_rad),
+            middle_m,
+            scene.half_extent_m,
+        )
         axes = light_axes(light.sun_direction)
         places: list[tuple[Shadow, tuple[int, int]]] = []
         for number, square in enumerate(squares):
@@ -94,27 +103,27 @@ class StillShadowMap:
             corner = (SQUARE_TEXELS * (number % 2), SQUARE_TEXELS * (number // 2))
             places.append((shadow, corner))
         self._textures.draw(meshes, scene, places, SQUARE_TEXELS)
-        self._shadow = StillShadow(
-            texture=self._textures.depth,
-            ranges=self._textures.ranges,
-            tint=self._textures.tint_of(scene),
-            axes=axes,
-            squares=_numbers([(*square.centre_m[:2], 1.0 / square.half_m) for square in squares]),
-            depths=_numbers(
-                [
-                    (
-                        square.centre_m[2],
-                        0.5 / square.half_depth_m,
-                        _ROUNDING * (1.0 + scene.radius_m / square.half_depth_m),
-                    )
-                    for square in squares
-                ]
-            ),
-            spread=spread,
-        )
+        self._shadow = self._shadow_of(scene, light, squares)
         self._drawn = now
         self._ledger.did("still shadow map")
         return self._shadow
+
+    def _shadow_of(self, scene: PyrenderScene, light: Light, squares: list[Square]) -> StillShadow:
+        rounding = [_ROUNDING * (1.0 + scene.radius_m / each.half_depth_m) for each in squares]
+        return StillShadow(
+            texture=self._textures.depth,
+            ranges=self._textures.ranges,
+            tint=self._textures.tint_of(scene),
+            axes=light_axes(light.sun_direction),
+            squares=_numbers([(*each.centre_m[:2], 1.0 / each.half_m) for each in squares]),
+            depths=_numbers(
+                [
+                    (each.centre_m[2], 0.5 / each.half_depth_m, rounded)
+                    for each, rounded in zip(squares, rounding, strict=True)
+                ]
+            ),
+            spread=math.tan(light.sun_radius_rad),
+        )
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
