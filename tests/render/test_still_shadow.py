@@ -152,6 +152,31 @@ def test_a_shadow_on_stairs_has_no_steps(backend, tmp_path):
 
 
 @pytest.mark.gl
+def test_gaps_between_a_satellites_cells_are_dark_at_dusk_without_dashes(backend, tmp_path):
+    """Cells 5 mm above their panel, 24 mm apart; a sun of 1.5 degrees shines into no gap."""
+    x0 = 0.4 * np.arange(-4, 4)
+    cells = [
+        trimesh.Trimesh(
+            [(x + 0.012, 0.005, 0.5), (x + 0.388, 0.005, 0.5), (x + 0.388, 0.005, -0.5),
+             (x + 0.012, 0.005, -0.5)],
+            [[0, 1, 2], [0, 2, 3]],
+            process=False,
+        )
+        for x in x0
+    ]  # fmt: skip
+    panel = box((-1.6, -0.04, -0.55), (1.6, 0.0, 0.55))
+    away = np.radians(1.5)
+    sun = np.array([np.cos(away), np.sin(away), 0.0])
+    far_off = box((7.9, -8.0, -8.0), (8.0, -7.9, -7.9))
+    show(backend, tmp_path, panel, far_off, *cells, sun=sun)
+    picture = look_finished(backend, (-0.4, 4.0, 0.01), (-0.4, 0.0, 0.0), 0.12).radiance[..., 1]
+    x = on_plane(backend, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))[..., 0]
+    in_gap = abs(x + 0.4) < 0.006
+    assert in_gap.sum() > 40
+    assert picture[in_gap].max() < 0.05 * np.median(picture)
+
+
+@pytest.mark.gl
 def test_leaves_behind_one_another_shade_one_another(backend, tmp_path):
     """Of eight leaves, each half holes finer than texels, hardly any light is left, not half."""
     chance = np.random.default_rng(5)
@@ -216,7 +241,7 @@ def test_depths_of_a_view_are_points_of_the_scene():
 
 @pytest.mark.gl
 def test_the_map_is_drawn_once_for_a_view_and_not_without_a_sun(plain):
-    """Another exposure needs none, another view does; by night surfaces are black, none is drawn."""
+    """The same view needs no other, another view does; by night surfaces are black without one."""
 
     def drawn():
         return plain.ledger.done["still shadow map"]
