@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from scene_stage import light, look, square
+from scene_stage import light, look, look_finished, square
 from scipy.integrate import quad
 from stateful_backend import opened
 
@@ -106,7 +106,8 @@ def test_a_penumbra_is_as_wide_as_the_sun_makes_it(climb, height_m):
 
 @pytest.mark.gl
 @pytest.mark.parametrize("elevation_deg", [4.0, 20.0, 70.0])
-def test_what_no_shadow_falls_on_shades_itself_nowhere(backend, tmp_path, elevation_deg):
+@pytest.mark.parametrize("shot", [look, look_finished])
+def test_what_no_shadow_falls_on_shades_itself_nowhere(backend, tmp_path, shot, elevation_deg):
     """Ground, and the side of a pyramid, beside a tower that only nearly hides the sun.
 
     Its depth makes all of them look for wide penumbras; each is evenly lit to 0.4 %.
@@ -117,14 +118,15 @@ def test_what_no_shadow_falls_on_shades_itself_nowhere(backend, tmp_path, elevat
     side = sheet((-2.0, 0.0, 0.0), (-2.0, 0.0, -2.0), (-3.0, 1.0, -1.5), (-3.0, 1.0, -0.5))
     show(backend, tmp_path, ground(), tower, side, sun=sun)
     for at in ((-1.0, 0.0, -0.2), (-2.5, 0.5, -1.0)):
-        picture = look(backend, np.add(at, (0.1, 2.0, 0.1)), at, 0.2).radiance[..., 1]
+        picture = shot(backend, np.add(at, (0.1, 2.0, 0.1)), at, 0.2).radiance[..., 1]
         assert picture.min() > 0.0
         assert np.ptp(picture) < 4e-3 * picture.mean()
 
 
 @pytest.mark.gl
 @pytest.mark.parametrize("far_caster", [False, True])
-def test_no_light_falls_through_where_a_roof_meets_a_wall(backend, tmp_path, far_caster):
+@pytest.mark.parametrize("shot", [look, look_finished])
+def test_no_light_falls_through_where_a_roof_meets_a_wall(backend, tmp_path, shot, far_caster):
     """The corner under a roof is black, also where the wide penumbra of a beam far above falls.
 
     But for its contact, there on the wall, by as much as the wall rises over that penumbra.
@@ -133,8 +135,8 @@ def test_no_light_falls_through_where_a_roof_meets_a_wall(backend, tmp_path, far
     roof = box((-1.0, 2.0, -2.0), (1.5, 2.05, 2.0))
     above = [box((-6.0, 7.0, -0.1), (6.0, 7.2, 0.1))] if far_caster else []
     show(backend, tmp_path, ground(), wall, roof, *above, sun=(0.3, 0.9, 0.05))
-    for at in ((-0.8, 1.9, 0.0), (-0.8, 1.0, 0.0), (-0.8, 0.01, 0.0)):
-        picture = look(backend, np.add(at, (0.5, 0.0, 0.4)), at, 0.2).radiance
+    for at in ((-0.8, 1.85, 0.0), (-0.8, 1.0, 0.0), (-0.8, 0.01, 0.0)):
+        picture = shot(backend, np.add(at, (0.5, 0.0, 0.4)), at, 0.2).radiance
         np.testing.assert_array_equal(picture, 0.0)
 
 

@@ -1,10 +1,11 @@
-"""Half shadows of the frame beside the path tracer's, in the sun's own light alone.
+"""Half shadows of finished stills beside the path tracer's, in the sun's own light alone.
 
     python -m tools.path_traced.soft_shadows SHEET.webp [--spp N]
 
-Columns of the sheet are the frame under a sun without width, the frame, and the path tracer. A
-Markdown table is printed of an edge that climbs over level ground: its width from 10 to 90 % of
-the light, at five heights. Nothing is kept on disk; all takes some minutes of one core.
+Columns of the sheet are the finished still under a sun without width, under the sun, and the path
+tracer's picture. A Markdown table is printed of an edge that climbs over level ground: its width
+from 10 to 90 % of the light, at five heights. Nothing is kept on disk; all takes some minutes of
+one core.
 """
 
 import argparse
@@ -21,19 +22,22 @@ from tools.pictures.drawing import SCENES, Captioned, sheet
 from tools.scenes import trials
 from tools.scenes.gltf_writer import GltfWriter
 from tools.scenes.shapes import box, polygon
+from vrut_lite.array import Array
 from vrut_lite.commands.engines import EngineHost
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.project import CameraView, Project, daylight_inputs, load_project, view_inputs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 
 SIZE, STRIP = (300, 190), (96, 12)
-HEIGHTS_M = (3.0, 4.5, 6.0, 7.5, 9.0)
+HEIGHTS_M = (0.1, 0.4, 1.5, 4.0, 9.0)
 # An edge that climbs, and how far the sheet reaches that it ends.
-LOW, HIGH, DEEP_M = np.array([0.0, 1.0, 8.0]), np.array([0.0, 11.0, -8.0]), 6.0
+LOW, HIGH, DEEP_M = np.array([0.0, 0.02, 8.0]), np.array([0.0, 11.0, -8.0]), 6.0
 _POINT_RAD = 1e-6
 _NOON = "2026-06-21T12:30"
 
@@ -75,23 +79,43 @@ def state_of(project: Project) -> SceneState:
     try:
         host.inject(*daylight_inputs(project), *view_inputs(project))
         host.settle()
-        return lit_by(host.state, "sun")
+        return replace(lit_by(host.state, "sun"), stars=None)
     finally:
         host.close()
 
 
+def finished(state: SceneState) -> SceneState:
+    """The state of a finished still, of whose points nothing is known: all light is the sun's."""
+    assert state.camera is not None
+    points = ViewLightChanged(
+        layout_key="none",
+        camera=state.camera,
+        size_px=state.size_px,
+        edge_px=max(state.size_px),
+        light=Array(np.zeros((1, 1, 4), np.float16)),
+        plane=Array(np.zeros((1, 1, 4), np.float32)),
+        mirrored=Array(np.zeros((2, 1, 1, 4), np.float16)),
+        radiance_scale=1.0,
+        rays=1,
+        source="soft shadows",
+    )
+    return replace(state, view_light=points)
+
+
 def row(gl: PyrenderBackend, name: str, state: SceneState, spp: int) -> list[Captioned]:
-    """Three pictures at one exposure."""
+    """Three pictures at one exposure, that of what the sun lights."""
     assert state.key_light is not None
     point = msgspec.structs.replace(state.key_light, angular_radius_rad=_POINT_RAD)
-    frame = gl.draw(state)
+    still = finished(state)
+    frame = gl.draw(still).radiance
+    ev100 = ev100_of(state.exposure, frame[frame.max(axis=-1) > 0.0][None])
     radiances = {
-        "a sun without width": gl.draw(replace(state, key_light=point)).radiance,
-        "frame": frame.radiance,
+        "a sun without width": gl.draw(replace(still, key_light=point)).radiance,
+        "finished still": frame,
         "path tracer": traced(state, SUN, spp),
     }
     return [
-        (f"{name}: {said}", display_picture(radiance, frame.ev100))
+        (f"{name}: {said}", display_picture(radiance, ev100))
         for said, radiance in radiances.items()
     ]
 
@@ -100,7 +124,7 @@ def widths(gl: PyrenderBackend, state: SceneState, spp: int) -> list[str]:
     """Lines of the table."""
     assert state.key_light is not None
     lines = [
-        "| edge above the ground, m | width in the frame, mm | traced, mm | ratio |",
+        "| edge above the ground, m | width in the still, mm | traced, mm | ratio |",
         "|---" * 4 + "|",
     ]
     sun = np.array(state.key_light.direction)
@@ -109,15 +133,16 @@ def widths(gl: PyrenderBackend, state: SceneState, spp: int) -> list[str]:
         foot = on_edge - sun * (height_m / sun[1])
         end = LOW - sun * (LOW[1] / sun[1])
         along = (foot - end) / np.linalg.norm(foot - end)
-        # From above, so that the shadow's edge goes up the picture.
-        eye = foot + np.array([0.0, 0.8, 0.0]) - 1e-3 * along
-        view = 6.0 * height_m * state.key_light.angular_radius_rad / 0.8 * STRIP[1] / STRIP[0]
+        # From above, so that the shadow's edge goes up the picture, and from below the sheet.
+        away_m = min(0.8, 0.7 * height_m)
+        eye = foot + np.array([0.0, away_m, 0.0]) - 1e-3 * away_m * along
+        view = 6.0 * height_m * state.key_light.angular_radius_rad / away_m * STRIP[1] / STRIP[0]
         camera = MoveCamera(eye_m=tuple(eye), target_m=tuple(foot), vertical_field_of_view_rad=view)
         close = replace(state, moved_camera=camera, size_px=STRIP)
-        step_m = 0.8 * 2.0 * np.tan(0.5 * view) / STRIP[1]
+        step_m = away_m * 2.0 * np.tan(0.5 * view) / STRIP[1]
         ours, true = (
             1e3 * step_m * _width_px(picture[..., 1])
-            for picture in (gl.draw(close).radiance, traced(close, SUN, 8 * spp))
+            for picture in (gl.draw(finished(close)).radiance, traced(close, SUN, 8 * spp))
         )
         lines.append(f"| {height_m} | {ours:.1f} | {true:.1f} | {ours / true:.2f} |")
     return lines

@@ -174,7 +174,13 @@ class Frame:
         with self.measure("shadow"):
             always = not self._skips.shadow
             finished = still and state.light_of_view is not None
-            shadows = self._shadow.update(self._meshes, scene, light, view, always, quick, finished)
+            if finished:
+                shafts = state.light_shafts and self._air.volume is not None
+                shadows = self._shadow.of_still(
+                    self._meshes, scene, seen, light, view, state.size_px, always, shafts
+                )
+            else:
+                shadows = self._shadow.update(self._meshes, scene, light, view, always, quick)
         with self.measure("lamps"):
             self._lamps.update(self._meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
@@ -191,6 +197,7 @@ class Frame:
         targets = of_size.get(state.size_px)
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
         self.ledger.did("picture", len(shifts))
+        self._meshes.picture_count = len(shifts)
         resolved: NDArray[np.float32] | None = None
         for sample, shift_px in enumerate(shifts):
             self._patience.check()
@@ -218,7 +225,7 @@ class Frame:
             read = targets.read_resolved()
             resolved = read if resolved is None else resolved + read
         assert resolved is not None
-        self._meshes.picture_number = 0
+        self._meshes.picture_number, self._meshes.picture_count = 0, 1
         if len(shifts) > 1:
             resolved /= np.float32(len(shifts))
         if state.shows != "picture":
@@ -373,7 +380,7 @@ class Frame:
         return Picture(radiance, display, ev100, pixel_rad=pixel_rad)
 
     def _air_before(
-        self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool
+        self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow | None, shafts: bool
     ) -> FrameAir:
         """Bind the air of this frame; returns the shaders' defines."""
         if self._air.volume is None:
@@ -384,10 +391,11 @@ class Frame:
             eye_altitude_m=float(view.eye_m[1]),
             ground_level_m=scene.ground_level_m,
             ground_is_bare=not light.sky.ground_through_air,
-            shadow_from_eye=shadow_from_eye(shadow, view),
+            shadow_from_eye=np.eye(4) if shadow is None else shadow_from_eye(shadow, view),
         )
         self._air.bind(around)
         if shafts:
+            assert shadow is not None
             shadow.texture.use(location=SHADOW_UNIT)
             self.ledger.did("light shafts")
         self.ledger.did("air")

@@ -57,11 +57,33 @@ class Shadow(NamedTuple):
     aspect: float = 1.0
 
 
-class Shadows(NamedTuple):
-    """The shadows of all the scene, and finer ones around the eye where those are coarse."""
+class StillShadow(NamedTuple):
+    """A shadow map of squares, as `StillShadowMap` draws it: textures as in `Shadow`.
 
-    scene: Shadow
+    `axes` (3, 3) are rows right, up and towards the sun. In metres along them from the eye are, of
+    each square from the widest, `squares` (4, 3), its centre and 1 / half its width, and `depths`
+    (4, 3), its middle, 1 / its depth, and what rounding may take, in shares of the depth. `spread`
+    is the tangent of the sun's radius.
+    """
+
+    texture: Any
+    ranges: Any
+    tint: Any
+    axes: NDArray
+    squares: NDArray
+    depths: NDArray
+    spread: float
+
+
+class Shadows(NamedTuple):
+    """The shadows of all the scene, and finer ones around the eye where those are coarse.
+
+    A finished still has `still` in their place, and those of the scene for shafts in its air.
+    """
+
+    scene: Shadow | None
     near: Shadow | None
+    still: StillShadow | None = None
 
 
 class Reflection(NamedTuple):

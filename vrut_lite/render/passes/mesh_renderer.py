@@ -79,8 +79,9 @@ class MeshRenderer(CasterRenderer):
         self._surfaces: dict[tuple[PlacedPrimitive, bool], dict[str, Any]] = {}
         # Programs by primitive and what they are compiled with.
         self._programs: dict[tuple[Any, Defines], Program] = {}
-        # Of the pictures that one is the mean of: each has other pixels of what is cut out.
-        self.picture_number = 0
+        # Of the pictures that one is the mean of: each has other pixels of what is cut out,
+        # and other parts of the sun.
+        self.picture_number, self.picture_count = 0, 1
 
     def delete(self) -> None:
         """Free all that it keeps on the GPU."""
@@ -141,13 +142,17 @@ class MeshRenderer(CasterRenderer):
     ) -> list[PlacedPrimitive]:
         """Draw the depth of what is all solid, and return that."""
         solid = [p for p in placed_in_order if is_all_solid(p.primitive.material)]
+        self.draw_whole_depth(solid, view)
+        return solid
+
+    def draw_whole_depth(self, placed_in_order: Iterable[PlacedPrimitive], view: View) -> None:
+        """Draw the depth of triangles, also where they are cut out."""
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthMask(GL.GL_TRUE)
         GL.glColorMask(*4 * [GL.GL_FALSE])
-        for placed in solid:
+        for placed in placed_in_order:
             self._draw_depth_of(placed, view, Side(0 if placed.is_two_sided else GL.GL_BACK))
         GL.glColorMask(*4 * [GL.GL_TRUE])
-        return solid
 
     def _draw_depth_of(self, placed: PlacedPrimitive, view: View, side: Side) -> None:
         self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
@@ -226,6 +231,7 @@ class MeshRenderer(CasterRenderer):
             "sun_irradiance": np.asarray(light.sun_irradiance, dtype=float),
             "sky_scale": float(light.mirrored.scale),
             "irradiance_sh": np.asarray(light.irradiance_sh),
+            "picture_count": self.picture_count,
         }
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)

@@ -9,19 +9,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.render.light import Shadow, Shadows
+from vrut_lite.render.light import Shadow, Shadows, StillShadow
 from vrut_lite.render.passes.view import View, translation
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.shader_files import Defines
 
 SHADOW_UNIT, _NEAR_SHADOW_UNIT, _GLASS_SHADOW_UNIT = 9, 15, 23
 _RANGES_UNIT, _NEAR_RANGES_UNIT = 29, 30
+_STILL_UNIT, _STILL_RANGES_UNIT = 34, 35
 # As sun_shadow.glsl has it: of the near map's half width, where it goes over into the other.
 NEAR_RIM = 0.25
 
 
 def bind_shadows(shadows: Shadows) -> None:
     """Bind the textures for all meshes."""
+    if shadows.still is not None:
+        shadows.still.texture.use(location=_STILL_UNIT)
+        shadows.still.ranges.use(location=_STILL_RANGES_UNIT)
+        if shadows.still.tint is not None:
+            shadows.still.tint.use(location=_GLASS_SHADOW_UNIT)
+        return
+    assert shadows.scene is not None
     shadows.scene.texture.use(location=SHADOW_UNIT)
     shadows.scene.ranges.use(location=_RANGES_UNIT)
     if shadows.near is not None:
@@ -36,9 +44,12 @@ def shadows_on(
     placed: PlacedPrimitive, shadows: Shadows, view: View
 ) -> tuple[Defines, dict[str, Any]]:
     """Defines and uniforms of a mesh's program."""
+    if shadows.still is not None:
+        return _squares(shadows.still)
     near = shadows.near
+    assert shadows.scene is not None
     if shadows.scene.tint is not None:
-        return _all_maps(shadows, view)
+        return _all_maps(shadows.scene, near, view)
     if near is not None:
         off = near.matrix[:2, :3] @ (placed.centre_m - near.centre_m)
         radius = placed.radius_m * float(np.linalg.norm(near.matrix[0, :3]))
@@ -47,17 +58,28 @@ def shadows_on(
         if np.max(np.abs(off)) + radius <= 1.0 - NEAR_RIM:
             return (), _uniforms("shadow", near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
         if np.max(np.abs(off)) - radius <= 1.0:
-            return _all_maps(shadows, view)
+            return _all_maps(shadows.scene, near, view)
     return (), _uniforms("shadow", shadows.scene, view, SHADOW_UNIT, _RANGES_UNIT)
 
 
-def _all_maps(shadows: Shadows, view: View) -> tuple[Defines, dict[str, Any]]:
-    defines: Defines = ("GLASS_SHADOW",) if shadows.scene.tint is not None else ()
-    uniforms = _uniforms("shadow", shadows.scene, view, SHADOW_UNIT, _RANGES_UNIT)
-    if shadows.near is None:
+def _all_maps(scene: Shadow, near: Shadow | None, view: View) -> tuple[Defines, dict[str, Any]]:
+    defines: Defines = ("GLASS_SHADOW",) if scene.tint is not None else ()
+    uniforms = _uniforms("shadow", scene, view, SHADOW_UNIT, _RANGES_UNIT)
+    if near is None:
         return defines, uniforms
-    near = _uniforms("near_shadow", shadows.near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
-    return (*defines, "NEAR_SHADOW"), uniforms | near
+    of_near = _uniforms("near_shadow", near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
+    return (*defines, "NEAR_SHADOW"), uniforms | of_near
+
+
+def _squares(still: StillShadow) -> tuple[Defines, dict[str, Any]]:
+    glass: Defines = ("GLASS_SHADOW",) if still.tint is not None else ()
+    uniforms = {
+        "shadow_axes": still.axes,
+        "shadow_squares": still.squares,
+        "shadow_depths": still.depths,
+        "shadow_spread": float(still.spread),
+    }
+    return (*glass, "STILL_SHADOW"), uniforms
 
 
 def _uniforms(name: str, shadow: Shadow, view: View, unit: int, ranges_unit: int) -> dict[str, Any]:

@@ -8,18 +8,15 @@ float covered_share(sampler2D map, vec2 uv, float alpha) {
     return clamp((alpha - 0.5) * mix(max(edge, 1.0), 1.0, small) + 0.5, 0.0, 1.0);
 }
 
+// A number of its own for each triangle: surfaces one behind another leave out other pixels.
+int number_of_triangle() {
+    uint mixed = uint(gl_PrimitiveID) * 747796405u;
+    mixed = (mixed ^ (mixed >> 16)) * 2654435769u;
+    return int(mixed >> 16);
+}
+
 // A threshold by the texel of a shadow map, even over the 3 x 3 of them that are looked up at once.
 float shadow_threshold() {
     ivec2 at = ivec2(gl_FragCoord.xy) % 3;
-    return (float((3 * at.y + at.x) * 4 % 9) + 0.5) / 9.0;
-}
-
-uniform int picture_number;
-
-// A threshold by the pixel, even over 4 x 4 of them (Bayer), and over eight pictures of one.
-float threshold() {
-    ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;
-    at &= 1;
-    int fine = 2 * (at.x ^ at.y) + at.y, coarse = 2 * (half_at.x ^ half_at.y) + half_at.y;
-    return (float((4 * fine + coarse + 2 * picture_number) & 15) + 0.5) / 16.0;
+    return (float(((3 * at.y + at.x) * 4 + number_of_triangle()) % 9) + 0.5) / 9.0;
 }
