@@ -4,8 +4,8 @@ Each holds all the scene's depth, so that penumbras are as wide as their casters
 
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
 A second map then covers the eye's surroundings. Each is drawn when scene, sun or place have
-changed, in quick pictures with a quarter of the texels, and when the sun has moved by its own width.
-Finished stills have a map of their own.
+changed, in quick pictures with a quarter of the texels and when the sun has moved by its own
+width. Finished stills have a map of their own.
 """
 
 import math
