@@ -110,10 +110,9 @@ def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
     prepared = Prepared(surfaces, tree_of(surfaces))
     go_on()
     layout = lay_out_probes(scene, surfaces)
-    bake = Bake(surfaces, layout, 1, tree=prepared.tree)
+    bake = Bake(surfaces, layout, _all_threads(), tree=prepared.tree)
     bake.lamps = scene.lamps
     go_on()
-    bake.threads = _all_threads()
     bake.add_rays(_PROBE_RAYS)
     bake.threads = 1
     probes = slice(len(bake.texels.pixel), len(bake.orientation))
@@ -162,8 +161,7 @@ def _laid_out(
     go_on()
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, _all_threads(), go_on)
     go_on()
-    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left, tree)
-    bake.threads = _all_threads()
+    bake = Bake(surfaces, layout, _all_threads(), plan.patch_texels, plan.bounces_left, tree)
     bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
     return msgspec.structs.replace(layout.message, mirrors=_mirrors(bake)), bake
