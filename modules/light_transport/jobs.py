@@ -258,10 +258,13 @@ def view_lit(
     from light_transport.hour.view_light import edge_for, view_light
 
     edge_px = edge_for(asked.size_px, points)
-    hour, rays, go_on = hour_of(messages), bake.value.rays, unless(control.cancelled)
+    # Hours of the same bake are lit by one thread meanwhile.
+    own = copy(bake.value)
+    own.threads = _all_threads()
+    hour, rays, go_on = hour_of(messages), own.rays, unless(control.cancelled)
     view = asked.camera, asked.size_px, edge_px
     try:
-        found = view_light(bake.value, hour, *view, rays, _all_threads(), go_on)
+        found = view_light(own, hour, *view, rays, own.threads, go_on)
     except GivenUp:
         return None
     scale = float16_scale(max(largest(found.light), largest(found.mirrored)))
