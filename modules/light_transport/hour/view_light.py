@@ -30,7 +30,7 @@ _LEAST_FREE = 0.4
 # A ray into a lobe for so many that light the surface.
 _RAYS_A_LOBE_RAY = 4
 # Of what a coat mirrors, as `is_noisy` has it: it is a small share of the light.
-_UNSEEN_IN_COATS, _LARGEST_IN_COATS = 0.1, 0.5
+_UNSEEN_IN_COATS, _LARGEST_IN_COATS = 0.06, 0.5
 
 
 class ViewLight(NamedTuple):
