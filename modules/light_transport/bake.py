@@ -52,6 +52,8 @@ class Bake(RayScene):
         # Of the round that tells which rows are patched.
         self.first_rays = 0
         self._finished: Finished | None = None
+        # Of the last hour that was asked for.
+        self._column_light: tuple[Hour, Float32Array] | None = None
 
     @property
     def memory_bytes(self) -> int:
@@ -65,7 +67,9 @@ class Bake(RayScene):
 
     def column_light(self, hour: Hour) -> Float32Array:
         """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
-        return column_light_of(self, self.finished, hour)
+        if self._column_light is None or self._column_light[0] is not hour:
+            self._column_light = hour, column_light_of(self, self.finished, hour)
+        return self._column_light[1]
 
     @property
     def finished(self) -> Finished:
@@ -83,7 +87,7 @@ class Bake(RayScene):
         self.mirrors = mirror_rays(
             parts, self.surfaces.part, self.tree, self.receivers, self.threads, go_on
         )
-        self._finished = None
+        self._finished = self._column_light = None
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
         """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
@@ -115,7 +119,7 @@ class Bake(RayScene):
             self._make_patches(table, count)
         self.rays += count
         self.table = table
-        self._finished = None
+        self._finished = self._column_light = None
 
     def _make_patches(self, table: Rows, rays: int) -> None:
         self.first_rays = rays

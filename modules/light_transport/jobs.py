@@ -110,10 +110,9 @@ def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
     prepared = Prepared(surfaces, tree_of(surfaces))
     go_on()
     layout = lay_out_probes(scene, surfaces)
-    bake = Bake(surfaces, layout, 1, tree=prepared.tree)
+    bake = Bake(surfaces, layout, _all_threads(), tree=prepared.tree)
     bake.lamps = scene.lamps
     go_on()
-    bake.threads = _all_threads()
     bake.add_rays(_PROBE_RAYS)
     bake.threads = 1
     probes = slice(len(bake.texels.pixel), len(bake.orientation))
@@ -162,8 +161,7 @@ def _laid_out(
     go_on()
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, _all_threads(), go_on)
     go_on()
-    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left, tree)
-    bake.threads = _all_threads()
+    bake = Bake(surfaces, layout, _all_threads(), plan.patch_texels, plan.bounces_left, tree)
     bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
     return msgspec.structs.replace(layout.message, mirrors=_mirrors(bake)), bake
@@ -260,10 +258,13 @@ def view_lit(
     from light_transport.hour.view_light import edge_for, view_light
 
     edge_px = edge_for(asked.size_px, points)
-    hour, rays, go_on = hour_of(messages), bake.value.rays, unless(control.cancelled)
+    # Hours of the same bake are lit by one thread meanwhile.
+    own = copy(bake.value)
+    own.threads = _all_threads()
+    hour, rays, go_on = hour_of(messages), own.rays, unless(control.cancelled)
     view = asked.camera, asked.size_px, edge_px
     try:
-        found = view_light(bake.value, hour, *view, rays, _all_threads(), go_on)
+        found = view_light(own, hour, *view, rays, own.threads, go_on)
     except GivenUp:
         return None
     scale = float16_scale(max(largest(found.light), largest(found.mirrored)))

@@ -59,7 +59,7 @@ class LightTransport(Module):
     """Posts `LightMapLaid` once a scene and `SurfaceLightChanged` after each round and hour.
 
     A scene of many triangles has two layouts: one of probes alone, and its map's, which is told
-    with the map's first light.
+    with the map's first light. A demand that names a number of rays makes light wait for so many.
 
     Switched off, it posts a layout of no scene, and the frame is lit by the open sky.
 
@@ -157,6 +157,13 @@ class LightTransport(Module):
     def _quality(self) -> Quality:
         return quality_for(tolerance_of(self.link), self.settings.quality)
 
+    @property
+    def _least_rays(self) -> int:
+        """Of light that somebody looks at."""
+        wanted = self.link.wanted(SurfaceLightChanged)
+        named = None if wanted is None else wanted.size
+        return min(named or 0, self._quality.rays)
+
     # --- the bake -------------------------------------------------------------------------
 
     def _begin(self) -> None:
@@ -173,7 +180,7 @@ class LightTransport(Module):
             self.ledger.skip("light map: a scene without surfaces")
         elif scene is not None:
             self._planned = self._plan
-            if scene.triangles > _MANY_TRIANGLES:
+            if scene.triangles > _MANY_TRIANGLES and not self._least_rays:
                 self.link.start_job(PROBES, laid_probes, scene)
             else:
                 self._lay_out(scene, None)
@@ -239,11 +246,12 @@ class LightTransport(Module):
             self.link.post(laid)
 
     def _next_round(self) -> None:
-        """Trace as many rays as there are, until there are enough."""
+        """Trace as many rays as there are, or all that light waits for, until there are enough."""
         if self._laid is None or self._round is None:
             return
         done = self._round
-        count = min(done.rays, self._quality.rays - done.rays)
+        count = max(done.rays, self._least_rays - done.rays)
+        count = min(count, self._quality.rays - done.rays)
         if count > 0:
             self.link.start_job(RAYS, with_rays, done.bake, count, self._quality.rays)
 
@@ -282,6 +290,9 @@ class LightTransport(Module):
     def _light(self) -> None:
         hour, laid = self._present_hour(), self._laid or self._probes
         if laid is None or self._round is None or hour is None:
+            return
+        if self._round.rays < self._least_rays:
+            self.ledger.skip("hour: more rays are awaited")
             return
         layout_key = laid.message.layout_key
         if self._asked is not None and self._asked[1:] == (layout_key, self._round.rays):

@@ -82,6 +82,19 @@ def test_rays_after_another_first_round_have_other_patches(traced):
     np.testing.assert_array_equal(kept, light_after(Bake.add_rays, 48, 16))
 
 
+def test_rays_of_two_rounds_may_be_traced_at_once():
+    """A still's rays are kept for a window, which asks for them round by round."""
+    scene = quads(*box((0, -0.5, 0), (1, 0.5, 1)), floor(-2, 3, -2, 3), texels=16)
+    tables = []
+    for rounds in ((16, 16, 32), (16, 48)):
+        bake = Bake(*scene)
+        for count in rounds:
+            bake.add_rays(count)
+        tables.append(bake.table)
+    for by_rounds, at_once in zip(*tables, strict=True):
+        np.testing.assert_array_equal(by_rounds, at_once)
+
+
 def test_damaged_files_are_traced_again(scene, traced, tmp_path):
     """Half a file, or one that a foreign program wrote, is as good as none."""
     first = light_of(scene)

@@ -3,6 +3,7 @@
 import math
 import threading
 
+import msgspec
 import numpy as np
 import pytest
 from light_stage import (
@@ -80,6 +81,21 @@ def test_light_grows_in_rounds_that_double(stage, scene):
     assert light[-1].texels.shape == (height, width, 4)
     assert irradiance(light[-1]).max() <= 1.01 * math.pi * 1.0 + 3.0
     assert irradiance(light[-1]).max() > 0.5 * math.pi
+
+
+def test_light_waits_for_as_many_rays_as_a_demand_names(stage, two, monkeypatch):
+    """A still shows no light of fewer rays: neither probes nor rounds are lit, and the last light
+    is that which rounds come to."""
+    monkeypatch.setattr(module, "_MANY_TRIANGLES", 0)
+    said = stage.tell(NOON, msgspec.structs.replace(WANT, size=4096), two)
+    (light,) = lights(said)
+    assert len(layouts(said)) == 1
+    assert [m.rays for m in of_kind(said, BakeGrown)] == [64, 128]
+    assert "probes" not in stage.ledger.done
+    assert stage.ledger.skipped["hour: more rays are awaited"] >= 1
+    by_rounds = LightStage()
+    assert lights(by_rounds.tell(*COARSE, NOON, WANT, two))[-1] == light
+    by_rounds.kernel.close()
 
 
 def test_a_scene_of_matt_things_has_no_mirrors(stage, scene):

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from light_transport.rays.lanes import LANES
 from light_transport.rays.trace import BEAM, MISS, bound_beam, first_hits, unblocked
 from light_transport.rays.tree import LEAF_BITS, STACK, tree_over
 from numba import njit
@@ -79,6 +80,16 @@ def test_triangles_at_one_place_and_of_all_sizes_do_not_deepen_the_tree():
         assert depth < STACK
         codes = -1 - tree.child[tree.child < 0]
         assert (codes & ((1 << LEAF_BITS) - 1)).sum() == len(corners)
+        # Of each node in eights all others of its children may wait.
+        depth, level = 0, [0]
+        while level:
+            depth += 1
+            below = tree.wide_child[level].ravel()
+            level = below[below >= 0].tolist()
+        assert (LANES - 1) * depth + 1 < STACK - 3 * LANES
+        np.testing.assert_array_equal(
+            np.sort(tree.number[tree.number >= 0]), np.arange(len(corners))
+        )
 
 
 def test_no_ray_slips_between_triangles_that_share_an_edge():

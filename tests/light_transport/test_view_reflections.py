@@ -99,3 +99,26 @@ def test_what_has_no_texels_tells_nothing():
     bake.add_rays(16)
     points = SeenPoints(np.full(1, -1, np.int32), *np.tile(UP, (3, 1, 1)), -UP[None])
     assert not lobe_light(bake, hour(1.0), points, 16, 1, always).radiance.any()
+
+
+def test_lobes_go_on_where_a_few_rays_ended():
+    """A fourth of the rays everywhere, the others where they are asked for: there the light is that
+    of all rays, and elsewhere that of the fourth."""
+    bake = Bake(*quads(floor(-1, 1, -1, 1), WALL_FACING_WEST, roughness=0.5))
+    bake.add_rays(16)
+    x = np.array([-0.5, 0.0, 0.5])
+    places = np.stack([x, 0.0 * x, 0.0 * x], axis=1) - bake.surfaces.centre_m
+    towards = np.tile(np.array([1.0, -1.0, 0.0]) / np.sqrt(2.0), (3, 1))
+    points = SeenPoints(
+        np.zeros(3, np.int32), places / bake.surfaces.radius_m, *np.tile(UP, (2, 3, 1)), towards
+    )
+    asked = np.array([True, False, True])
+    light = hour(1.0)
+    found = lobe_light(bake, light, points, 64, 1, always, lambda few: asked)
+    few, all_rays = (lobe_light(bake, light, points, rays, 1, always) for rays in (16, 64))
+    for values, of_few, of_all in zip(found, few, all_rays, strict=True):
+        axis = values.ndim - 1 if values.shape[-1] == 3 else 1
+        picked = [np.moveaxis(each, axis, 0) for each in (values, of_few, of_all)]
+        np.testing.assert_array_equal(picked[0][asked], picked[2][asked])
+        np.testing.assert_array_equal(picked[0][~asked], picked[1][~asked])
+    assert not np.array_equal(few.radiance, all_rays.radiance)

@@ -14,8 +14,9 @@ from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import busy_with
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.view_light import ViewLightChanged
-from vrut_lite.kernel.messages import Demand, SetClock
+from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, SetClock
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import Metadata, write_exr, write_jpeg, write_png
 from vrut_lite.pictures.picture import Picture
@@ -45,6 +46,9 @@ class ScenePlan:
         setting_inputs(self.project, daylight_kernel()[0])
         host = self._open_host()
         try:
+            if self.engine == GL and self.project.shows != "noise":
+                # Nobody sees the light of fewer rays; noise is told by that of half as many.
+                host.inject(_of_surfaces(LARGEST_DEMAND))
             host.inject(*setting_inputs(self.project, host.kernel), *inputs)
             with busy_with(f"opening and lighting {self.project.scene}", host.kernel.trace):
                 host.settle()
@@ -98,6 +102,11 @@ class SceneStudio:
     def close(self) -> None:
         """Free the GPU."""
         self._host.close()
+
+
+def _of_surfaces(rays: int) -> Demand:
+    """A demand for light of so many rays a texel, or of all that are to be had."""
+    return Demand(consumer="still", message=SurfaceLightChanged.__name__, size=rays)
 
 
 def _finer_light(wanted: bool) -> Demand:

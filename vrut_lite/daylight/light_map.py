@@ -236,6 +236,9 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
 class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     """The light of an hour on the surfaces of a scene.
 
+    The size of a demand for it is a number of rays of each texel: light of fewer is not worked out,
+    unless no more are to be had.
+
     Attributes:
         layout_key: of its layout.
         texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in

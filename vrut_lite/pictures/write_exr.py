@@ -3,7 +3,6 @@
 import os
 
 import numpy as np
-import OpenEXR
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
@@ -30,6 +29,8 @@ def write_exr(path: str | os.PathLike[str], rgb_linear: NDArray, metadata: Metad
         ValueError: another shape or type, or a metadata name that the format itself uses.
         UserError: the file cannot be written.
     """
+    import OpenEXR
+
     require_picture(rgb_linear, ("float16", "float32"))
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,

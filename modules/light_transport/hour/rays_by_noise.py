@@ -12,7 +12,7 @@ from light_transport.giving_up import GoOn
 from light_transport.hour.free_points import PointLight, light_at
 from light_transport.hour.hour import Hour
 from light_transport.hour.view_reflections import SeenPoints
-from light_transport.hour.view_smoothing import PointGrid, company, mean_about
+from light_transport.hour.view_smoothing import PointGrid, is_noisy
 from light_transport.rays.ray_starts import OFF
 from vrut_lite.geometry.colour import luminance
 
@@ -21,8 +21,8 @@ _FEWER = 3
 # Noise that stays after smoothing over next neighbours alone and is not seen, as a share of the
 # light; random rays would leave it, these leave less.
 UNSEEN_NOISE = 0.03
-# Noise of single points above this share of the light tells of few rays that bring most of it.
-_LARGE_SHARE = 0.1
+# Of single points, as `is_noisy` has it.
+_LARGEST_NOISE = 0.1
 # Where more points than this share need them, all have all: their rays go on where they ended.
 _MOST = 0.75
 
@@ -44,11 +44,8 @@ def light_by_noise(
     normals = points.normal[seen]
     found = light_at(bake, places_m, normals, hour, few, threads, go_on)
     room = grid.filled(found.room_m / surfaces.radius_m, seen)
-    # Of those about a point: where few rays bring most, some points have met none of it.
-    error2 = mean_about(grid.filled(found.error * found.error, seen))
-    mean = mean_about(grid.filled(luminance(found.irradiance_rgb), seen))
-    share = np.sqrt(error2) / np.maximum(mean, 1e-30)
-    noisy = (share > _LARGE_SHARE) | (share > UNSEEN_NOISE * np.sqrt(company(grid, room)))
+    light, error = (grid.filled(of, seen) for of in (luminance(found.irradiance_rgb), found.error))
+    noisy = is_noisy(grid, light, room, error, UNSEEN_NOISE, _LARGEST_NOISE)
     more = np.flatnonzero(noisy.ravel()[seen])
     if rays <= few or not len(more):
         return found

@@ -13,8 +13,8 @@ from light_transport.giving_up import GoOn
 from light_transport.hour.free_points import PointLight
 from light_transport.hour.hour import Hour
 from light_transport.hour.rays_by_noise import light_by_noise
-from light_transport.hour.view_reflections import SeenPoints, lobe_light
-from light_transport.hour.view_smoothing import PointGrid, smoothed
+from light_transport.hour.view_reflections import LobeLight, SeenPoints, lobe_light
+from light_transport.hour.view_smoothing import PointGrid, is_noisy, smoothed
 from light_transport.kernels import dot, kernel
 from light_transport.rays.ray_table import met_row
 from light_transport.rays.trace import MISS, nearest_along
@@ -23,12 +23,14 @@ from light_transport.surfaces.map_texels import NOBODY, surface_place
 from vrut_lite.daylight.camera import MoveCamera, pixel_rays
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Points of which fewer rays count lie inside bodies, where no eye looks.
 _LEAST_FREE = 0.4
 # A ray into a lobe for so many that light the surface.
 _RAYS_A_LOBE_RAY = 4
+# Of what a coat mirrors, as `is_noisy` has it: it is a small share of the light.
+_UNSEEN_IN_COATS, _LARGEST_IN_COATS = 0.06, 0.5
 
 
 class ViewLight(NamedTuple):
@@ -97,7 +99,15 @@ def view_light(
     open_sky = luminance(evaluate_irradiance(hour.open_sky, normal[seen]))
     light[seen, 3] = np.clip(found.sky / np.maximum(open_sky, 1e-30), 0.0, 1.0)
     go_on()
-    mirrored = lobe_light(bake, hour, points, max(1, rays // _RAYS_A_LOBE_RAY), threads, go_on)
+
+    def noisy(found: LobeLight) -> BoolArray:
+        """By the lobe that is the same from everywhere."""
+        mirrored = luminance(found.radiance[0, :, :3]).astype(np.float32).reshape(shape)
+        room, error = found.room.reshape(shape), found.error[0].reshape(shape)
+        return is_noisy(grid, mirrored, room, error, _UNSEEN_IN_COATS, _LARGEST_IN_COATS).ravel()
+
+    lobe_rays = max(1, rays // _RAYS_A_LOBE_RAY)
+    mirrored = lobe_light(bake, hour, points, lobe_rays, threads, go_on, noisy)
     near = mirrored.room.reshape(shape)
     lobes = [
         smoothed(radiance.reshape(*shape, 4), grid, near, error.reshape(shape), go_on)

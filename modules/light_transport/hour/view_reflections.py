@@ -7,6 +7,7 @@ its shadow.
 """
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -25,10 +26,13 @@ from light_transport.rays.trace import BEAM, MISS, bound_beam, mixed, nearest_al
 from light_transport.rays.tree import STACK
 from light_transport.surfaces.map_texels import NOBODY, surface_place
 from light_transport.surfaces.surfaces import GROUND
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import FACE_S_AXES, FACE_T_AXES
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 _BLOCK = 512
+# A few rays are so many times fewer than all.
+_FEWER = 4
 # As mesh.frag has it.
 _SMALLEST_ALPHA = 0.005
 _S_AXES, _T_AXES = FACE_S_AXES.astype(np.float32), FACE_T_AXES.astype(np.float32)
@@ -68,13 +72,20 @@ class LobeLight(NamedTuple):
 
 
 def lobe_light(
-    bake: Bake, hour: Hour, points: SeenPoints, rays: int, threads: int, go_on: GoOn
+    bake: Bake,
+    hour: Hour,
+    points: SeenPoints,
+    rays: int,
+    threads: int,
+    go_on: GoOn,
+    noisy: Callable[[LobeLight], BoolArray] | None = None,
 ) -> LobeLight:
     """The light of an hour that surfaces mirror towards the eye, the key light's own left out.
 
     Args:
         rays: of each point.
         threads: that trace them; the result does not depend on it.
+        noisy: says which points (P,) need all rays after a fourth of them; None: all do.
 
     Raises:
         GivenUp: by `go_on`.
@@ -102,37 +113,64 @@ def lobe_light(
         np.asarray(hour.key_direction, np.float64),
         np.asarray(hour.key_irradiance_rgb, np.float32),
     )
-    count = len(points.row)
-    radiance, error = np.zeros((2, count, 4), np.float32), np.zeros((2, count), np.float32)
-    room = np.zeros(count, np.float32)
+    sums, nearness = np.zeros((len(alpha), 2, 7)), np.zeros(len(alpha))
 
-    def block(first: int) -> None:
-        go_on()
-        last = min(first + _BLOCK, count)
-        own = (alpha, rays, first, last)
-        _lobes(bake.tree, bake.receivers, points, own, scene, light, radiance, error, room)
+    def trace(which: NDArray[np.intp], first_ray: int, last_ray: int) -> None:
+        def block(first: int) -> None:
+            go_on()
+            some = which[first : first + _BLOCK]
+            own = (alpha, some, first_ray, last_ray)
+            _lobes(bake.tree, bake.receivers, points, own, scene, light, sums, nearness)
 
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(block, range(0, count, _BLOCK)))
-    return LobeLight(radiance, error, room)
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(block, range(0, len(which), _BLOCK)))
+
+    coated = np.flatnonzero(alpha > 0.0)
+    few = rays if noisy is None else max(1, rays // _FEWER)
+    trace(coated, 0, few)
+    found = _means(alpha, sums, nearness)
+    if noisy is None:
+        return found
+    trace(coated[noisy(found)[coated]], few, rays)
+    return _means(alpha, sums, nearness)
+
+
+def _means(alpha: Float32Array, sums: FloatArray, nearness: FloatArray) -> LobeLight:
+    """Of the sums (P, 2, 7) and the nearness (P,) of rays, see `_lobes`."""
+    total = np.moveaxis(sums[..., 3], 1, 0)
+    known: BoolArray = np.asarray((total > 0.0).all(axis=0))
+    total = np.where(known, total, 1.0)
+    values = np.moveaxis(sums, 1, 0)
+    radiance = np.append(values[..., :3] / total[..., None], np.ones((*total.shape, 1)), axis=2)
+    mean = luminance(radiance[..., :3])
+    spread = values[..., 6] - 2.0 * mean * values[..., 5] + mean * mean * values[..., 4]
+    error = np.sqrt(np.maximum(spread, 0.0)) / total
+    room = alpha * total.sum(axis=0) / np.maximum(nearness, 1e-6)
+    return LobeLight(
+        np.where(known[:, None], radiance, 0.0).astype(np.float32),
+        np.where(known, error, 0.0).astype(np.float32),
+        np.where(known, room, 0.0).astype(np.float32),
+    )
 
 
 @kernel
-def _lobes(tree, receivers, points, own, scene, light, radiance, error, room):  # type: ignore[no-untyped-def]
-    """Fill in the light of some points' lobes, see `LobeLight`."""
-    alphas, rays, first, last = own
+def _lobes(tree, receivers, points, own, scene, light, sums, nearness):  # type: ignore[no-untyped-def]
+    """Add rays of some points to the sums (P, 2, 7) of both lobes and to the nearness (P,).
+
+    The sums are of weights times RGB, of weights, of their squares, and of these times luminance
+    and its square; the nearness is of weights over distances.
+    """
+    alphas, which, first_ray, last_ray = own
     stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
     shifts, weights = np.empty(SEQUENCES), np.empty(3)
     place, normal, ray = np.empty(3), np.empty(3), np.empty(3)
     rgb = np.empty(3, np.float32)
-    beam, sums = np.empty(STACK, np.float32), np.empty((2, 7))
+    beam = np.empty(STACK, np.float32)
     for k in range(3):
         beam[BEAM + k] = light[2][k]
     bound_beam(beam, 1)
-    for i in range(first, last):
+    for i in which:
         a = np.float64(alphas[i])
-        if a <= 0.0:
-            continue
         shift(i, shifts)
         n, face, towards = points.normal[i], points.face[i], points.towards[i]
         xx, xy, xz, yx, yy, yz = across(n)
@@ -142,9 +180,7 @@ def _lobes(tree, receivers, points, own, scene, light, radiance, error, room):  
         wide = math.sqrt(a * a * (vx * vx + vy * vy) + vz * vz)
         sx, sy, sz = a * vx / wide, a * vy / wide, vz / wide
         from_eye = math.sqrt(a * a + (1.0 - a * a) * vz * vz)
-        sums[:] = 0.0
-        nearness = 0.0
-        for s in range(rays):
+        for s in range(first_ray, last_ray):
             # A facet that is seen: of a cap, then flattened.
             z = (1.0 - evenly(shifts[0], TURNS[0], s)) * (1.0 + sz) - sz
             angle = 2.0 * math.pi * evenly(shifts[1], TURNS[1], s)
@@ -181,29 +217,17 @@ def _lobes(tree, receivers, points, own, scene, light, radiance, error, room):  
                     stack, rgb,
                 ):  # fmt: skip
                     continue
-                nearness += weight / max(distance, np.float32(1e-6))
+                nearness[i] += weight / max(distance, np.float32(1e-6))
             grazing = (1.0 - min(max(vh, 0.0), 1.0)) ** 5
             bright = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
             for lobe in range(2):
                 share = weight * (grazing if lobe else 1.0 - grazing)
                 for k in range(3):
-                    sums[lobe, k] += share * rgb[k]
-                sums[lobe, 3] += share
-                sums[lobe, 4] += share * share
-                sums[lobe, 5] += share * share * bright
-                sums[lobe, 6] += share * share * bright * bright
-        if sums[0, 3] <= 0.0 or sums[1, 3] <= 0.0:
-            continue
-        room[i] = a * (sums[0, 3] + sums[1, 3]) / max(nearness, 1e-6)
-        for lobe in range(2):
-            total = sums[lobe, 3]
-            for k in range(3):
-                radiance[lobe, i, k] = sums[lobe, k] / total
-            radiance[lobe, i, 3] = 1.0
-            mean = 0.2126 * sums[lobe, 0] + 0.7152 * sums[lobe, 1] + 0.0722 * sums[lobe, 2]
-            mean /= total
-            spread = sums[lobe, 6] - 2.0 * mean * sums[lobe, 5] + mean * mean * sums[lobe, 4]
-            error[lobe, i] = math.sqrt(max(spread, 0.0)) / total
+                    sums[i, lobe, k] += share * rgb[k]
+                sums[i, lobe, 3] += share
+                sums[i, lobe, 4] += share * share
+                sums[i, lobe, 5] += share * share * bright
+                sums[i, lobe, 6] += share * share * bright * bright
 
 
 @inlined

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from light_transport.giving_up import GoOn
 from light_transport.kernels import inlined, kernel
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 _REACH, _APART = 2, (1, 2, 4)
 # Mean room tells little of what is near: farther points count within less of it.
@@ -50,6 +50,25 @@ def smoothed(
         go_on()
         values = _smoothed(values, *grid, room, noise2, apart, share)
     return values
+
+
+def is_noisy(
+    grid: PointGrid,
+    light: Float32Array,
+    room: Float32Array,
+    error: Float32Array,
+    unseen: float,
+    largest: float,
+) -> BoolArray:
+    """Where (H, W) noise will be seen in light, by luminance, room and error, all (H, W).
+
+    `unseen`: noise that may stay after smoothing over next neighbours alone, as a share of the
+    light. Noise of single points above the share `largest` tells of few rays that bring most of it.
+    """
+    # Of those about a point: where few rays bring most, some points have met none of it.
+    share = np.sqrt(mean_about(error * error)) / np.maximum(mean_about(light), 1e-30)
+    noisy = (share > largest) | (share > unseen * np.sqrt(company(grid, room)))
+    return np.asarray(noisy)
 
 
 def company(grid: PointGrid, room: Float32Array) -> Float32Array:

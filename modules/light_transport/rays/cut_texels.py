@@ -76,7 +76,18 @@ def cut_texels(
     over_rows(
         len(rows),
         lambda a, b: _sides(
-            tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b, cell_row, begins
+            tree,
+            geometry,
+            texels,
+            surfaces,
+            rows,
+            _stacks(),
+            _places(),
+            np.empty((CELLS + 1) ** 2, np.int8),
+            a,
+            b,
+            cell_row,
+            begins,
         ),
     )
     parted = np.zeros((count, 2), bool)
@@ -230,9 +241,20 @@ def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks
     return _BEYOND
 
 
+@inlined
+def _within(edge, cells):  # type: ignore[no-untyped-def]
+    """A place so many cells from a texel's edge, kept inside the texel."""
+    return edge + min(max(cells / CELLS, _INSIDE), 1.0 - _INSIDE)
+
+
 @hot
-def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, cell_row, begins):  # type: ignore[no-untyped-def]
-    """Fill in the cells of cut texels by the states of their middles and corners."""
+def _sides(  # type: ignore[no-untyped-def]
+    tree, geometry, texels, surfaces, rows, stacks, places, corners, first, last, cell_row, begins
+):
+    """Fill in the cells of cut texels by the states of their middles and corners.
+
+    `corners` (CELLS + 1)^2 are overwritten: cells share them.
+    """
     weights, middle, point, normal, there, beyond = places
     charts, of_bodies, solid = surfaces
     height, width = texels.row_of.shape
@@ -244,29 +266,38 @@ def _sides(tree, geometry, texels, surfaces, rows, stacks, places, first, last, 
             _state(tree, geometry, of_bodies, solid, middle, middle, False, t, side, stacks)
             != _BURIED
         )
+        for corner in range((CELLS + 1) ** 2):
+            x, y = _within(column, corner % (CELLS + 1)), _within(line, corner // (CELLS + 1))
+            _lifted(geometry, texels, i, x, y, weights, point, normal)
+            corners[corner] = _state(
+                tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
+            )
         for cell in range(CELLS * CELLS):
             owns, others = 0, 0
             for k in range(5):
                 # Its middle, then its corners.
                 x = 0.5 if k == 0 else (k - 1) % 2
                 y = 0.5 if k == 0 else (k - 1) // 2
-                x = column + min(max((cell % CELLS + x) / CELLS, _INSIDE), 1.0 - _INSIDE)
-                y = line + min(max((cell // CELLS + y) / CELLS, _INSIDE), 1.0 - _INSIDE)
-                _lifted(geometry, texels, i, x, y, weights, point, normal)
-                state = _state(
-                    tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
-                )
+                x, y = cell % CELLS + x, cell // CELLS + y
+                if k > 0:
+                    state = corners[int(y) * (CELLS + 1) + int(x)]
+                else:
+                    at_x, at_y = _within(column, x), _within(line, y)
+                    _lifted(geometry, texels, i, at_x, at_y, weights, point, normal)
+                    state = _state(
+                        tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
+                    )
                 if state == _OWN:
                     owns += 1
                 elif state == _BEYOND:
                     if others == 0:
-                        for axis in range(3):
-                            beyond[axis] = point[axis]
+                        first_x, first_y = _within(column, x), _within(line, y)
                     others += 1
             begins[c, cell] = others == 0
             cell_row[c, cell] = i
             if owns >= others:
                 continue
+            _lifted(geometry, texels, i, first_x, first_y, weights, beyond, normal)
             nearest2 = _NEAR2 * texels.width[i] ** 2
             for k in range(9):
                 row, beside = line + k // 3 - 1, column + k % 3 - 1

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot, inlined, kernel
+from light_transport.rays.lanes import LANES, boxes_entered, lowest, triangles_crossed
 from light_transport.rays.tree import LEAF_BITS, STACK, Tree
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
@@ -11,6 +12,8 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 FAR = np.float32(1e6)
 MISS = -1
 _LEAF_MASK = (1 << LEAF_BITS) - 1
+# Distances of boxes and triangles stand at the end of a stack.
+_FOUND = STACK - 3 * LANES
 # A beam's directions begin at this of its numbers.
 BEAM = 6
 # Least magnitude of a direction's components.
@@ -33,17 +36,6 @@ def mixed(a: int, b: int) -> int:
 def _inverse(d):  # type: ignore[no-untyped-def]
     """1 / d, finite also for a component of 0."""
     return _ONE / (d if abs(d) > _TINY else _TINY)
-
-
-@inlined
-def _enters(boxes, node, side, ox, oy, oz, ix, iy, iz, far):  # type: ignore[no-untyped-def]
-    """Distance at which a ray enters a child's box, FAR if it does not before `far`."""
-    ax, bx = (boxes[node, side] - ox) * ix, (boxes[node, side + 3] - ox) * ix
-    ay, by = (boxes[node, side + 1] - oy) * iy, (boxes[node, side + 4] - oy) * iy
-    az, bz = (boxes[node, side + 2] - oz) * iz, (boxes[node, side + 5] - oz) * iz
-    near = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), _ZERO))
-    out = min(min(max(ax, bx), max(ay, by)), min(max(az, bz), far))
-    return near if near <= out else FAR
 
 
 @inlined
@@ -89,40 +81,42 @@ def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignor
 @hot
 def nearest_within(tree, ox, oy, oz, dx, dy, dz, far, ray, stack, far_stack):  # type: ignore[no-untyped-def]
     """`nearest` of what is not as far as `far` of the direction's lengths."""
-    boxes, child, triangle, opacity = tree.boxes, tree.child, tree.triangle, tree.opacity
-    ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
+    boxes, child, opacity = tree.wide_boxes, tree.wide_child, tree.opacity
+    blocks, number = tree.blocks, tree.number
+    to_boxes = ox, oy, oz, _inverse(dx), _inverse(dy), _inverse(dz)
+    to_triangles = ox, oy, oz, dx, dy, dz
     hit, hit_u, hit_v = MISS, _ZERO, _ZERO
-    top, node = 0, 0
+    top, node = 0, np.int64(0)
     while True:
         if node >= 0:
-            a = _enters(boxes, node, 0, ox, oy, oz, ix, iy, iz, far)
-            b = _enters(boxes, node, 6, ox, oy, oz, ix, iy, iz, far)
-            if a < FAR and b < FAR:
-                near_side = 0 if a <= b else 1
-                stack[top] = child[node, 1 - near_side]
-                far_stack[top] = max(a, b)
+            bits = boxes_entered(boxes, node, far_stack, _FOUND, to_boxes, far)
+            # The nearest child comes on top.
+            first = top
+            while bits != 0:
+                k = lowest(bits)
+                bits &= bits - np.int32(1)
+                near, at = far_stack[_FOUND + k], top
+                while at > first and far_stack[at - 1] < near:
+                    far_stack[at], stack[at] = far_stack[at - 1], stack[at - 1]
+                    at -= 1
+                far_stack[at], stack[at] = near, child[node, k]
                 top += 1
-                node = child[node, near_side]
-                continue
-            if a < FAR:
-                node = child[node, 0]
-                continue
-            if b < FAR:
-                node = child[node, 1]
-                continue
         else:
-            code = -1 - node
-            first = code >> LEAF_BITS
-            for t in range(first, first + (code & _LEAF_MASK)):
-                distance, u, v = _crossed(triangle, t, ox, oy, oz, dx, dy, dz)
-                if distance > _ZERO and distance < far and not _lets_pass(opacity, t, ray):
-                    far, hit, hit_u, hit_v = distance, t, u, v
+            block = -1 - node
+            bits = triangles_crossed(blocks, block, far_stack, _FOUND, to_triangles, far)
+            while bits != 0:
+                k = lowest(bits)
+                bits &= bits - np.int32(1)
+                distance, t = far_stack[_FOUND + k], number[block, k]
+                if distance < far and not _lets_pass(opacity, t, ray):
+                    far, hit = distance, t
+                    hit_u, hit_v = far_stack[_FOUND + LANES + k], far_stack[_FOUND + 2 * LANES + k]
         while top > 0 and far_stack[top - 1] >= far:
             top -= 1
         if top == 0:
             return far, hit, hit_u, hit_v
         top -= 1
-        node = stack[top]
+        node = np.int64(stack[top])
 
 
 @inlined

@@ -1,7 +1,8 @@
 """A bounding volume hierarchy over triangles: binned surface-area heuristic, two boxes a node.
 
 Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". Single precision
-suffices: a scene is scaled to unit radius around its middle before.
+suffices: a scene is scaled to unit radius around its middle before. For single rays two to eight
+nodes are one of eight boxes (Wald, Benthin and Boulos 2008, "Getting rid of packets").
 """
 
 from typing import NamedTuple
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import inlined
+from light_transport.rays.lanes import LANES
 from vrut_lite.njit import njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
@@ -17,7 +19,9 @@ _BINS = 12
 _LEAF = 4
 # Deeper than this, nodes are halved by number: bounds the stack, whatever the triangles are.
 _DEEPEST_BY_AREA = 40
-STACK = 80
+_DEEPEST = 80
+# Of a search: each of eight boxes may wait, and eight triangles have three numbers each.
+STACK = 8 * _DEEPEST
 # A leaf's code keeps its number of triangles in these bits.
 LEAF_BITS = 3
 # Boxes are so much larger than their triangles, in radii: more than single precision loses.
@@ -31,6 +35,11 @@ class Tree(NamedTuple):
     a node, or -1 - code of a leaf, whose code is first triangle << LEAF_BITS | number. `triangle`
     (F, 9) float32: a corner and the two edges that begin there. `order` (F,) int32: which
     triangle of the scene it is. `opacity` (F,) float32.
+
+    The same in eights: `wide_boxes` (W, 6, 8) float32, lower and upper corners, of which nothing is
+    entered where there is no child; `wide_child` (W, 8) int32: a node, or -1 - a block. `blocks`
+    (B, 9, 8) float32: up to eight triangles, the others without area; `number` (B, 8) int32: which
+    in the order of the leaves.
     """
 
     boxes: Float32Array
@@ -38,6 +47,10 @@ class Tree(NamedTuple):
     triangle: Float32Array
     order: NDArray[np.int32]
     opacity: Float32Array
+    wide_boxes: Float32Array
+    wide_child: NDArray[np.int32]
+    blocks: Float32Array
+    number: NDArray[np.int32]
 
 
 def tree_over(corners: FloatArray, opacity: Float32Array) -> Tree:
@@ -54,13 +67,92 @@ def tree_over(corners: FloatArray, opacity: Float32Array) -> Tree:
     first = corners[order]
     edges = (first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
     triangle = np.concatenate([first[:, 0], *edges], axis=1).astype(np.float32)
+    boxes, child = boxes[:used].copy(), child[:used].copy()
+    wide_boxes, wide_child, number = _in_eights(boxes, child)
+    # Number -1 stands for the last, which has no area.
+    blocks = np.append(triangle, np.zeros((1, 9), np.float32), axis=0)[number]
     return Tree(
-        boxes[:used].copy(),
-        child[:used].copy(),
+        boxes,
+        child,
         triangle,
         order,
         np.asarray(opacity[order], np.float32),
+        wide_boxes,
+        wide_child,
+        np.ascontiguousarray(blocks.transpose(0, 2, 1)),
+        number,
     )
+
+
+@njit(cache=True, nogil=True)
+def _in_eights(
+    boxes: Float32Array, child: NDArray[np.int32]
+) -> tuple[Float32Array, NDArray[np.int32], NDArray[np.int32]]:
+    """Boxes (W, 6, 8), children (W, 8) and blocks (B, 8) of a tree of two boxes a node."""
+    nodes = len(child)
+    # Triangles below each node: they lie in one piece, and a node comes before those below it.
+    first, count = np.empty(nodes, np.int32), np.zeros(nodes, np.int32)
+    for n in range(nodes - 1, -1, -1):
+        first[n] = 0x7FFFFFFF
+        for side in range(2):
+            begins, number = _below(child[n, side], first, count)
+            if number > 0:
+                first[n] = min(first[n], begins)
+                count[n] += number
+    wide_boxes = np.empty((nodes, 6, LANES), np.float32)
+    wide_boxes[:, :3], wide_boxes[:, 3:] = 3e38, -3e38
+    wide_child = np.full((nodes, LANES), -1, np.int32)
+    blocks = np.full((nodes + 1, LANES), -1, np.int32)
+    # The two-box node that each is made of.
+    made_of = np.zeros(nodes, np.int32)
+    code, box, area = np.empty(LANES, np.int32), np.empty((LANES, 6), np.float32), np.empty(LANES)
+    used, used_blocks = 1, 0
+    wide = 0
+    while wide < used:
+        kids = 0
+        opened = made_of[wide]
+        at = 0
+        while True:
+            # The node at `at` gives its place to its two children.
+            for side in range(2):
+                number = _below(child[opened, side], first, count)[1]
+                if number == 0:
+                    continue
+                to = at if side == 0 or kids == 0 else kids
+                if to == kids:
+                    kids += 1
+                code[to] = child[opened, side]
+                box[to] = boxes[opened, 6 * side : 6 * side + 6]
+                area[to] = _half_area(box[to]) if number > LANES else -1.0
+            if kids == 0 or kids == LANES:
+                break
+            at = int(np.argmax(area[:kids]))
+            if area[at] < 0.0:
+                break
+            opened = code[at]
+        for k in range(kids):
+            wide_boxes[wide, :, k] = box[k]
+            if area[k] >= 0.0:
+                made_of[used] = code[k]
+                wide_child[wide, k] = used
+                used += 1
+            else:
+                begins, number = _below(code[k], first, count)
+                for t in range(number):
+                    blocks[used_blocks, t] = begins + t
+                wide_child[wide, k] = -1 - used_blocks
+                used_blocks += 1
+        wide += 1
+    return wide_boxes[:used].copy(), wide_child[:used].copy(), blocks[:used_blocks].copy()
+
+
+@inlined
+def _below(code, first, count):  # type: ignore[no-untyped-def]
+    """The first triangle of a node or leaf, and how many it has."""
+    if code >= 0:
+        return first[code], count[code]
+    leaf = np.int32(-1 - code)
+    return leaf >> np.int32(LEAF_BITS), leaf & np.int32((1 << LEAF_BITS) - 1)
 
 
 @njit(cache=True, nogil=True)
@@ -74,7 +166,7 @@ def _nodes(
     # A leaf of no triangles.
     child[0, 0], child[0, 1] = -1, -1
     # Nodes to split: first and last triangle, depth, and the parent's child index.
-    todo = np.empty((STACK, 5), np.int64)
+    todo = np.empty((_DEEPEST, 5), np.int64)
     top, used = 0, 0
     todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3], todo[0, 4] = 0, count, 0, -1, 0
     top = 1 if count > 0 else 0
