@@ -13,7 +13,7 @@
 const int MOST_STEPS = 512;
 // Fine steps, as shares of the layer's thickness and of the distance, in thick layers no longer
 // than the billows that they must find; coarse ones in clear air are so much longer.
-const float FINE = 0.025, FINEST_M = 80.0, FINE_OF_DISTANCE = 0.006, COARSE = 3.0;
+const float FINE = 0.025, FINEST_M = 80.0, FINE_OF_DISTANCE = 0.008, COARSE = 3.0;
 // Fine steps of a piece, at least, however far it is.
 const float FEWEST_STEPS = 40.0, SHORTEST_STEP_M = 1.0;
 const int STEPS_TO_COARSE = 5;
