@@ -101,7 +101,7 @@ def weather_at(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
     texels = layer.weather.values / 65535.0
     places = np.asarray(level_m, dtype=float) - layer.drift_m
     along = places[..., ::-1] / layer.form.weather_periods_m[0]
-    waves = WEATHER_WARP * wave(WARP_WAVES * along)
+    waves = WEATHER_WARP * wave(along * WARP_WAVES)
     views = (places, turned(places, WEATHER_TURN_RAD))
     shares = 1.0 - layer.form.second_share, layer.form.second_share
     parts = [
@@ -143,7 +143,7 @@ def shape_at(layer: CloudLayer, level_m: ArrayLike, over_base_m: ArrayLike) -> F
     """Shape (...,) in [0, 1] over places (..., 2), at heights (...,) over the base, m."""
     period = layer.form.shape_period_m
     at = noise_places_m(layer, level_m) / period
-    waves = WARP * wave(WARP_WAVES * at[..., ::-1])
+    waves = WARP * wave(at[..., ::-1] * WARP_WAVES)
     return _volume_at(layer, layer.shape.values, period, at + waves, over_base_m)
 
 
