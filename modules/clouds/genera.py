@@ -51,8 +51,8 @@ GENERA: dict[Genus, Typical] = {
     "Cb": Typical(
         "cumulonimbus", 0.2, 900.0, 9500.0, 0.04, "cells",
         CloudForm(
-            weather_periods_m=(211_000.0, 131_000.0), shape_period_m=9_700.0,
-            detail_period_m=1_300.0, least_height=0.12, growth=0.28, side_fade=0.16, anvil=0.3,
+            weather_periods_m=(211_000.0, 131_000.0), shape_period_m=14_300.0,
+            detail_period_m=1_900.0, least_height=0.12, growth=0.4, side_fade=0.3, anvil=0.2,
             base_fade=0.02, top_fade=0.7, fraying=0.34, sharpness=5.0,
         ),
     ),

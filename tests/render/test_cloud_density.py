@@ -6,6 +6,8 @@ import pytest
 from cloud_stage import rough_layer
 
 from vrut_lite.daylight.cloud_density import density, sun_transmittance
+from vrut_lite.daylight.cloud_density_kernels import density_at
+from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.render.shader_files import shader_source
 
@@ -109,3 +111,19 @@ def test_a_point_in_the_layer_has_its_share(gl_owner):
     below, inside, above = ask(gl_owner, layer, points, "cloud_transmittance(p.xyz)").reshape(3, 64)
     np.testing.assert_allclose(inside, np.sqrt(below), rtol=0.02)
     np.testing.assert_allclose(above, 1.0)
+
+
+@pytest.mark.parametrize("width_m", [30.0, 2000.0])
+def test_density_of_a_wide_sample_is_the_cpus(gl_owner, width_m):
+    """Mean density within a sample's width is the CPU kernels', as closely as at a point."""
+    layer = rough_layer()
+    random = np.random.default_rng(5)
+    level, over_base = random.uniform(-20e3, 20e3, (COUNT, 2)), random.uniform(20.0, 980.0, COUNT)
+    points = np.column_stack([level, over_base, np.zeros(COUNT)])
+    values = ask(gl_owner, layer, points, f"cloud_density_at(p.xy, p.z, {width_m})")
+    field = cloud_field(layer, EYE)
+    places = zip(level, over_base, strict=True)
+    twin = np.array([density_at(field, x, z, height, width_m) for (x, z), height in places])
+    assert twin.max() > 0.3
+    assert np.abs(values - twin).max() < 0.1
+    assert np.abs(values - twin).mean() < 0.005

@@ -22,8 +22,11 @@ NOISE_TURN_RAD = 0.3
 # which make a period: a volume that repeats would show as rows of the same cloud.
 WARP = 0.3
 WARP_WAVES = (0.306, 0.414)
-# An anvil: where it begins, as a share of the layer's thickness, and over which shares it fades.
-ANVIL_FROM, ANVIL_BASE_FADE, ANVIL_TOP_FADE = 0.72, 0.1, 0.12
+# The same of both views of the weather, in periods of the first.
+WEATHER_WARP = 0.12
+# An anvil grows out of towers, from where their sides are so deep: from which share of the layer's
+# thickness, over which it spreads, and over which it fades in and, at the top, out.
+ANVIL_ROOT, ANVIL_FROM, ANVIL_RISE, ANVIL_FADE = 0.5, 0.5, 0.4, 0.12
 
 
 class Column(NamedTuple):
@@ -55,10 +58,10 @@ def envelope(column: Column, height: ArrayLike, form: CloudForm) -> FloatArray:
     cloud = np.clip(column.side, 0.0, 1.0) * base * np.sqrt(top)
     if form.anvil == 0.0:
         return np.asarray(cloud)
-    from_base = np.clip((h - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0, 1.0)
-    to_top = np.clip((1.0 - h) / ANVIL_TOP_FADE, 0.0, 1.0)
-    anvil = np.clip(column.side + form.anvil, 0.0, 1.0) * from_base * to_top
-    return np.maximum(cloud, anvil)
+    rise = np.clip((h - ANVIL_FROM) / ANVIL_RISE, 0.0, 1.0)
+    within = np.clip(np.minimum(h - ANVIL_FROM, 1.0 - h) / ANVIL_FADE, 0.0, 1.0)
+    reach = (form.anvil + ANVIL_ROOT) * rise * rise - ANVIL_ROOT
+    return np.maximum(cloud, np.clip(column.side + reach, 0.0, 1.0) * within)
 
 
 def density_of(
@@ -80,14 +83,29 @@ def altitude_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
     return np.asarray((y * (2.0 * PLANET_RADIUS_M + y) + level) / (PLANET_RADIUS_M + radius))
 
 
+def level_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
+    """Places (..., 2), world x and z, of points (..., 3) over a sphere with its top below the eye.
+
+    Areas are kept (Lambert's azimuthal projection about the eye).
+    """
+    eye = np.asarray(eye_m, dtype=float)
+    across = np.asarray(points_m, dtype=float) - eye
+    upright = PLANET_RADIUS_M + eye[..., 1] + across[..., 1]
+    radius = np.sqrt(across[..., 0] ** 2 + across[..., 2] ** 2 + upright**2)
+    scale = np.sqrt(2.0 * radius / (radius + upright))
+    return np.asarray(eye[..., [0, 2]] + across[..., [0, 2]] * scale[..., None])
+
+
 def weather_at(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
     """Weather (...,) in [0, 1] over places (..., 2), world x and z."""
     texels = layer.weather.values / 65535.0
     places = np.asarray(level_m, dtype=float) - layer.drift_m
+    along = places[..., ::-1] / layer.form.weather_periods_m[0]
+    waves = WEATHER_WARP * wave(along * WARP_WAVES)
     views = (places, turned(places, WEATHER_TURN_RAD))
     shares = 1.0 - layer.form.second_share, layer.form.second_share
     parts = [
-        share * _periodic(texels, view[..., ::-1] / period)
+        share * _periodic(texels, (view / period + waves)[..., ::-1])
         for share, view, period in zip(shares, views, layer.form.weather_periods_m, strict=True)
     ]
     return np.asarray(sum(parts))
@@ -114,17 +132,19 @@ def noise_origin(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
 
 
 def warp_origin(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
-    """The same in the two waves (2,) that warp the shape."""
-    place = noise_places_m(layer, level_m) / layer.form.shape_period_m
-    return np.asarray(place[::-1] * WARP_WAVES % 1.0)
+    """The same in the waves (4,) that warp the shape, and the weather."""
+    place = np.asarray(level_m, dtype=float) - layer.drift_m
+    in_shape = noise_places_m(layer, level_m) / layer.form.shape_period_m
+    in_weather = place / layer.form.weather_periods_m[0]
+    return np.concatenate([at[::-1] * WARP_WAVES % 1.0 for at in (in_shape, in_weather)])
 
 
 def shape_at(layer: CloudLayer, level_m: ArrayLike, over_base_m: ArrayLike) -> FloatArray:
     """Shape (...,) in [0, 1] over places (..., 2), at heights (...,) over the base, m."""
     period = layer.form.shape_period_m
     at = noise_places_m(layer, level_m) / period
-    waves = np.sin(2.0 * np.pi * np.asarray(WARP_WAVES) * at[..., ::-1])
-    return _volume_at(layer, layer.shape.values, period, at + WARP * waves, over_base_m)
+    waves = WARP * wave(at[..., ::-1] * WARP_WAVES)
+    return _volume_at(layer, layer.shape.values, period, at + waves, over_base_m)
 
 
 def detail_at(layer: CloudLayer, level_m: ArrayLike, over_base_m: ArrayLike) -> FloatArray:
@@ -148,7 +168,7 @@ def density(layer: CloudLayer, points_m: ArrayLike, eye_m: ArrayLike) -> FloatAr
     points = np.asarray(points_m, dtype=float)
     over_base = altitude_m(points, eye_m) - layer.base_m
     height = over_base / layer.thickness_m
-    level, form = points[..., [0, 2]], layer.form
+    level, form = level_m(points, eye_m), layer.form
     covered = envelope(column_of(weather_at(layer, level), layer.threshold, form), height, form)
     shape, detail = (at(layer, level, over_base) for at in (shape_at, detail_at))
     inside = (height >= 0.0) & (height <= 1.0)
@@ -190,6 +210,12 @@ def distance_up_m(from_altitude_m: float, to_altitude_m: float, mu: float) -> fl
     )
     root = np.sqrt(max(along * along + squares, 0.0))
     return float(squares / (along + root) if along > 0.0 else root - along)
+
+
+def wave(at: FloatArray) -> FloatArray:
+    """Nearly a sine (...,), of period 1: parabolas."""
+    place = at - np.floor(at + 0.5)
+    return np.asarray(8.0 * place * (1.0 - 2.0 * np.abs(place)))
 
 
 def turned(places: FloatArray, angle_rad: float) -> FloatArray:

@@ -14,7 +14,8 @@ from vrut_lite.daylight.cloud_density import (
     warp_origin,
     weather_origin,
 )
-from vrut_lite.daylight.cloud_density_kernels import SMOOTHEST_WEATHER, Field, form_numbers
+from vrut_lite.daylight.cloud_density_kernels import Field, form_numbers
+from vrut_lite.daylight.cloud_spread import halved, spread_of
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
 
@@ -26,12 +27,12 @@ def cloud_field(layer: CloudLayer, eye_m: Vector) -> Field:
     texels, levels, counts = _mips(layer.weather, layer.shape, layer.detail)
     periods_m = (*form.weather_periods_m, form.shape_period_m, form.detail_period_m)
     edges = levels[[0, 0, 1, 2], 0, 1]
-    last = [float(count - 1) for count in counts]
     return Field(
         texels=texels,
         levels=levels,
         logs=tuple(float(log) for log in np.log2(edges / periods_m)),
-        last=(min(last[0], SMOOTHEST_WEATHER), last[1], last[2]),
+        last=tuple(float(count - 1) for count in counts),
+        spread=spread_of(layer),
         origin=tuple(float(part) for part in np.concatenate([*origin])),
         threshold=float(layer.threshold),
         extinction_per_m=float(layer.extinction_per_m),
@@ -45,7 +46,7 @@ def cloud_field(layer: CloudLayer, eye_m: Vector) -> Field:
 @lru_cache(maxsize=4)
 def _mips(*noises: Array) -> tuple[NDArray[np.float32], NDArray[np.int64], list[int]]:
     """All noises and their levels as `Field` has them, and how many levels each has."""
-    kinds = [_halved(noise.values) for noise in noises]
+    kinds = [halved(noise.values) for noise in noises]
     counts = [len(levels) for levels in kinds]
     places = np.zeros((len(kinds), max(counts), 2), np.int64)
     start = 0
@@ -55,15 +56,3 @@ def _mips(*noises: Array) -> tuple[NDArray[np.float32], NDArray[np.int64], list[
             start += level.size
     flat = np.concatenate([level.ravel() for levels in kinds for level in levels])
     return flat, places, counts
-
-
-def _halved(noise: NDArray) -> list[NDArray[np.float32]]:
-    """A noise in [0, 1], its means over 2 texels along each axis, and so on to an odd edge."""
-    level = (noise / np.float32(np.iinfo(noise.dtype).max)).astype(np.float32)
-    levels = [level]
-    while len(level) % 2 == 0:
-        half = len(level) // 2
-        pairs = level.reshape([edge for _ in level.shape for edge in (half, 2)])
-        level = pairs.mean(axis=tuple(range(1, pairs.ndim, 2)), dtype=np.float32)
-        levels.append(level)
-    return levels

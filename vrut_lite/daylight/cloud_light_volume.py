@@ -107,13 +107,13 @@ def _fill(field, grid, density):  # type: ignore[no-untyped-def]
         for i in range(places_m.size):
             x, z = places_m[i], places_m[j]
             log_width = narrowed(max(widths_m[i], widths_m[j]))
-            side, top = column_in(field, x, z, log_width)
+            above, spread = column_in(field, x, z, log_width)
             for k in range(heights):
                 # At Gauss's two places of a cell, which base and top may cut.
                 total = 0.0
                 for m in range(2):
                     height = (k + (0.2113249, 0.7886751)[m]) / heights
-                    envelope = envelope_in(field, side, top, height)
+                    envelope = envelope_in(field, above, spread, height)
                     total += 0.5 * density_in(
                         field, envelope, x, z, height * field.thickness_m, log_width
                     )

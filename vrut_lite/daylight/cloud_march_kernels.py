@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
 from vrut_lite.daylight.cloud_density_kernels import (
+    cloud_in,
     column_in,
     compiled,
     density_at,
-    density_in,
     envelope_in,
     narrowed,
     place_on_ray,
@@ -43,6 +43,7 @@ _FINE, _FINE_OF_DISTANCE, _COARSE = 0.02, 0.004, 3.0
 _FEWEST_STEPS, _SHORTEST_STEP_M, _MOST_DEPTH = 40.0, 1.0, 1.0
 # The longest fine steps, of wide rays. Rays end sooner than the shader's, which are fewer.
 _LEAST_FINE, _OPAQUE = 0.06, 0.005
+_BILLOW, _PARTED = 0.3, 1e-6
 _NEVER = 1e30
 _DEPTH_NODES = NODE_DEPTHS.size - 1.0
 _OF_LOG_DEPTH = _DEPTH_NODES / math.log1p(MOST_DEPTH / DEPTH_SCALE)
@@ -232,15 +233,27 @@ def _chord(eye_radius_m, along, perigee_m, squares_m2):  # type: ignore[no-untyp
 def _density_on_ray(field, d, along, at_m, fine_m, pixel_rad):  # type: ignore[no-untyped-def]
     x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
     log_width = narrowed(width_m)
-    side, top = column_in(field, x, z, log_width)
+    above, half_range = column_in(field, x, z, log_width)
     height = min(max(over_base_m / field.thickness_m, 0.0), 1.0)
-    envelope = envelope_in(field, side, top, height)
-    return envelope, density_in(field, envelope, x, z, over_base_m, log_width)
+    envelopes = envelope_in(field, above, half_range, height)
+    density, share = cloud_in(field, envelopes, x, z, over_base_m, log_width)
+    return envelopes[3], density, share, width_m
+
+
+@compiled
+def _enter_share(out, share, way):  # type: ignore[no-untyped-def]
+    """A wide ray goes on to a sample of which a share is cloud: see clouds.frag."""
+    beside, grown = out[3] - out[6], share - out[7]
+    parted = beside / max(1.0 - out[7], _PARTED) if grown > 0.0 else out[6] / max(out[7], _PARTED)
+    out[6] += grown * parted
+    out[6] = share * out[3] + (out[6] - share * out[3]) / (1.0 + way)
+    out[7] = share
 
 
 @compiled
 def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase, work, out):  # type: ignore[no-untyped-def]
-    """March through one piece of a ray; `out`: radiance, transmittance, distance, weight."""
+    """March through one piece of a ray; `out`: radiance, transmittance, distance, weight, and of
+    what passed and of the ray, the shares in clouds."""
     t, clear_m, clear, inside = first_m, first_m, _STEPS_TO_COARSE, False
     # Wide rays take longer steps.
     fine = min(max(_FINE, 2.0 * pixel_rad), _LEAST_FINE)
@@ -256,7 +269,9 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             step_m = min(step_m, _MOST_DEPTH / (lights.diffused * field.extinction_per_m))
         step_m = min(step_m, end_m - t)
         at_m = t + (0.5 if inside else dither) * step_m
-        envelope, density = _density_on_ray(field, d, along, at_m, fine_m, pixel_rad)
+        envelope, density, share, width_m = _density_on_ray(
+            field, d, along, at_m, fine_m, pixel_rad
+        )
         if coarse and envelope > 0.0:
             clear = 0
             continue
@@ -271,9 +286,10 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
                     near = middle
             t = far
             continue
+        _enter_share(out, share, step_m / min(width_m, _BILLOW * field.form.shape_period_m))
         if density > 0.0:
-            kept = math.exp(-lights.diffused * field.extinction_per_m * density * step_m)
-            seen = out[3] * (1.0 - kept)
+            per_m = lights.diffused * field.extinction_per_m * density / share
+            seen = -out[6] * math.expm1(-per_m * step_m)
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
             rise = d[1] + at_m / PLANET_RADIUS_M
             _add_source(
@@ -281,7 +297,8 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             )  # fmt: skip
             out[4] += seen * at_m
             out[5] += seen
-            out[3] *= kept
+            out[3] -= seen
+            out[6] -= seen
             if out[3] < _OPAQUE:
                 break
         else:
@@ -301,7 +318,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)
     base_m2 = _squares_m2(field.base_m, field.eye_altitude_m)
     ground_m2 = _squares_m2(min(0.0, field.eye_altitude_m), field.eye_altitude_m)
-    march, phase, work = np.empty(6), np.empty((3, 3)), np.empty(8)
+    march, phase, work = np.empty(8), np.empty((3, 3)), np.empty(8)
     for n in range(directions.shape[0]):
         d = directions[n]
         along = eye_radius_m * d[1]

@@ -138,7 +138,7 @@ CLOUDS = UniformBlock(
         # The layer's form: daylight/clouds.py.
         "weather_periods_m": ("vec2", "of the two copies of the weather"),
         "noise_periods_m": ("vec2", "of shape and detail"),
-        "warp_origin": ("vec2", "the eye in the two waves that warp the shape, in periods"),
+        "warp_origin": ("vec4", "the eye in the waves that warp shape and weather, in periods"),
         "second_share": ("float", "of the second copy of the weather"),
         "stretch": ("float", "of noise along its x axis"),
         "lean": ("float", "of that axis with the height"),
@@ -150,6 +150,10 @@ CLOUDS = UniformBlock(
         "top_fade": ("float", "of a cloud's height"),
         "fraying": ("float", "weight of the detail"),
         "sharpness": ("float", "of edges"),
+        # Of weather and noise in a sample: daylight/cloud_spread.py.
+        "spread_most": ("vec2", "half their range in a wide one"),
+        "spread_log_half": ("vec2", "binary logarithm of the width at which it is half that, m"),
+        "spread_power": ("vec2", "of the width"),
         "volume_near_m": ("float", "of the light volume, as shadow_near_m"),
         "volume_growth": ("float", "of its columns away from the middle"),
     },

@@ -13,6 +13,7 @@ from vrut_lite.daylight.cloud_density import (
 )
 from vrut_lite.daylight.cloud_grid import growth_of, volume_near_m
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
+from vrut_lite.daylight.cloud_spread import spread_of
 from vrut_lite.daylight.cloud_transport import scatterer
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun import HazeLayer
@@ -188,7 +189,7 @@ def _packed(
     level, form = eye[[0, 2]], layer.form
     base, top = layer.base_m, layer.top_m
     ground = min(around.ground_level_m, float(eye[1]))
-    eye_altitude_m = float(eye[1])
+    eye_altitude_m, spread = float(eye[1]), spread_of(layer)
     return CLOUDS.packed(
         sun_direction=light.sun_direction,
         eye_radius_m=PLANET_RADIUS_M + eye_altitude_m,
@@ -216,6 +217,9 @@ def _packed(
         shadow_texels=plane.texels,
         noise_periods_m=(form.shape_period_m, form.detail_period_m),
         warp_origin=warp_origin(layer, level),
+        spread_most=np.sqrt(3.0) * np.array(spread.most),
+        spread_log_half=spread.log_half,
+        spread_power=spread.power,
         volume_near_m=volume_near_m(layer.thickness_m),
         volume_growth=growth_of(volume_near_m(layer.thickness_m)),
         **{name: getattr(form, name) for name in _OF_FORM},

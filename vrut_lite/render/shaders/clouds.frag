@@ -13,7 +13,7 @@
 const int MOST_STEPS = 512;
 // Fine steps, as shares of the layer's thickness and of the distance, in thick layers no longer
 // than the billows that they must find; coarse ones in clear air are so much longer.
-const float FINE = 0.025, FINEST_M = 80.0, FINE_OF_DISTANCE = 0.006, COARSE = 3.0;
+const float FINE = 0.025, FINEST_M = 80.0, FINE_OF_DISTANCE = 0.008, COARSE = 3.0;
 // Fine steps of a piece, at least, however far it is.
 const float FEWEST_STEPS = 40.0, SHORTEST_STEP_M = 1.0;
 const int STEPS_TO_COARSE = 5;
@@ -24,6 +24,9 @@ const float OPAQUE = 0.01;
 // Of what is seen.
 const float PART = 0.15;
 const int MOST_PARTS = 10;
+// Width of billows in a period of the shape.
+const float BILLOW = 0.3;
+const float PARTED = 1e-6;
 
 // What a ray has met so far.
 struct Seen {
@@ -36,6 +39,8 @@ struct March {
     Seen seen;
     Seen at_mesh;
     int parts, parts_at_mesh;
+    // Of the sample before, the share that is cloud; of what passed all, what passed there.
+    float share, in_share;
     // Of the parts of what is seen: weight; distance and density, summed. Light changes little in
     // a part: it is looked up once for each, after the march. A software renderer runs
     // all that stands in a loop in each of its turns.
@@ -78,11 +83,24 @@ Place place_at(LayerRay ray, float at_m, float fine_m) {
     float radius = sqrt(clouds.eye_radius_m * clouds.eye_radius_m + rise);
     float over_base_m = clouds.eye_altitude_m - clouds.base_m
                       + rise / (clouds.eye_radius_m + radius);
-    return Place(ray.d.xz * at_m, over_base_m, max(clouds.pixel_rad * at_m, 0.25 * fine_m));
+    // Places keep their area (Lambert's projection).
+    float upright = clouds.eye_radius_m + at_m * ray.d.y;
+    return Place(ray.d.xz * (at_m * sqrt(2.0 * radius / (radius + upright))), over_base_m, max(clouds.pixel_rad * at_m, 0.25 * fine_m));
 }
 
 void end_part(inout March march) {
     if (march.gathered[march.parts].x > 0.0) march.parts = min(march.parts + 1, MOST_PARTS - 1);
+}
+
+// A wide ray is many, some in clouds and some beside them. From one sample to the next the fewest
+// cross a side; with the way they are mixed (Hogan and Illingworth 2000, "Deriving cloud overlap
+// statistics from radar").
+void enter_share(inout March march, float share, float way) {
+    float beside = march.seen.transmittance - march.in_share, grown = share - march.share;
+    march.in_share += grown * (grown > 0.0 ? beside / max(1.0 - march.share, PARTED)
+                                           : march.in_share / max(march.share, PARTED));
+    march.in_share = mix(share * march.seen.transmittance, march.in_share, 1.0 / (1.0 + way));
+    march.share = share;
 }
 
 void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
@@ -109,12 +127,15 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
         }
         Place place = place_at(ray, at_m, fine_m);
         float height = clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
-        float envelope = cloud_envelope(cloud_column(place.level, place.width_m), height);
-        if (coarse && envelope > 0.0) {
+        Column column = cloud_column(place.level, place.width_m);
+        vec4 envelope = cloud_envelope(column, height);
+        if (coarse && envelope.w > 0.0) {
             clear = 0;
             continue;
         }
-        float density = cloud_density(envelope, place.level, place.over_base_m, place.width_m);
+        vec2 found = cloud_density(envelope, column.noise_range, place.level, place.over_base_m,
+                                   place.width_m);
+        float density = found.x, share = found.y;
         if (halvings > 0) {
             // From clear air into a cloud: finds its surface, so that no steps are visible.
             if (density > 0.0) cloudy_m = at_m;
@@ -131,16 +152,18 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             halvings = SURFACE_HALVINGS;
             continue;
         }
+        enter_share(march, share, step_m / min(place.width_m, clouds.noise_periods_m.x * BILLOW));
         if (density > 0.0) {
             // Light is constant over a step: its integral is exact (Hillaire 2016, "Physically
             // Based Sky, Atmosphere and Cloud Rendering in Frostbite").
-            float kept = exp(-diffused_per_m * density * step_m);
-            float seen = march.seen.transmittance * (1.0 - kept);
+            float kept = exp(-diffused_per_m * density / share * step_m);
+            float seen = march.in_share * (1.0 - kept);
+            march.in_share *= kept;
             march.gathered[march.parts] += seen * vec3(1.0, at_m, density);
             if (march.gathered[march.parts].x > PART) end_part(march);
             march.seen.distance_m += seen * at_m;
             march.seen.weight += seen;
-            march.seen.transmittance *= kept;
+            march.seen.transmittance -= seen;
             if (march.seen.transmittance < OPAQUE) break;
         } else {
             if (inside) end_part(march);
@@ -159,6 +182,7 @@ void main() {
     March march;
     march.seen = march.at_mesh = Seen(1.0, 0.0, 0.0);
     march.parts = 0;
+    march.share = march.in_share = 0.0;
     march.parts_at_mesh = -1;
     for (int i = 0; i < MOST_PARTS; ++i) march.gathered[i] = vec3(0.0);
     march_piece(march, seen, seen.pieces.xy, dither);
