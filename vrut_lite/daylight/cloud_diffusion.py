@@ -28,6 +28,7 @@ _SURFACE, _FREE_PATHS = 2.0, 12.0
 # Depths of cells: of what counts as solid, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
 _LEAST_RESISTANCE = 1e-3
+DEEP = 60.0
 # Resistance of what is seen of a cloud, a depth of 1.
 _SEEN = 3.0 * (1.0 - MEAN_COSINE)
 # Of over-relaxation by columns.
@@ -39,6 +40,7 @@ _HINDERS, _DRIVES = 1.5 * (1.0 - MEAN_COSINE), 1.5 * MEAN_COSINE
 def diffuse_light(
     density: NDArray[np.float32],
     depths: NDArray[np.float32],
+    scattered: NDArray[np.float32],
     sun: FloatArray,
     step_m: float,
     near_m: float,
@@ -55,12 +57,14 @@ def diffuse_light(
     edges_m = np.array([place_of(u, near_m) for u in np.linspace(-1.0, 1.0, columns + 1)])
     extinction, sunlit = np.empty((2, *shape), np.float32)
     drives = np.empty((*shape, 2), np.float32)
-    _light(density, depths, sun[1], step_m, diffusing_per_m, diffused, extinction, sunlit, drives)
+    aside = np.empty(shape, np.float32)
+    lit = extinction, sunlit, aside
+    _light(density, depths, scattered, sun[1], step_m, diffusing_per_m, diffused, lit, drives)
     links = np.zeros((columns, columns, heights + 1, 3), np.float32)
     source, fluence = np.zeros((2, *shape), np.float32)
     free_per_m = _FREE_PATHS / (heights * step_m)
     cells = (edges_m, step_m, free_per_m, sun[0], sun[2])
-    _link(cells, extinction, sunlit, drives, links, source)
+    _link(cells, lit, drives, links, source)
     _relax(links, source, fluence)
     at_edges = np.zeros((heights + 1, columns, columns, 4), np.float32)
     _at_edges(edges_m, step_m, extinction, drives, links, fluence, at_edges)
@@ -100,11 +104,13 @@ def _moment(a, b):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _light(density, depths, sine, step_m, per_m, diffused, extinction, sunlit, drives):  # type: ignore[no-untyped-def]
+def _light(density, depths, scattered, sine, step_m, per_m, diffused, lit, drives):  # type: ignore[no-untyped-def]
     """Extinction, light scattered from the sun per length, and what drives flux upwards.
 
-    The latter from the lower face to the middle of a cell, and on to the upper face.
+    The latter from the lower face to the middle of a cell, and on to the upper face. Of the light a
+    share `aside` comes in through sides: what is more than the depths in the column's middle say.
     """
+    extinction, sunlit, aside = lit
     heights, columns = density.shape[0], density.shape[1]
     for j in range(columns):
         for i in range(columns):
@@ -114,21 +120,61 @@ def _light(density, depths, sine, step_m, per_m, diffused, extinction, sunlit, d
                 low = max(diffused * depths[k, j, i, 0], high)
                 middle = 0.5 * (high + low)
                 upper, lower = half * _mean_light(high, middle), half * _mean_light(middle, low)
+                whole = sine * scattered[k, j, i]
                 extinction[j, i, k] = per_m * density[k, j, i]
-                sunlit[j, i, k] = (upper + lower) / step_m
+                sunlit[j, i, k] = whole / step_m
+                down = min(whole / max(upper + lower, 1e-30), 1.0)
+                even = whole - down * (upper + lower)
+                aside[j, i, k] = even / max(whole, 1e-30)
                 # The flux changes on its way, by what is scattered there: exact in plane layers.
-                within = 2.0 * _HINDERS * half * half
-                ahead = 2.0 * _DRIVES * sine
-                drives[j, i, k, 0] = -ahead * lower - within * _moment(middle, low)
-                drives[j, i, k, 1] = -ahead * upper + within * _moment(middle, high)
+                within, ahead = 2.0 * _HINDERS * half, 2.0 * _DRIVES * sine
+                lower, upper = down * lower + 0.5 * even, down * upper + 0.5 * even
+                at_low = down * half * _moment(middle, low) + 0.25 * even
+                at_high = down * half * _moment(middle, high) + 0.25 * even
+                drives[j, i, k, 0] = -ahead * lower - within * at_low
+                drives[j, i, k, 1] = -ahead * upper + within * at_high
 
 
 @compiled
-def _across(a, b, light_a, light_b, width_a, width_b, free_per_m, step_m, slope):  # type: ignore[no-untyped-def]
-    """Resistance and drive from one column to the next; `slope`: the sun's direction that way."""
+def _halves(sunlit, sideways, depth):  # type: ignore[no-untyped-def]
+    """Of the light that a cell scatters: what its halves do, first the sun's, each with its moment.
+
+    `sideways`: the share that comes in through this side, `depth`: of the way through half a cell.
+    Moments count from the middle, 1 at the face, and are of the half's depth.
+    """
+    even = 0.5 * (1.0 - sideways)
+    if depth < 1e-3:
+        return 0.5 * sunlit, 0.25 * sunlit, 0.5 * sunlit, 0.25 * sunlit
+    near = sideways / (1.0 + math.exp(-depth))
+    off = 1.0 / depth - 1.0 / math.expm1(min(depth, DEEP))
+    return (
+        sunlit * (even + near), sunlit * (0.5 * even + near * (1.0 - off)),
+        sunlit * (even + sideways - near), sunlit * (0.5 * even + (sideways - near) * off),
+    )  # fmt: skip
+
+
+@compiled
+def _across(cell, beside, free_per_m, step_m, slope):  # type: ignore[no-untyped-def]
+    """Resistance and drive from one column to the next; `slope`: the sun's direction that way.
+
+    Cells: extinction, light, its share that comes in through this side, width.
+    """
+    a, light_a, side_a, width_a = cell
+    b, light_b, side_b, width_b = beside
     resists = _HINDERS * (a * width_a + b * width_b) + 1.5 * free_per_m * (width_a + width_b)
     resists += _SURFACE * abs(math.exp(-a * step_m) - math.exp(-b * step_m))
-    return resists, -_DRIVES * slope * (light_a * width_a + light_b * width_b)
+    steep = max(abs(slope), 1e-3)
+    near_a, at_near_a, far_a, at_far_a = _halves(
+        light_a * width_a, side_a, 0.5 * a * width_a / steep
+    )
+    near_b, at_near_b, far_b, at_far_b = _halves(
+        light_b * width_b, side_b, 0.5 * b * width_b / steep
+    )
+    # The sun comes from the next one's side where the slope is positive.
+    half_a, at_a = (near_a, at_near_a) if slope > 0.0 else (far_a, at_far_a)
+    half_b, at_b = (far_b, at_far_b) if slope > 0.0 else (near_b, at_near_b)
+    drive = -2.0 * _DRIVES * slope * (half_a + half_b)
+    return resists, drive + _HINDERS * (a * width_a * at_a - b * width_b * at_b)
 
 
 @compiled
@@ -144,29 +190,40 @@ def _upward(extinction, k, step_m):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _link(cells, extinction, sunlit, drives, links, source):  # type: ignore[no-untyped-def]
+def _link(cells, lit, drives, links, source):  # type: ignore[no-untyped-def]
     """Conductances to the next column along x, along z, and from below; light that cells get."""
     edges_m, step_m, free_per_m, sun_x, sun_z = cells
+    extinction, sunlit, aside = lit
+    along_x, along_z = abs(sun_x) + 1e-6, abs(sun_z) + 1e-6
     columns, heights = extinction.shape[0], extinction.shape[2]
     for j in range(columns):
         dz = edges_m[j + 1] - edges_m[j]
         for i in range(columns):
             dx = edges_m[i + 1] - edges_m[i]
             for k in range(heights):
-                here, lit = extinction[j, i, k], sunlit[j, i, k]
-                source[j, i, k] += lit * dx * dz * step_m
+                here, light, side = extinction[j, i, k], sunlit[j, i, k], aside[j, i, k]
+                by_x = along_x / dx / (along_x / dx + along_z / dz)
+                source[j, i, k] += light * dx * dz * step_m
                 if i + 1 < columns:
+                    next_m = edges_m[i + 2] - edges_m[i + 1]
+                    next_x = along_x / next_m / (along_x / next_m + along_z / dz)
                     resists, drive = _across(
-                        here, extinction[j, i + 1, k], lit, sunlit[j, i + 1, k], dx,
-                        edges_m[i + 2] - edges_m[i + 1], free_per_m, step_m, sun_x,
+                        (here, light, side * by_x, dx),
+                        (extinction[j, i + 1, k], sunlit[j, i + 1, k], aside[j, i + 1, k] * next_x,
+                         next_m),
+                        free_per_m, step_m, sun_x,
                     )  # fmt: skip
                     links[j, i, k, 0] = dz * step_m / resists
                     source[j, i, k] -= drive * links[j, i, k, 0]
                     source[j, i + 1, k] += drive * links[j, i, k, 0]
                 if j + 1 < columns:
+                    next_m = edges_m[j + 2] - edges_m[j + 1]
+                    next_x = along_x / dx / (along_x / dx + along_z / next_m)
                     resists, drive = _across(
-                        here, extinction[j + 1, i, k], lit, sunlit[j + 1, i, k], dz,
-                        edges_m[j + 2] - edges_m[j + 1], free_per_m, step_m, sun_z,
+                        (here, light, side * (1.0 - by_x), dz),
+                        (extinction[j + 1, i, k], sunlit[j + 1, i, k],
+                         aside[j + 1, i, k] * (1.0 - next_x), next_m),
+                        free_per_m, step_m, sun_z,
                     )  # fmt: skip
                     links[j, i, k, 1] = dx * step_m / resists
                     source[j, i, k] -= drive * links[j, i, k, 1]
