@@ -1,4 +1,4 @@
-"""Broken clouds beside a Monte Carlo in the very density that is drawn, as a table for docs/clouds.md.
+"""Broken clouds beside a Monte Carlo in the very density that is drawn, for docs/clouds.md.
 
 python -m tools.cloud_fields
 
@@ -112,7 +112,9 @@ def _from(
     x, z = random.uniform(-1.0, 1.0, 2) * _apart_m(layer)
     eye = (float(x), layer.top_m + over_m if look == "tops" else over_m, float(z))
     pitch = np.radians(random.uniform(*pitch_deg, 3 * _RAYS))
-    azimuth = random.uniform(-0.9, 0.9, pitch.size) if way else random.uniform(-np.pi, np.pi, pitch.size)
+    azimuth = (
+        random.uniform(-0.9, 0.9, pitch.size) if way else random.uniform(-np.pi, np.pi, pitch.size)
+    )
     along = (way or 1.0) * np.cos(pitch) * np.cos(azimuth)
     views = np.stack([along, np.sin(pitch), np.cos(pitch) * np.sin(azimuth)], axis=-1)
     rays = _discs(views, disc_rad)
@@ -166,8 +168,8 @@ def beside_on_ground(name: str) -> Beside:
         light = weights @ seen(layer, sun, eye, rays)[0]
         traced = np.einsum("n,snc->sc", weights, _traced(layer, sun, eye, rays, 0.0, _SKY_PATHS))
         # What is not scattered, with what is scattered once.
-        ours.append(light + [sun[1] * np.exp(-depth), 0.0])
-        truth.append(traced + [sun[1] * np.exp(-kept * depth), 0.0])
+        ours.append(light + np.array([sun[1] * np.exp(-depth), 0.0]))
+        truth.append(traced + np.array([sun[1] * np.exp(-kept * depth), 0.0]))
     return Beside(np.array(ours), np.moveaxis(np.array(truth), 0, 1))
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cloud_monte_carlo import sun_radiance, without_peak
+from tools.cloud_monte_carlo import sun_radiance, without_peak
 from cloud_stage import slab
 from clouds.module import make_layers
 from clouds.settings import CloudSettings

@@ -24,15 +24,15 @@ from vrut_lite.numeric_types import FloatArray
 # Mean cosine of droplets' phase function after delta-M.
 MEAN_COSINE = 0.74
 # Resistance of a cloud's surface; free paths in a layer's thickness, on level ways.
-_SURFACE, _FREE_PATHS = 2.0, 12.0
+_SURFACE, _FREE_PATHS = 2.0, 3.0
 # Depths of cells: of what counts as solid, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
 _LEAST_RESISTANCE = 1e-3
-DEEP = 60.0
+_DEEP = 60.0
 # Resistance of what is seen of a cloud, a depth of 1.
 _SEEN = 3.0 * (1.0 - MEAN_COSINE)
-# Of over-relaxation by columns.
-_SWEEPS, _AHEAD = 16, 1.6
+# Of multigrid; sweeps, and over-relaxation, by columns.
+_CYCLES, _SWEEPS, _AHEAD = 3, 2, 1.5
 # 3/2 (1 - g) and 3/2 g: halves, of half a cell on each side of a face.
 _HINDERS, _DRIVES = 1.5 * (1.0 - MEAN_COSINE), 1.5 * MEAN_COSINE
 
@@ -65,7 +65,9 @@ def diffuse_light(
     free_per_m = _FREE_PATHS / (heights * step_m)
     cells = (edges_m, step_m, free_per_m, sun[0], sun[2])
     _link(cells, lit, drives, links, source)
-    _relax(links, source, fluence)
+    _relax(links, source, fluence, 1, True)
+    for _ in range(_CYCLES):
+        _settle(links, source, fluence)
     at_edges = np.zeros((heights + 1, columns, columns, 4), np.float32)
     _at_edges(edges_m, step_m, extinction, drives, links, fluence, at_edges)
     out = at_edges.copy()
@@ -146,7 +148,7 @@ def _halves(sunlit, sideways, depth):  # type: ignore[no-untyped-def]
     if depth < 1e-3:
         return 0.5 * sunlit, 0.25 * sunlit, 0.5 * sunlit, 0.25 * sunlit
     near = sideways / (1.0 + math.exp(-depth))
-    off = 1.0 / depth - 1.0 / math.expm1(min(depth, DEEP))
+    off = 1.0 / depth - 1.0 / math.expm1(min(depth, _DEEP))
     return (
         sunlit * (even + near), sunlit * (0.5 * even + near * (1.0 - off)),
         sunlit * (even + sideways - near), sunlit * (0.5 * even + (sideways - near) * off),
@@ -241,21 +243,81 @@ def _link(cells, lit, drives, links, source):  # type: ignore[no-untyped-def]
                         source[j, i, k] += drives[j, i, k - 1, 1] * link
 
 
+def _settle(
+    links: NDArray[np.float32], source: NDArray[np.float32], fluence: NDArray[np.float32]
+) -> None:
+    """Bring fluence nearer to its balance: far differences on columns twice as wide, and so on.
+
+    Multigrid (Brandt 1977) on level ways alone: columns are solved whole.
+    """
+    _relax(links, source, fluence, _SWEEPS, False)
+    columns = len(source)
+    if columns % 2 == 0:
+        wide = columns // 2
+        links_of_wide = np.zeros((wide, wide, *links.shape[2:]), np.float32)
+        rest, change = np.zeros((2, wide, wide, source.shape[2]), np.float32)
+        _widen(links, source, fluence, links_of_wide, rest)
+        _settle(links_of_wide, rest, change)
+        _add_wide(change, fluence)
+        _relax(links, source, fluence, _SWEEPS, False)
+
+
 @compiled
-def _relax(links, source, fluence):  # type: ignore[no-untyped-def]
-    """Fluence in cells: columns are solved whole, every second one of a board at a time."""
+def _widen(links, source, fluence, links_of_wide, rest):  # type: ignore[no-untyped-def]
+    """The conductances of columns twice as wide, and what they lack of balance."""
+    columns, heights = source.shape[0], source.shape[2]
+    for j in range(columns):
+        for i in range(columns):
+            b, a = j // 2, i // 2
+            for k in range(heights):
+                here = fluence[j, i, k]
+                lacks = source[j, i, k] - here * (links[j, i, k, 2] + links[j, i, k + 1, 2])
+                if k > 0:
+                    lacks += links[j, i, k, 2] * fluence[j, i, k - 1]
+                if k + 1 < heights:
+                    lacks += links[j, i, k + 1, 2] * fluence[j, i, k + 1]
+                if i + 1 < columns:
+                    lacks += links[j, i, k, 0] * (fluence[j, i + 1, k] - here)
+                if i > 0:
+                    lacks += links[j, i - 1, k, 0] * (fluence[j, i - 1, k] - here)
+                if j + 1 < columns:
+                    lacks += links[j, i, k, 1] * (fluence[j + 1, i, k] - here)
+                if j > 0:
+                    lacks += links[j - 1, i, k, 1] * (fluence[j - 1, i, k] - here)
+                rest[b, a, k] += lacks
+                if i % 2:
+                    links_of_wide[b, a, k, 0] += links[j, i, k, 0]
+                if j % 2:
+                    links_of_wide[b, a, k, 1] += links[j, i, k, 1]
+            for k in range(heights + 1):
+                links_of_wide[b, a, k, 2] += links[j, i, k, 2]
+
+
+@compiled
+def _add_wide(change, fluence):  # type: ignore[no-untyped-def]
+    for j in range(fluence.shape[0]):
+        for i in range(fluence.shape[1]):
+            for k in range(fluence.shape[2]):
+                fluence[j, i, k] += change[j // 2, i // 2, k]
+
+
+@compiled
+def _relax(links, source, fluence, sweeps, first):  # type: ignore[no-untyped-def]
+    """Fluence in cells: columns are solved whole, every second one of a board at a time.
+
+    At `first` a column is one of a plane layer.
+    """
     columns, heights = source.shape[0], source.shape[2]
     share, part = np.empty(heights), np.empty(heights)
-    for sweep in range(_SWEEPS):
-        ahead = _AHEAD if sweep else 1.0
+    for _ in range(sweeps):
+        ahead = 1.0 if first else _AHEAD
         for colour in range(2):
-            begun = sweep + colour > 0
+            begun = not first or colour > 0
             for j in range(columns):
                 for i in range((j + colour) % 2, columns, 2):
                     before, rest = 0.0, 0.0
                     for k in range(heights):
                         light, whole = source[j, i, k], links[j, i, k, 2] + links[j, i, k + 1, 2]
-                        # At first a column is one of a plane layer.
                         if begun and i + 1 < columns:
                             light += links[j, i, k, 0] * fluence[j, i + 1, k]
                             whole += links[j, i, k, 0]

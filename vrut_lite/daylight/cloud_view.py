@@ -97,6 +97,7 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
 
 
 def lights_on(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: float) -> Lights:
+    """All light on a layer, as the march takes it: arguments are those of `clouds_seen`."""
     row = np.linspace(0.0, 1.0, _SUNS)
     sines = LOWEST_SUN + (1.0 - LOWEST_SUN) * row * row
     levels_m = layer.base_m, layer.base_m + layer.thickness_m
