@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tools.cloud_monte_carlo import sun_radiance, without_peak
 from cloud_stage import slab
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
@@ -10,6 +9,7 @@ from i3rc_step_cloud import ABOVE, BELOW, MU_0, PERIOD_M, PIXELS, SUN, StepCloud
 from i3rc_step_cloud import density as step_density
 
 from tools.cloud_accuracy import ordinates_of
+from tools.cloud_monte_carlo import sun_radiance, without_peak
 from vrut_lite.daylight.cloud_density import distance_up_m
 from vrut_lite.daylight.cloud_density_kernels import optical_depths
 from vrut_lite.daylight.cloud_field import cloud_field

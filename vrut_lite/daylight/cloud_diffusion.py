@@ -55,10 +55,9 @@ def diffuse_light(
     heights, columns, _ = density.shape
     shape = (columns, columns, heights)
     edges_m = np.array([place_of(u, near_m) for u in np.linspace(-1.0, 1.0, columns + 1)])
-    extinction, sunlit = np.empty((2, *shape), np.float32)
+    extinction, clear, sunlit, aside = np.empty((4, *shape), np.float32)
     drives = np.empty((*shape, 2), np.float32)
-    aside = np.empty(shape, np.float32)
-    lit = extinction, sunlit, aside
+    lit = extinction, clear, sunlit, aside
     _light(density, depths, scattered, sun[1], step_m, diffusing_per_m, diffused, lit, drives)
     links = np.zeros((columns, columns, heights + 1, 3), np.float32)
     source, fluence = np.zeros((2, *shape), np.float32)
@@ -112,7 +111,7 @@ def _light(density, depths, scattered, sine, step_m, per_m, diffused, lit, drive
     The latter from the lower face to the middle of a cell, and on to the upper face. Of the light a
     share `aside` comes in through sides: what is more than the depths in the column's middle say.
     """
-    extinction, sunlit, aside = lit
+    extinction, clear, sunlit, aside = lit
     heights, columns = density.shape[0], density.shape[1]
     for j in range(columns):
         for i in range(columns):
@@ -124,6 +123,7 @@ def _light(density, depths, scattered, sine, step_m, per_m, diffused, lit, drive
                 upper, lower = half * _mean_light(high, middle), half * _mean_light(middle, low)
                 whole = sine * scattered[k, j, i]
                 extinction[j, i, k] = per_m * density[k, j, i]
+                clear[j, i, k] = math.exp(-2.0 * half)
                 sunlit[j, i, k] = whole / step_m
                 down = min(whole / max(upper + lower, 1e-30), 1.0)
                 even = whole - down * (upper + lower)
@@ -145,7 +145,7 @@ def _halves(sunlit, sideways, depth):  # type: ignore[no-untyped-def]
     Moments count from the middle, 1 at the face, and are of the half's depth.
     """
     even = 0.5 * (1.0 - sideways)
-    if depth < 1e-3:
+    if depth * sideways < 1e-4:
         return 0.5 * sunlit, 0.25 * sunlit, 0.5 * sunlit, 0.25 * sunlit
     near = sideways / (1.0 + math.exp(-depth))
     off = 1.0 / depth - 1.0 / math.expm1(min(depth, _DEEP))
@@ -156,15 +156,23 @@ def _halves(sunlit, sideways, depth):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _across(cell, beside, free_per_m, step_m, slope):  # type: ignore[no-untyped-def]
+def _side(lit, j, i, k, share, width_m):  # type: ignore[no-untyped-def]
+    """A cell as `_across` takes it; `share`: of light that comes in aside, through this side."""
+    extinction, clear, sunlit, aside = lit
+    return extinction[j, i, k], clear[j, i, k], sunlit[j, i, k], share * aside[j, i, k], width_m
+
+
+@compiled
+def _across(cell, beside, free_per_m, slope):  # type: ignore[no-untyped-def]
     """Resistance and drive from one column to the next; `slope`: the sun's direction that way.
 
-    Cells: extinction, light, its share that comes in through this side, width.
+    Cells: extinction, what is clear of their height, light, its share that comes in through this
+    side, width.
     """
-    a, light_a, side_a, width_a = cell
-    b, light_b, side_b, width_b = beside
+    a, clear_a, light_a, side_a, width_a = cell
+    b, clear_b, light_b, side_b, width_b = beside
     resists = _HINDERS * (a * width_a + b * width_b) + 1.5 * free_per_m * (width_a + width_b)
-    resists += _SURFACE * abs(math.exp(-a * step_m) - math.exp(-b * step_m))
+    resists += _SURFACE * abs(clear_a - clear_b)
     steep = max(abs(slope), 1e-3)
     near_a, at_near_a, far_a, at_far_a = _halves(
         light_a * width_a, side_a, 0.5 * a * width_a / steep
@@ -180,22 +188,21 @@ def _across(cell, beside, free_per_m, step_m, slope):  # type: ignore[no-untyped
 
 
 @compiled
-def _upward(extinction, k, step_m):  # type: ignore[no-untyped-def]
+def _upward(extinction, clear, k, step_m):  # type: ignore[no-untyped-def]
     """Resistance through the lower face of the cell k of a column."""
     heights = extinction.size
     half = step_m * _HINDERS * extinction[min(k, heights - 1)]
     if k in (0, heights):
         return half + 2.0
     below = step_m * _HINDERS * extinction[k - 1]
-    surface = math.exp(-extinction[k] * step_m) - math.exp(-extinction[k - 1] * step_m)
-    return max(half + below + _SURFACE * abs(surface), _LEAST_RESISTANCE)
+    return max(half + below + _SURFACE * abs(clear[k] - clear[k - 1]), _LEAST_RESISTANCE)
 
 
 @compiled
 def _link(cells, lit, drives, links, source):  # type: ignore[no-untyped-def]
     """Conductances to the next column along x, along z, and from below; light that cells get."""
     edges_m, step_m, free_per_m, sun_x, sun_z = cells
-    extinction, sunlit, aside = lit
+    extinction, clear, sunlit, _ = lit
     along_x, along_z = abs(sun_x) + 1e-6, abs(sun_z) + 1e-6
     columns, heights = extinction.shape[0], extinction.shape[2]
     for j in range(columns):
@@ -203,35 +210,28 @@ def _link(cells, lit, drives, links, source):  # type: ignore[no-untyped-def]
         for i in range(columns):
             dx = edges_m[i + 1] - edges_m[i]
             for k in range(heights):
-                here, light, side = extinction[j, i, k], sunlit[j, i, k], aside[j, i, k]
                 by_x = along_x / dx / (along_x / dx + along_z / dz)
-                source[j, i, k] += light * dx * dz * step_m
+                source[j, i, k] += sunlit[j, i, k] * dx * dz * step_m
                 if i + 1 < columns:
                     next_m = edges_m[i + 2] - edges_m[i + 1]
-                    next_x = along_x / next_m / (along_x / next_m + along_z / dz)
-                    resists, drive = _across(
-                        (here, light, side * by_x, dx),
-                        (extinction[j, i + 1, k], sunlit[j, i + 1, k], aside[j, i + 1, k] * next_x,
-                         next_m),
-                        free_per_m, step_m, sun_x,
-                    )  # fmt: skip
+                    next_by_x = along_x / next_m / (along_x / next_m + along_z / dz)
+                    cell = _side(lit, j, i, k, by_x, dx)
+                    beside = _side(lit, j, i + 1, k, next_by_x, next_m)
+                    resists, drive = _across(cell, beside, free_per_m, sun_x)
                     links[j, i, k, 0] = dz * step_m / resists
                     source[j, i, k] -= drive * links[j, i, k, 0]
                     source[j, i + 1, k] += drive * links[j, i, k, 0]
                 if j + 1 < columns:
                     next_m = edges_m[j + 2] - edges_m[j + 1]
-                    next_x = along_x / dx / (along_x / dx + along_z / next_m)
-                    resists, drive = _across(
-                        (here, light, side * (1.0 - by_x), dz),
-                        (extinction[j + 1, i, k], sunlit[j + 1, i, k],
-                         aside[j + 1, i, k] * (1.0 - next_x), next_m),
-                        free_per_m, step_m, sun_z,
-                    )  # fmt: skip
+                    next_by_z = along_z / next_m / (along_x / dx + along_z / next_m)
+                    cell = _side(lit, j, i, k, 1.0 - by_x, dz)
+                    beside = _side(lit, j + 1, i, k, next_by_z, next_m)
+                    resists, drive = _across(cell, beside, free_per_m, sun_z)
                     links[j, i, k, 1] = dx * step_m / resists
                     source[j, i, k] -= drive * links[j, i, k, 1]
                     source[j + 1, i, k] += drive * links[j, i, k, 1]
             for k in range(heights + 1):
-                link = dx * dz / _upward(extinction[j, i], k, step_m)
+                link = dx * dz / _upward(extinction[j, i], clear[j, i], k, step_m)
                 links[j, i, k, 2] = link
                 if k > 0:
                     source[j, i, k - 1] -= drives[j, i, k - 1, 1] * link
@@ -392,10 +392,15 @@ def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
     from the air to the middle of the cloud's cell. `depths`: of cells, (columns, columns, heights).
     """
     columns, heights = depths.shape[0], depths.shape[2]
-    total = np.empty(4)
-    for k in range(heights + 1):
-        for j in range(columns):
-            for i in range(columns):
+    total, cloudy = np.empty(4), np.zeros((columns, columns), np.bool_)
+    for j in range(columns):
+        for i in range(columns):
+            cloudy[j, i] = depths[j, i].max() > 0.0
+    for j in range(columns):
+        for i in range(columns):
+            if not cloudy[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2].any():
+                continue
+            for k in range(heights + 1):
                 here = 0.5 * (depths[j, i, max(k - 1, 0)] + depths[j, i, min(k, heights - 1)])
                 if here > _SOLID:
                     continue
