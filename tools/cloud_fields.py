@@ -83,7 +83,7 @@ def seen(layer: CloudLayer, sun: Vector, eye: Vector, rays: FloatArray) -> tuple
 
     (n, 2), scattered once and the rest; and their transmittance (n,).
     """
-    light = ClearLight(sun, np.full(3, 1e-9), np.zeros((25, 3)))
+    light = ClearLight(sun, (1e-9,) * 3, np.zeros((25, 3)))
     lights = lights_on(layer, light, eye, _NARROW_RAD)
     without = lights.phase.copy()
     without[:2] = 0.0

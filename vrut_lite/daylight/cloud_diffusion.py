@@ -28,6 +28,7 @@ _SURFACE, _FREE_PATHS = 2.0, 3.0
 # Depths of cells: of what counts as solid, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
 _LEAST_RESISTANCE = 1e-3
+# Within the range of exp.
 _DEEP = 60.0
 # Resistance of what is seen of a cloud, a depth of 1.
 _SEEN = 3.0 * (1.0 - MEAN_COSINE)
@@ -50,7 +51,8 @@ def diffuse_light(
     """Fluence, and flux along world x, up and z (heights + 1, columns z, columns x, 4).
 
     Of a sun of irradiance 1. `density` (heights, columns, columns) and `depths` are the light
-    volume's, `diffused` the share of extinction that diffuses.
+    volume's, `scattered` the share of sunlight of the level that its cells scatter, `diffused` the
+    share of extinction that diffuses.
     """
     heights, columns, _ = density.shape
     shape = (columns, columns, heights)
