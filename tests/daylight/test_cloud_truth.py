@@ -12,8 +12,12 @@ from tools.cloud_monte_carlo import sun_radiance
 from vrut_lite.daylight.cloud_field import cloud_field
 
 pytestmark = pytest.mark.long
-# Beyond a mean square error of 40 %, as docs/clouds.md says.
-ROUGHER = {("Cb, 30 degrees", "towards"): 0.6, ("Cb, 30 degrees", "bases"): 0.6}
+# Rms beyond 40 %, as docs/clouds.md says.
+ROUGHER = {
+    ("Cu, 25 degrees", "towards"): 0.52,
+    ("Cb, 30 degrees", "towards"): 0.52,
+    ("Cb, 30 degrees", "bases"): 0.6,
+}
 
 
 def test_the_truth_is_that_of_discrete_ordinates():
@@ -45,10 +49,10 @@ def test_the_truth_is_that_of_i3rc(from_m, up, expected):
 @pytest.mark.parametrize("look", LOOKS)
 @pytest.mark.parametrize("name", FIELDS)
 def test_sides_tops_and_bases_beside_the_truth(name, look):
-    """Opaque clouds in pixels of a frame: the mean within 20 %, rms without noise within 45 %."""
+    """Opaque clouds in pixels of a frame: the mean within 20 %, rms without noise within 40 %."""
     mean, rms = beside(name, look, PIXEL_RAD).errors()[-1]
     assert mean == pytest.approx(1.0, abs=0.2)
-    assert rms < ROUGHER.get((name, look), 0.45)
+    assert rms < ROUGHER.get((name, look), 0.4)
 
 
 @pytest.mark.parametrize("name", FIELDS)

@@ -34,7 +34,7 @@ from vrut_lite.daylight.cloud_transport import (
 from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
-_NEAR_STEPS, _LONGEST_UNIT = (0.5, 1.0, 2.0, 4.0), 0.033
+_NEAR_STEPS, _LONGEST_UNIT = (1.0, 4.0), 0.05
 _LEAST_DEPTH, _LEAST_SHARE, _LEAST_DIFFUSE, _LEAST_LIGHT = 0.02, 0.1, 0.2, 1e-6
 _DARK = 0.5 * DARKEST
 LOWEST_SUN = -0.1

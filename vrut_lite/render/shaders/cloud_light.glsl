@@ -8,7 +8,7 @@ layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half th
 
 // Near depths come from the density itself, the volume is coarse: steps in free paths of full
 // density, which count as so much of the thickness at most.
-const float NEAR_STEPS[4] = float[](0.5, 1.0, 2.0, 4.0), LONGEST_UNIT = 0.033;
+const float NEAR_STEPS[2] = float[](1.0, 4.0), LONGEST_UNIT = 0.05;
 // Of the plane layer; of a direction's light, of the fluence; of the tables' light, of the whole.
 const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2, LEAST_LIGHT = 1e-6;
 const float DARK = 40.0;  // half of the volume's greatest depth
