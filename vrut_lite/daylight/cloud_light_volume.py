@@ -33,6 +33,7 @@ from vrut_lite.numeric_types import FloatArray
 _HEIGHTS, _COLUMNS = 16, 160
 # Depth at which no sunlight is left, within the range of float32.
 DARKEST = 80.0
+LEAST = math.exp(-DARKEST)
 
 
 class LightVolume(NamedTuple):
@@ -69,11 +70,14 @@ def light_volume(field, sun: FloatArray, diffused: float) -> LightVolume:  # typ
     sine = max(float(sun[1]), LEAST_SINE)
     slope = np.array([sun[0], sun[2]]) / sine * step_m
     per_m = float(field.extinction_per_m)
-    _sum_to_sun(grid, density, depths, slope, per_m * step_m / sine, diffused)
+    scattered = np.zeros_like(density)
+    _sum_to_sun(grid, density, depths, scattered, slope, per_m * step_m / sine, diffused)
     depths[-2::-1, ..., 1] = np.cumsum(density[::-1], axis=0) * (per_m * step_m)
     depths[1:, ..., 2] = np.cumsum(density, axis=0) * (per_m * step_m)
     towards = np.array([sun[0], sine, sun[2]])
-    diffuse = diffuse_light(density, depths, towards, step_m, near_m, diffused * per_m, diffused)
+    diffuse = diffuse_light(
+        density, depths, scattered, towards, step_m, near_m, diffused * per_m, diffused
+    )
     _even_outside(depths, diffuse, diffused)
     return LightVolume(depths, diffuse, near_m)
 
@@ -131,35 +135,52 @@ def _flat(level, row, column):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _sum_to_sun(grid, density, depths, slope_m, depth_of_step, diffused):  # type: ignore[no-untyped-def]
-    """Depths towards the sun, from the top down.
+def _sum_to_sun(grid, density, depths, scattered, slope_m, depth_of_step, diffused):  # type: ignore[no-untyped-def]
+    """Depths towards the sun, from the top down, and the share of its light that cells scatter.
 
     `slope_m` (2,): how far the way goes along x and z while it rises by a cell. Between columns
-    light is interpolated, not depth: a bright gap beside a cloud keeps its light.
+    light is interpolated, not depth: a bright gap beside a cloud keeps its light. What a way loses
+    goes to the columns beside it, as dense as each is: no light is lost.
     """
     places_m, widths_m, near_m = grid
     heights, size = density.shape[0], places_m.size
     length_m = math.hypot(slope_m[0], slope_m[1])
     passed = np.ones((size, size), np.float32)
+    left = np.empty((size, size), np.float32)
     for k in range(heights - 1, -1, -1):
         for j in range(size):
             for i in range(size):
                 x, z = places_m[i], places_m[j]
                 texel_m = max(widths_m[i], widths_m[j])
                 steps = min(max(math.ceil(length_m / texel_m), 1), SUB_STEPS)
-                total = 0.0
-                for m in range(steps):
+                row = _texel_of(z + slope_m[1], size, near_m)
+                column = _texel_of(x + slope_m[0], size, near_m)
+                light = _flat(passed, row, column)
+                depth = -math.log(light)
+                area_m2 = widths_m[i] * widths_m[j]
+                for m in range(steps - 1, -1, -1):
                     share = (m + 0.5) / steps
                     row = _texel_of(z + slope_m[1] * share, size, near_m)
                     column = _texel_of(x + slope_m[0] * share, size, near_m)
-                    total += _flat(density[k], row, column)
-                row = _texel_of(z + slope_m[1], size, near_m)
-                column = _texel_of(x + slope_m[0], size, near_m)
-                beyond = -math.log(_flat(passed, row, column)) / diffused
-                depths[k, j, i, 0] = beyond + total * depth_of_step / steps
-        for j in range(size):
-            for i in range(size):
-                passed[j, i] = math.exp(-min(diffused * depths[k, j, i, 0], DARKEST))
+                    mean = _flat(density[k], row, column)
+                    if mean <= 0.0:
+                        continue
+                    step = diffused * mean * depth_of_step / steps
+                    depth += step
+                    lost = light
+                    light *= math.exp(-step)
+                    lost = (lost - light) * area_m2 / mean
+                    b, a = min(int(row), size - 2), min(int(column), size - 2)
+                    t, s = row - b, column - a
+                    for n in range(2):
+                        for c in range(2):
+                            weight = (t if n else 1.0 - t) * (s if c else 1.0 - s)
+                            scattered[k, b + n, a + c] += (
+                                lost * weight * density[k, b + n, a + c]
+                            ) / (widths_m[b + n] * widths_m[a + c])
+                depths[k, j, i, 0] = depth / diffused
+                left[j, i] = max(light, LEAST)
+        passed[:] = left
 
 
 @compiled

@@ -64,7 +64,7 @@ def clouds_seen(
         pixel_rad: the angle that each ray stands for.
     """
     field = cloud_field(layer, eye_m)
-    lights = _lights(layer, light, eye_m, pixel_rad)
+    lights = lights_on(layer, light, eye_m, pixel_rad)
     rays = np.ascontiguousarray(directions, dtype=float).reshape(-1, 3)
     out = np.empty((len(rays), 5))
 
@@ -96,7 +96,8 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
     return float(np.exp(-depths).mean())
 
 
-def _lights(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: float) -> Lights:
+def lights_on(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: float) -> Lights:
+    """All light on a layer, as the march takes it: arguments are those of `clouds_seen`."""
     row = np.linspace(0.0, 1.0, _SUNS)
     sines = LOWEST_SUN + (1.0 - LOWEST_SUN) * row * row
     levels_m = layer.base_m, layer.base_m + layer.thickness_m

@@ -2,54 +2,77 @@
 
 Delta tracking (Woodcock 1965) in the very density that is drawn, droplets' phase function by Mie's
 theory, a black sky and a black ground. At each collision the sun is tried along one more tracked
-path. What is diffracted within 10 degrees counts as not scattered (Potter 1970): its peak would be
-all noise. So rays must not look closer to the sun.
+path. The forward peak that delta-M leaves out counts as not scattered (Potter 1970): it would be
+all noise. So rays must not look closer than 6 degrees to the sun. Importing this module imports
+numba.
 """
 
 # numba knows the old generator alone.
 # ruff: noqa: NPY002
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.aerosols.phase_table import node_cosines
 from vrut_lite.daylight.cloud_density_kernels import compiled, density_at
-from vrut_lite.daylight.cloud_transport import droplets
+from vrut_lite.daylight.cloud_transport import scatterer
+from vrut_lite.numeric_types import FloatArray
 
-_PEAK_RAD = np.radians(10.0)
+
+class Traced(NamedTuple):
+    """What rays (n,) see by a sun of irradiance 1, sr^-1, and its standard error.
+
+    `once` is the part (n,) of what was scattered once.
+    """
+
+    radiance: FloatArray
+    error: FloatArray
+    once: FloatArray
 
 
-def sun_radiance(field, sun, origins, directions, paths, seed=1, density=density_at, phase=None):
-    """Radiance (n,) of the clouds by a sun of irradiance 1, and its standard error (n,).
+def sun_radiance(
+    field: Any,
+    sun: ArrayLike,
+    origins: ArrayLike,
+    directions: ArrayLike,
+    paths: int,
+    seed: int = 1,
+    disc_rad: float = 0.0,
+    density: Any = density_at,
+    phase: FloatArray | None = None,
+) -> Traced:
+    """Light of the clouds along rays, by so many paths each.
 
     Args:
         field: `Field` of the layer, whose eye is the origin of places.
+        sun: (3,) towards it.
         origins: (n, 3) relative to the eye's place, heights over the base, m; outside the layer or
             at its edge.
         directions: (n, 3).
+        disc_rad: radius of the disc around each direction that its paths are spread over.
         density: compiled, of a field, x, z, height and width, in place of the clouds'.
         phase: (nodes,), in place of the droplets'; nothing is cut off it.
     """
     phase, kept = without_peak() if phase is None else (phase, 1.0)
     field = field._replace(extinction_per_m=field.extinction_per_m * kept)
     angle = _angles(phase)
-    out = np.empty((len(directions), 2))
     start = np.ascontiguousarray(origins, dtype=float)
     rays = np.ascontiguousarray(directions, dtype=float)
+    out = np.empty((len(rays), 3))
     towards = np.asarray(sun, dtype=float)
-    _trace(density, field, towards, start, rays, paths, seed, angle, phase, out)
-    return out[:, 0], out[:, 1]
+    _trace(density, field, towards, start, rays, disc_rad, paths, seed, angle, phase, out)
+    return Traced(*out.T)
 
 
-def without_peak():
+def without_peak() -> tuple[FloatArray, float]:
     """The phase function's table (nodes,) without its peak, and the share of light it scatters."""
-    nu, whole = node_cosines(), droplets().values[1]
-    cut = np.minimum(whole, whole[np.count_nonzero(nu > np.cos(_PEAK_RAD))])
-    kept = -2.0 * np.pi * np.trapezoid(cut, nu)
-    return cut / kept, kept
+    droplets = scatterer("droplets")
+    return np.ascontiguousarray(droplets.phase[0, :, 1] / droplets.diffused), droplets.diffused
 
 
-def _angles(phase):
+def _angles(phase: FloatArray) -> FloatArray:
     """Scattering angles' cosines at even steps of their distribution function."""
     nu = node_cosines()
     between = -0.5 * (phase[1:] + phase[:-1]) * np.diff(nu)
@@ -58,14 +81,14 @@ def _angles(phase):
 
 
 @compiled
-def _phase(table, nu):
+def _phase(table, nu):  # type: ignore[no-untyped-def]
     place = math.sqrt(min(max(0.5 - 0.5 * nu, 0.0), 1.0)) * (table.shape[0] - 1)
     i = min(int(place), table.shape[0] - 2)
     return table[i] + (place - i) * (table[i + 1] - table[i])
 
 
 @compiled
-def _collide(density, field, p, d):
+def _collide(density, field, p, d):  # type: ignore[no-untyped-def]
     """Move a point to its next collision; whether there is one before it leaves the layer."""
     k = field.extinction_per_m
     while True:
@@ -79,7 +102,7 @@ def _collide(density, field, p, d):
 
 
 @compiled
-def _turn(d, cosine, azimuth):
+def _turn(d, cosine, azimuth):  # type: ignore[no-untyped-def]
     """Turn a direction by an angle."""
     sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
     c, s = math.cos(azimuth) * sine, math.sin(azimuth) * sine
@@ -100,14 +123,17 @@ def _turn(d, cosine, azimuth):
 
 
 @compiled
-def _trace(density, field, sun, origins, directions, paths, seed, angle, phase, out):
+def _trace(density, field, sun, origins, directions, disc_rad, paths, seed, angle, phase, out):  # type: ignore[no-untyped-def]
     np.random.seed(seed)
     p, d, q = np.empty(3), np.empty(3), np.empty(3)
     for n in range(directions.shape[0]):
-        total, squares = 0.0, 0.0
+        total, squares, once = 0.0, 0.0, 0.0
         for _ in range(paths):
             p[:] = origins[n]
             d[:] = directions[n]
+            if disc_rad > 0.0:
+                off = disc_rad * math.sqrt(np.random.random())
+                _turn(d, math.cos(off), 2.0 * math.pi * np.random.random())
             # To the layer.
             edge = 0.0 if p[1] < 0.0 else field.thickness_m
             if not 0.0 <= p[1] <= field.thickness_m:
@@ -115,11 +141,14 @@ def _trace(density, field, sun, origins, directions, paths, seed, angle, phase, 
                 for c in range(3):
                     p[c] += way * d[c]
                 p[1] = edge
-            value = 0.0
+            value, order = 0.0, 0
             while _collide(density, field, p, d):
                 q[:] = p
                 if not _collide(density, field, q, sun) and q[1] > field.thickness_m:
-                    value += _phase(phase, d[0] * sun[0] + d[1] * sun[1] + d[2] * sun[2])
+                    sent = _phase(phase, d[0] * sun[0] + d[1] * sun[1] + d[2] * sun[2])
+                    value += sent
+                    once += sent if order == 0 else 0.0
+                order += 1
                 place = np.random.random() * (angle.size - 1)
                 i = int(place)
                 cosine = angle[i] + (place - i) * (angle[i + 1] - angle[i])
@@ -129,3 +158,4 @@ def _trace(density, field, sun, origins, directions, paths, seed, angle, phase, 
         mean = total / paths
         out[n, 0] = mean
         out[n, 1] = math.sqrt(max(squares / paths - mean * mean, 0.0) / paths)
+        out[n, 2] = once / paths
