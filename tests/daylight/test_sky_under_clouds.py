@@ -65,7 +65,7 @@ def test_the_light_of_a_slab_is_that_on_paper():
 
 
 def test_lamps_below_light_the_base():
-    """A sky without light over lands that shine: the level gets what a slab sends back, to 5 %.
+    """A sky without light over lands that shine: the level gets what a slab sends back, to 7 %.
 
     A slab sends back of even light what it lets not pass. Without lamps there is no light at all.
     """
@@ -76,7 +76,7 @@ def test_lamps_below_light_the_base():
     lit = summed(layer, sky=(*dark[:2], msgspec.structs.replace(dark[2], lamps_rgb=lamps)))
     sent_back = 1.0 - even_transmittance(layer.optical_depth)
     found = horizontal_irradiance(cube_of(lit))
-    np.testing.assert_allclose(found, np.pi * np.array(lamps) * sent_back, rtol=0.05)
+    np.testing.assert_allclose(found, np.pi * np.array(lamps) * sent_back, rtol=0.07)
     by_harmonics = evaluate_irradiance(lit.ambient.irradiance_sh_rgb.values, np.array(UP))
     np.testing.assert_allclose(by_harmonics, found, rtol=0.01)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.aerosols.phase_table import node_places
 from vrut_lite.daylight.cloud_density import (
+    PLANET_RADIUS_M,
     distance_up_m,
 )
 from vrut_lite.daylight.cloud_density_kernels import optical_depths
@@ -82,8 +83,9 @@ def clouds_seen(
 
 def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: float) -> float:
     """Share of the sun's light that passes the layer, in the mean over a level square."""
+    direction = _on_horizon(sun, middle_m[1])
     enter_m, leave_m = (
-        max(distance_up_m(middle_m[1], level_m, sun[1]), 0.0)
+        max(distance_up_m(middle_m[1], level_m, direction[1]), 0.0)
         for level_m in (layer.base_m, layer.base_m + layer.thickness_m)
     )
     if not leave_m > enter_m:
@@ -91,9 +93,20 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
     across = (np.arange(_SQUARE) + 0.5) * (2.0 / _SQUARE) - 1.0
     places = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2) * half_width_m
     field = cloud_field(layer, middle_m)
-    direction = np.asarray(sun, dtype=float)
     depths = optical_depths(field, places, direction, enter_m, leave_m, _SUN_STEPS)
     return float(np.exp(-depths).mean())
+
+
+def _on_horizon(sun: Vector, altitude_m: float) -> FloatArray:
+    """The sun's direction (3,), on the horizon of this altitude where the sun is below that."""
+    lowest = -float(np.sqrt(2.0 * max(altitude_m, 0.0) / PLANET_RADIUS_M))
+    x, sine, z = sun
+    if sine >= lowest:
+        return np.array([x, sine, z])
+    across = np.hypot(x, z)
+    east, south = (x / across, z / across) if across > 0.0 else (1.0, 0.0)
+    level = np.sqrt(1.0 - lowest * lowest)
+    return np.array([east * level, lowest, south * level])
 
 
 def lights_on(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: float) -> Lights:
