@@ -34,7 +34,7 @@ from vrut_lite.daylight.cloud_transport import (
 from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
-_NEAR_STEPS, _LONGEST_UNIT = (1.0, 4.0), 0.05
+_NEAR_STEPS, _LONGEST_UNIT = (1.0, 2.0), 0.05
 _LEAST_DEPTH, _LEAST_SHARE, _LEAST_DIFFUSE, _LEAST_LIGHT = 0.02, 0.1, 0.2, 1e-6
 _DARK = 0.5 * DARKEST
 LOWEST_SUN = -0.1
@@ -123,7 +123,7 @@ def sun_source(source, above, below, sine, view, nu, log_twice, out):  # type: i
 
 @compiled
 def _add_source(  # type: ignore[no-untyped-def]
-    field, lights, d, nu, rise, x, z, over_base_m, density, phase, width_m, seen, work, radiance
+    field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
 ):
     """Add `seen` times the radiance per optical depth that a place in the cloud sends.
 
@@ -132,8 +132,8 @@ def _add_source(  # type: ignore[no-untyped-def]
     sun, diffused = lights.sun, lights.diffused
     # Near depth from the density itself, the rest from the volume, which is coarse.
     unit_m = min(1.0 / (diffused * field.extinction_per_m), _LONGEST_UNIT * field.thickness_m)
-    near, reach_m = _NEAR_STEPS[0] * unit_m * density, _NEAR_STEPS[0] * unit_m
-    for k in range(1, len(_NEAR_STEPS)):
+    near, reach_m = 0.0, 0.0
+    for k in range(len(_NEAR_STEPS)):
         step_m = _NEAR_STEPS[k] * unit_m
         at_m = reach_m + 0.5 * step_m
         near += step_m * density_at(
@@ -295,8 +295,7 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
             rise = d[1] + at_m / PLANET_RADIUS_M
             _add_source(
-                field, lights, d, nu, rise, x, z, over_base_m, density, phase, width_m, seen, work,
-                out,
+                field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out
             )  # fmt: skip
             out[4] += seen * at_m
             out[5] += seen

@@ -8,7 +8,7 @@ layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half th
 
 // Near depths come from the density itself, the volume is coarse: steps in free paths of full
 // density, which count as so much of the thickness at most.
-const float NEAR_STEPS[2] = float[](1.0, 4.0), LONGEST_UNIT = 0.05;
+const float NEAR_STEPS[2] = float[](1.0, 2.0), LONGEST_UNIT = 0.05;
 // Of the plane layer; of a direction's light, of the fluence; of the tables' light, of the whole.
 const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2, LEAST_LIGHT = 1e-6;
 const float DARK = 40.0;  // half of the volume's greatest depth
@@ -103,13 +103,12 @@ vec3 sun_at(float sine, float height) {
 }
 
 // Radiance per diffused optical depth, W m^-2 sr^-1.
-vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float density,
-                  float width_m) {
+vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float width_m) {
     vec3 sun = clouds.sun_direction;
     float unit_m = min(1.0 / (clouds.diffused * clouds.extinction_per_m),
                        LONGEST_UNIT * clouds.thickness_m);
-    float reach_m = NEAR_STEPS[0] * unit_m, near = reach_m * density;
-    for (int i = 1; i < NEAR_STEPS.length(); ++i) {
+    float reach_m = 0.0, near = 0.0;
+    for (int i = 0; i < NEAR_STEPS.length(); ++i) {
         float step_m = NEAR_STEPS[i] * unit_m, at = reach_m + 0.5 * step_m;
         near += step_m * cloud_density_at(level + sun.xz * at, over_base_m + sun.y * at,
                                           max(width_m, 0.5 * step_m));

@@ -41,10 +41,10 @@ struct March {
     int parts, parts_at_mesh;
     // Of the sample before, the share that is cloud; of what passed all, what passed there.
     float share, in_share;
-    // Of the parts of what is seen: weight; distance and density, summed. Light changes little in
+    // Of the parts of what is seen: weight; distance, summed. Light changes little in
     // a part: it is looked up once for each, after the march. A software renderer runs
     // all that stands in a loop in each of its turns.
-    vec3 gathered[MOST_PARTS];
+    vec2 gathered[MOST_PARTS];
 };
 
 // Delta-M takes what is scattered into the forward peak for passed: of this, the sky behind is seen
@@ -159,7 +159,7 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             float kept = exp(-diffused_per_m * density / share * step_m);
             float seen = march.in_share * (1.0 - kept);
             march.in_share *= kept;
-            march.gathered[march.parts] += seen * vec3(1.0, at_m, density);
+            march.gathered[march.parts] += seen * vec2(1.0, at_m);
             if (march.gathered[march.parts].x > PART) end_part(march);
             march.seen.distance_m += seen * at_m;
             march.seen.weight += seen;
@@ -184,18 +184,18 @@ void main() {
     march.parts = 0;
     march.share = march.in_share = 0.0;
     march.parts_at_mesh = -1;
-    for (int i = 0; i < MOST_PARTS; ++i) march.gathered[i] = vec3(0.0);
+    for (int i = 0; i < MOST_PARTS; ++i) march.gathered[i] = vec2(0.0);
     march_piece(march, seen, seen.pieces.xy, dither);
     if (march.seen.transmittance >= OPAQUE)
         march_piece(march, seen, seen.pieces.zw, dither);
     CloudRay view = cloud_ray(seen.d);
     vec3 radiance = vec3(0.0), radiance_at_mesh = vec3(0.0);
     for (int i = 0; i < MOST_PARTS && march.gathered[i].x > 0.0; ++i) {
-        vec3 part = march.gathered[i];
+        vec2 part = march.gathered[i];
         float at_m = part.y / part.x;
         Place place = place_at(seen, at_m, fine_step_m(at_m));
         radiance += part.x * cloud_source(view, at_m, place.level, place.over_base_m,
-                                          part.z / part.x, place.width_m);
+                                          place.width_m);
         if (i < march.parts_at_mesh) radiance_at_mesh = radiance;
     }
     before_sky = through_air_of(radiance, march.seen, seen.d);
