@@ -39,6 +39,8 @@ BANDS_DEG, _BAND_DEG = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0), 5.0
 COVERAGES = (0.35, 0.7, 1.0)
 _PLACES, _APART_M, _SIZE, _RAYS = 4, 31_000.0, 16, 1200
 _SEEN = np.exp(-0.5)
+# A direction is cloud or none: a wider ray would be a share of both.
+_NARROW_RAD = 1e-3
 
 
 def clear_sky() -> ClearSky:
@@ -61,7 +63,7 @@ def octas(layer: CloudLayer, light: ClearLight) -> float:
     mu, turn = index / _RAYS, index * np.pi * (1.0 + np.sqrt(5.0))
     level = np.sqrt(1.0 - mu * mu)
     rays = np.stack([level * np.cos(turn), mu, level * np.sin(turn)], axis=-1)
-    seen = clouds_seen(layer, light, EYE, rays, np.sqrt(2.0 * np.pi / _RAYS))
+    seen = clouds_seen(layer, light, EYE, rays, _NARROW_RAD)
     return 8.0 * float((seen.transmittance < _SEEN).mean())
 
 

@@ -44,6 +44,8 @@ _NARROW_RAD = 1e-4
 _WITHIN, _EYES, _RAYS, _PATHS = 16, 4, 48, 48
 _GROUNDS, _SKY_PATHS = 14, 12
 _DARKEST, _SHADED = 0.3, 2.0
+# Nearer to the sun what passes straight on outshines what clouds scatter.
+_FROM_SUN_RAD = np.radians(5.0)
 # Of eyes from the middle, at most.
 _LEAST_APART_M, _APART = 9000.0, 6.0
 _GOLDEN_RAD = np.pi * (1.0 + np.sqrt(5.0))
@@ -120,7 +122,7 @@ def _from(
     rays = _discs(views, disc_rad)
     light, passed = seen(layer, sun, eye, rays.reshape(-1, 3))
     solid = passed.reshape(-1, _WITHIN).mean(axis=1) < _DARKEST
-    kept = np.flatnonzero(solid)[:_RAYS]
+    kept = np.flatnonzero(solid & (views @ np.array(sun) < np.cos(_FROM_SUN_RAD)))[:_RAYS]
     ours = light.reshape(-1, _WITHIN, 2).mean(axis=1)[kept]
     return ours, _traced(layer, sun, eye, views[kept], disc_rad, _PATHS)
 
