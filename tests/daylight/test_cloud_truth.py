@@ -49,7 +49,7 @@ def test_the_truth_is_that_of_i3rc(from_m, up, expected):
 @pytest.mark.parametrize("look", LOOKS)
 @pytest.mark.parametrize("name", FIELDS)
 def test_sides_tops_and_bases_beside_the_truth(name, look):
-    """Opaque clouds in texels of the sky's cube: the mean within 20 %, rms without noise within 40 %."""
+    """Opaque clouds in texels of the sky's cube: mean within 20 %, rms without noise 40 %."""
     mean, rms = beside(name, look, TEXEL_RAD).errors()[-1]
     assert mean == pytest.approx(1.0, abs=0.2)
     assert rms < ROUGHER.get((name, look), 0.4)
