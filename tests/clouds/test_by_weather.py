@@ -9,6 +9,7 @@ from clouds.settings import CloudSettings
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from light_messages import light_messages, radiance_of
+from long_parameters import mostly_long
 
 from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudsChanged
@@ -76,12 +77,16 @@ def test_what_is_said_stays():
     assert (layer.extinction_per_m, layer.passes) == (0.03, None)
 
 
-@pytest.mark.parametrize(("cover", "share"), [(1.0, 0.3), (1.0, 0.15), (0.8, 0.6)])
-def test_the_light_below_is_the_files(cover, share):
+HOURS = [(1.0, 0.3), (1.0, 0.15), (0.8, 0.6)]
+
+
+@pytest.mark.parametrize("numbers", mostly_long(HOURS, HOURS[-1:].__contains__))
+def test_the_light_below_is_the_files(numbers):
     """Level ground under the hour's clouds has the file's share of a clear sky's light.
 
     Within 0.06, in the mean of places: clouds' sides send light on that a plane column does not.
     """
+    cover, share = numbers
     sine, directions = 0.8, texel_directions(16)[..., 1]
     by_sun, by_sky = sine * sun_aloft(0.0, sine), np.pi * np.array([12.0, 15.0, 21.0])
     cube = np.where(directions[..., None] > 0.0, by_sky, 0.15 * (by_sun + by_sky)) / np.pi

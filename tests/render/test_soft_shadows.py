@@ -6,14 +6,12 @@ import trimesh
 from scene_stage import light, look, look_finished, square
 from scipy.integrate import quad
 from stateful_backend import opened
+from sun_stage import BLACK, IRRADIANCE, RADIUS_RAD, SUN, box, show
 
 from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.sun import KeyLightChanged
 
-RADIUS_RAD, IRRADIANCE, GREY = 0.00465, 10.0, 0.4
 SIZE = (48, 40)
-SUN = np.array([0.45, 0.8, -0.2]) / np.linalg.norm([0.45, 0.8, -0.2])
-BLACK = np.zeros((6, 8, 8, 3))
 # An edge that climbs over level ground, and the sheet that it ends.
 LOW, HIGH = np.array([0.0, 1.8, -8.0]), np.array([0.0, 10.2, 8.0])
 
@@ -27,24 +25,6 @@ def backend(gl_owner):
     made = PyrenderBackend(gl_owner)
     yield StatefulBackend(made, size_px=SIZE)
     made.close()
-
-
-def show(backend, folder, *meshes, sun=SUN):
-    """Grey, rough things under the sun alone."""
-    grey = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=(GREY, GREY, GREY, 1.0), metallicFactor=0.0, roughnessFactor=1.0
-    )
-    for mesh in meshes:
-        mesh.visual = trimesh.visual.TextureVisuals(material=grey)
-    path = folder / "scene.glb"
-    trimesh.Scene(meshes).export(path)
-    backend.change(scene=opened(path))
-    light(backend, BLACK, sun_direction=sun, sun_irradiance=(IRRADIANCE,) * 3)
-
-
-def box(lower, upper):
-    lower, upper = np.array(lower, float), np.array(upper, float)
-    return trimesh.creation.box(upper - lower).apply_translation(0.5 * (lower + upper))
 
 
 def ground(half_m=8.0):

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scene_stage import light, look_finished, square
 from stateful_backend import StatefulBackend, opened
+from sun_stage import BLACK, IRRADIANCE, RADIUS_RAD, SUN, box, show
 
 from vrut_lite.daylight.camera import look_at, pixel_rays
 from vrut_lite.render.passes.light_axes import light_axes
@@ -14,10 +15,7 @@ from vrut_lite.render.passes.seen_points import SeenPoints, points_at
 from vrut_lite.render.passes.still_shadow import INSIDE, fitted
 from vrut_lite.render.passes.view import View
 
-RADIUS_RAD, IRRADIANCE, GREY = 0.00465, 10.0, 0.4
 SIZE = (64, 48)
-BLACK = np.zeros((6, 8, 8, 3))
-SUN = np.array([0.45, 0.8, -0.2]) / np.linalg.norm([0.45, 0.8, -0.2])
 
 
 @pytest.fixture(scope="module")
@@ -27,24 +25,6 @@ def backend(gl_owner):
     made = PyrenderBackend(gl_owner)
     yield StatefulBackend(made, size_px=SIZE)
     made.close()
-
-
-def show(backend, folder, *meshes, sun=SUN):
-    """Grey, rough things under the sun alone."""
-    grey = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=(GREY, GREY, GREY, 1.0), metallicFactor=0.0, roughnessFactor=1.0
-    )
-    for mesh in meshes:
-        mesh.visual = trimesh.visual.TextureVisuals(material=grey)
-    path = folder / "scene.glb"
-    trimesh.Scene(meshes).export(path)
-    backend.change(scene=opened(path))
-    light(backend, BLACK, sun_direction=tuple(sun), sun_irradiance=(IRRADIANCE,) * 3)
-
-
-def box(lower, upper):
-    lower, upper = np.array(lower, float), np.array(upper, float)
-    return trimesh.creation.box(upper - lower).apply_translation(0.5 * (lower + upper))
 
 
 def on_plane(backend, point, normal):
