@@ -27,7 +27,7 @@ from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.numeric_types import FloatArray, Vector
 
 _SUNS = 256
-_SUN_STEPS = 48
+_SUN_STEPS = 96
 # Places along each side of the square over which shadows are averaged.
 _SQUARE = 8
 # Rings, and places around each, over which the phase function of a wide ray is averaged.
