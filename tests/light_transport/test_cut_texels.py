@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
+from light_transport.hour.free_points import light_at
 from light_transport.rays.ray_table import columns_and_rays
 from light_transport.surfaces.map_texels import CELLS
 
@@ -102,3 +103,29 @@ def test_cells_lie_on_one_side_of_what_cuts_their_texel():
         beyond = shown[~same & ~straddles]
         assert (beyond != i).all()
         assert ((place[beyond, 2] - at) * (place[i, 2] - at) < 0.0).all()
+
+
+def test_what_sticks_out_of_a_wall_is_lit_as_outdoors():
+    """Boxes without backs, most of each inside a house, where rays meet the other boxes too: of
+    their tops, bottoms and ends, one texel each, the light is that of points outdoors."""
+    house = box((-3.0, 0.0, -2.0), (0.0, 4.0, 2.0))
+    out_m = 0.06
+    ledges = []
+    for y in (0.6, 1.4, 2.2):
+        for z in (-1.2, -0.4, 0.4, 1.2):
+            sides = box((-0.1, y, z - 0.3), (out_m, y + 0.4, z + 0.3))
+            ledges += [side for k, side in enumerate(sides) if k != 1]
+    scene = quads(floor(-8.0, 8.0, -8.0, 8.0), *house, *ledges, texels=1)
+    bake = Bake(*scene)
+    bake.add_rays(64)
+    texels, surfaces = bake.texels, scene[0]
+    beside = np.abs(texels.normal[:, 0]) < 0.1
+    rows = np.flatnonzero((surfaces.part[texels.triangle] > len(house)) & beside)
+    assert len(rows) == 4 * 12
+    place_m = texels.place[rows].astype(float) * surfaces.radius_m + surfaces.centre_m
+    place_m[:, 0] = 0.5 * out_m
+    even = hour(1.0)
+    there = light_at(bake, place_m, texels.normal[rows].astype(float), even, rays=512)
+    column, line = texels.pixel[rows].T
+    light = bake.light(even).texels[line, column, 1]
+    assert light == pytest.approx(there.irradiance_rgb[:, 1], rel=0.15)

@@ -9,6 +9,7 @@ from light_transport.giving_up import always
 from light_transport.hour import rays_by_noise
 from light_transport.hour.free_points import light_at
 from light_transport.hour.view_light import view_light
+from light_transport.hour.view_smoothing import PointGrid, smoothed
 
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.view_light import ViewLightChanged
@@ -110,3 +111,18 @@ def test_rays_are_spared_where_their_noise_is_not_seen(monkeypatch):
     assert np.abs(off.mean()) < 0.003
     assert np.sqrt((off**2).mean()) < 0.02
     assert np.quantile(np.abs(off), 0.99) < 0.06
+
+
+def test_a_point_that_alone_met_a_small_bright_thing_does_not_stand_out():
+    """A level plane under even light; one point of it met something bright by one of its rays, so
+    that its error is as large as its excess. What it found is spread, not lost."""
+    rows, columns = np.indices((21, 21))
+    place = np.stack([0.01 * columns, 0.0 * rows, 0.01 * rows], axis=-1).astype(np.float32)
+    plane = np.zeros((21, 21, 4), np.float32)
+    plane[..., 1] = 1.0
+    light, error = np.ones((21, 21, 4), np.float32), np.full((21, 21), 0.02, np.float32)
+    light[10, 10, :3], error[10, 10] = 2.0, 1.0
+    room = np.full((21, 21), 10.0, np.float32)
+    found = smoothed(light, PointGrid(plane, place), room, error, always)
+    assert found[10, 10, 1] < 1.1
+    assert found[..., 1].sum() == pytest.approx(light[..., 1].sum(), rel=1e-3)

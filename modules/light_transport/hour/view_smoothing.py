@@ -78,7 +78,8 @@ def company(grid: PointGrid, room: Float32Array) -> Float32Array:
 
 def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
     """The square of what noise may be (rows, columns), by what rays leave around a point."""
-    noise2 = mean_about(error * error)
+    # A point's own where it is larger: it alone may have met what is small and bright.
+    noise2 = np.maximum(mean_about(error * error), error * error)
     mean = mean_about(luminance(values[..., :3]))
     share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
     return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)

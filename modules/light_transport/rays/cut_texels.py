@@ -6,12 +6,14 @@ between them are no neighbours, so that neither patches nor smoothing go through
 these are.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import dot, hot, inlined
+from light_transport.rays.ray_starts import TURNS, across, evenly
 from light_transport.rays.trace import FAR, MISS, nearest_within
 from light_transport.rays.tree import STACK, Tree
 from light_transport.surfaces.map_texels import (
@@ -36,6 +38,9 @@ _INSIDE = 1e-3
 _NEAR2 = 4.0
 # Where a point lies: in a body, on the side of its texel's middle, or beyond what cuts the texel.
 _BURIED, _OWN, _BEYOND = 0, 1, 2
+# Whether a texel's middle lies in a body is told by so many rays: it does not where so many meet no
+# back.
+_TOLD_BY, _ENOUGH_FREE = 8, 7
 OverRows = Callable[[int, Callable[[int, int], None]], None]
 
 
@@ -175,30 +180,67 @@ def _crossed(tree, geometry, texels, solid, stacks, places, first, last, crossed
 
 @hot
 def _middles(tree, geometry, texels, surfaces, rows, stacks, places, first, last):  # type: ignore[no-untyped-def]
-    """Where middles of cut texels lie in bodies, move them to the nearest cell that does not."""
+    """Where middles of cut texels lie in bodies, move them to the nearest of the freest cells."""
     weights, point, _, normal, _, _ = places
-    _, of_bodies, solid = surfaces
+    _, of_bodies, _ = surfaces
     for c in range(first, last):
         i = rows[c]
-        t = _middle(geometry, texels, i, weights, point, normal)
         side = texels.side[i]
-        if (
-            _state(tree, geometry, of_bodies, solid, point, point, False, t, side, stacks)
-            != _BURIED
-        ):
+        t = _middle(geometry, texels, i, weights, point, normal)
+        most = _free_rays(tree, geometry, of_bodies, point, t, side, stacks)
+        if most >= _ENOUGH_FREE:
             continue
-        nearest2 = np.inf
+        nearest2 = 0.0
         for cell in range(CELLS * CELLS):
             x, y = (cell % CELLS + 0.5) / CELLS, (cell // CELLS + 0.5) / CELLS
             away2 = (x - 0.5) ** 2 + (y - 0.5) ** 2
-            if away2 >= nearest2:
-                continue
             at_x, at_y = texels.pixel[i, 0] + x, texels.pixel[i, 1] + y
             t = _lifted(geometry, texels, i, at_x, at_y, weights, point, normal)
-            state = _state(tree, geometry, of_bodies, solid, point, point, False, t, side, stacks)
-            if state != _BURIED:
-                nearest2 = away2
+            free = _free_rays(tree, geometry, of_bodies, point, t, side, stacks)
+            if free > most or (free == most and away2 < nearest2):
+                most, nearest2 = free, away2
                 texels.middle[c, 0], texels.middle[c, 1] = x, y
+
+
+@inlined
+def _free_rays(tree, geometry, of_bodies, place, t, side, stacks):  # type: ignore[no-untyped-def]
+    """How many of _TOLD_BY rays from a point (3,) above triangle t meet no body's back.
+
+    In a body some rays meet fronts: other bodies end in it, as frames do in a wall. They are spread
+    by cosine.
+    """
+    stack, far_stack = stacks
+    n = geometry.faces[t]
+    sx, sy, sz, tx, ty, tz = across(n)
+    free = 0
+    for k in range(_TOLD_BY):
+        share, turn = (k + 0.5) / _TOLD_BY, 2.0 * math.pi * evenly(0.0, TURNS[0], k)
+        up, level = side * math.sqrt(1.0 - share), math.sqrt(share)
+        along, aside = level * math.cos(turn), level * math.sin(turn)
+        x = up * n[0] + along * sx + aside * tx
+        y = up * n[1] + along * sy + aside * ty
+        z = up * n[2] + along * sz + aside * tz
+        _, hit, _, _ = nearest_within(
+            tree,
+            np.float32(place[0]),
+            np.float32(place[1]),
+            np.float32(place[2]),
+            np.float32(x),
+            np.float32(y),
+            np.float32(z),
+            FAR,
+            0,
+            stack,
+            far_stack,
+        )
+        if hit == MISS:
+            free += 1
+            continue
+        met = tree.order[hit]
+        face = geometry.faces[met]
+        if not (of_bodies[met] and x * face[0] + y * face[1] + z * face[2] > 0.0):
+            free += 1
+    return free
 
 
 @hot
@@ -293,7 +335,7 @@ def _sides(  # type: ignore[no-untyped-def]
                     if others == 0:
                         first_x, first_y = _within(column, x), _within(line, y)
                     others += 1
-            begins[c, cell] = others == 0
+            begins[c, cell] = owns > 0 and others == 0
             cell_row[c, cell] = i
             if owns >= others:
                 continue

@@ -63,7 +63,7 @@ class Texels(NamedTuple):
         cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
             neighbour's that most of the cell lies on the side of.
         middle: (C, 2) float32, where in the texel the place is whose side it is of.
-        begins: (C, CELLS^2) bool, cells of which nothing lies beyond.
+        begins: (C, CELLS^2) bool, cells of which some lies on their side and nothing beyond.
     """
 
     pixel: NDArray[np.int32]
