@@ -38,9 +38,16 @@ _INSIDE = 1e-3
 _NEAR2 = 4.0
 # Where a point lies: in a body, on the side of its texel's middle, or beyond what cuts the texel.
 _BURIED, _OWN, _BEYOND = 0, 1, 2
-# Whether a texel's middle lies in a body is told by so many rays: it does not where so many meet no
-# back.
-_TOLD_BY, _ENOUGH_FREE = 8, 7
+# Whether a texel's middle lies in a body is told by so many rays: so many may meet backs.
+_TOLD_BY, _MOST_BACKS = 8, 1
+# Cells of a texel from its middle outwards.
+_OUTWARDS = np.argsort(
+    [
+        (cell % CELLS - (CELLS - 1) / 2) ** 2 + (cell // CELLS - (CELLS - 1) / 2) ** 2
+        for cell in range(CELLS * CELLS)
+    ],
+    kind="stable",
+)
 OverRows = Callable[[int, Callable[[int, int], None]], None]
 
 
@@ -180,39 +187,35 @@ def _crossed(tree, geometry, texels, solid, stacks, places, first, last, crossed
 
 @hot
 def _middles(tree, geometry, texels, surfaces, rows, stacks, places, first, last):  # type: ignore[no-untyped-def]
-    """Where middles of cut texels lie in bodies, move them to the nearest of the freest cells."""
+    """Where middles of cut texels lie in bodies, move them to the nearest cell that does not."""
     weights, point, _, normal, _, _ = places
     _, of_bodies, _ = surfaces
     for c in range(first, last):
         i = rows[c]
         side = texels.side[i]
         t = _middle(geometry, texels, i, weights, point, normal)
-        most = _free_rays(tree, geometry, of_bodies, point, t, side, stacks)
-        if most >= _ENOUGH_FREE:
+        if _is_free(tree, geometry, of_bodies, point, t, side, stacks):
             continue
-        nearest2 = 0.0
-        for cell in range(CELLS * CELLS):
+        for cell in _OUTWARDS:
             x, y = (cell % CELLS + 0.5) / CELLS, (cell // CELLS + 0.5) / CELLS
-            away2 = (x - 0.5) ** 2 + (y - 0.5) ** 2
             at_x, at_y = texels.pixel[i, 0] + x, texels.pixel[i, 1] + y
             t = _lifted(geometry, texels, i, at_x, at_y, weights, point, normal)
-            free = _free_rays(tree, geometry, of_bodies, point, t, side, stacks)
-            if free > most or (free == most and away2 < nearest2):
-                most, nearest2 = free, away2
+            if _is_free(tree, geometry, of_bodies, point, t, side, stacks):
                 texels.middle[c, 0], texels.middle[c, 1] = x, y
+                break
 
 
 @inlined
-def _free_rays(tree, geometry, of_bodies, place, t, side, stacks):  # type: ignore[no-untyped-def]
-    """How many of _TOLD_BY rays from a point (3,) above triangle t meet no body's back.
+def _is_free(tree, geometry, of_bodies, place, t, side, stacks):  # type: ignore[no-untyped-def]
+    """Whether rays from a point (3,) above triangle t, spread by cosine, meet no backs of bodies.
 
-    In a body some rays meet fronts: other bodies end in it, as frames do in a wall. They are spread
-    by cosine.
+    One may slip through a gap. In a body some rays meet fronts: other bodies end in it, as frames
+    do in a wall.
     """
     stack, far_stack = stacks
     n = geometry.faces[t]
     sx, sy, sz, tx, ty, tz = across(n)
-    free = 0
+    backs = 0
     for k in range(_TOLD_BY):
         share, turn = (k + 0.5) / _TOLD_BY, 2.0 * math.pi * evenly(0.0, TURNS[0], k)
         up, level = side * math.sqrt(1.0 - share), math.sqrt(share)
@@ -234,13 +237,14 @@ def _free_rays(tree, geometry, of_bodies, place, t, side, stacks):  # type: igno
             far_stack,
         )
         if hit == MISS:
-            free += 1
             continue
         met = tree.order[hit]
         face = geometry.faces[met]
-        if not (of_bodies[met] and x * face[0] + y * face[1] + z * face[2] > 0.0):
-            free += 1
-    return free
+        if of_bodies[met] and x * face[0] + y * face[1] + z * face[2] > 0.0:
+            backs += 1
+            if backs > _MOST_BACKS:
+                return False
+    return True
 
 
 @hot
