@@ -13,7 +13,8 @@ from light_transport.giving_up import GoOn, always
 from light_transport.hour.hour import Hour, HourLight
 from light_transport.layout.layout import Layout
 from light_transport.lighting import column_light_of, hour_light
-from light_transport.ray_scene import BLOCK_ROWS, RayScene, are_good
+from light_transport.ray_scene import BLOCK_ROWS, Cut, RayScene, are_good
+from light_transport.rays.cut_texels import cut_texels
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.mirror_rays import mirror_rays
 from light_transport.rays.patches import patches_of
@@ -35,6 +36,7 @@ class Bake(RayScene):
         patch_texels: float = 6.0,
         bounces_left: float = 3e-3,
         tree: Tree | None = None,
+        cut: Cut = cut_texels,
     ):
         """Nothing is traced yet.
 
@@ -46,13 +48,15 @@ class Bake(RayScene):
             bounces_left: share of any patch's light that bounces left out may bring; of the mean
                 it is a hundredth of that.
             tree: `tree_of` the surfaces, where there is one already.
+            cut: `cut_texels`, or what finds the same.
         """
-        super().__init__(surfaces, layout, bounces_left, threads, tree)
+        super().__init__(surfaces, layout, bounces_left, threads, tree, cut)
         self.patch_texels = patch_texels
         # Of the round that tells which rows are patched.
         self.first_rays = 0
         self._finished: Finished | None = None
         # Of the last hour that was asked for.
+        self._light: tuple[Hour, HourLight] | None = None
         self._column_light: tuple[Hour, Float32Array] | None = None
 
     @property
@@ -63,7 +67,9 @@ class Bake(RayScene):
 
     def light(self, hour: Hour) -> HourLight:
         """The light of an hour; some rays must have been added."""
-        return hour_light(self, self.finished, hour)
+        if self._light is None or self._light[0] is not hour:
+            self._light = hour, hour_light(self, self.finished, hour)
+        return self._light[1]
 
     def column_light(self, hour: Hour) -> Float32Array:
         """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
@@ -87,7 +93,7 @@ class Bake(RayScene):
         self.mirrors = mirror_rays(
             parts, self.surfaces.part, self.tree, self.receivers, self.threads, go_on
         )
-        self._finished = self._column_light = None
+        self._finished = self._light = self._column_light = None
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
         """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
@@ -119,7 +125,7 @@ class Bake(RayScene):
             self._make_patches(table, count)
         self.rays += count
         self.table = table
-        self._finished = self._column_light = None
+        self._finished = self._light = self._column_light = None
 
     def _make_patches(self, table: Rows, rays: int) -> None:
         self.first_rays = rays

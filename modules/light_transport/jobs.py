@@ -6,6 +6,7 @@ numba is imported where work begins, so that programs without a light map do not
 import itertools
 import os
 from copy import copy
+from functools import lru_cache
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import msgspec
@@ -15,6 +16,7 @@ from light_transport.giving_up import GivenUp, GoOn, unless
 from light_transport.messages import NAME
 from light_transport.unseen_hours import HourMessages
 from vrut_lite.array import Array
+from vrut_lite.array_cache import Arrays
 from vrut_lite.daylight.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
@@ -149,6 +151,7 @@ def _laid_out(
     scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn
 ) -> "tuple[LightMapLaid, Bake]":
     from light_transport.bake import Bake
+    from light_transport.kept_cuts import kept_cut_texels
     from light_transport.layout.layout import lay_out
     from light_transport.ray_scene import tree_of
     from light_transport.rays.mirror_parts import mirror_parts
@@ -161,7 +164,8 @@ def _laid_out(
     go_on()
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, _all_threads(), go_on)
     go_on()
-    bake = Bake(surfaces, layout, _all_threads(), plan.patch_texels, plan.bounces_left, tree)
+    sizes = plan.patch_texels, plan.bounces_left
+    bake = Bake(surfaces, layout, _all_threads(), *sizes, tree, kept_cut_texels)
     bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
     return msgspec.structs.replace(layout.message, mirrors=_mirrors(bake)), bake
@@ -221,24 +225,36 @@ def _all_threads() -> int:
     return min(os.cpu_count() or 1, _MOST_THREADS)
 
 
-def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:
-    """The light of an hour, by the rays that there are."""
+def lit(
+    bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages, of_still: bool = False
+) -> SurfaceLightChanged:
+    """The light of an hour, by the rays that there are; that of a still is kept on disk."""
     from light_transport.halves import halves, largest
+    from light_transport.kept_light import kept_light
 
-    light = bake.value.light(hour_of(messages))
-    arrays = {"texels": light.texels, "probes": light.probes, "mirrors": light.mirrors}
-    known = {name: array for name, array in arrays.items() if array is not None}
-    scale = float16_scale(max(map(largest, known.values())))
-    encoded = {name: Array(halves(array, 1.0 / scale)) for name, array in known.items()}
+    own, hour = bake.value, hour_of(messages)
+    if of_still:
+        own.threads = _all_threads()
+
+    def made() -> Arrays:
+        light = own.light(hour)
+        arrays = {"texels": light.texels, "probes": light.probes, "mirrors": light.mirrors}
+        known = {name: array for name, array in arrays.items() if array is not None}
+        scale = float16_scale(max(map(largest, known.values())))
+        encoded = {name: halves(array, 1.0 / scale) for name, array in known.items()}
+        return {**encoded, "visible_sky": light.visible_sky.values, "scale": np.array([scale])}
+
+    found = kept_light(own, layout_key, hour, (), made) if of_still else made()
+    encoded = {name: Array(array) for name, array in found.items()}
     return SurfaceLightChanged(
         layout_key=layout_key,
         texels=encoded["texels"],
         probes=encoded.get("probes"),
-        radiance_scale=scale,
-        rays=bake.value.rays,
+        radiance_scale=float(found["scale"][0]),
+        rays=own.rays,
         source=NAME,
         mirrors=encoded.get("mirrors"),
-        visible_sky=light.visible_sky,
+        visible_sky=encoded["visible_sky"],
     )
 
 
@@ -256,34 +272,47 @@ def view_lit(
     """
     from light_transport.halves import halves, largest
     from light_transport.hour.view_light import edge_for, view_light
+    from light_transport.kept_light import kept_light
 
     edge_px = edge_for(asked.size_px, points)
     # Hours of the same bake are lit by one thread meanwhile.
     own = copy(bake.value)
     own.threads = _all_threads()
     hour, rays, go_on = hour_of(messages), own.rays, unless(control.cancelled)
-    view = asked.camera, asked.size_px, edge_px
+    camera, of_picture = asked.camera, (asked.size_px, edge_px)
+
+    def made() -> Arrays:
+        found = view_light(own, hour, camera, *of_picture, rays, own.threads, go_on)
+        scale = float16_scale(max(largest(found.light), largest(found.mirrored)))
+        return {
+            "light": halves(found.light, 1.0 / scale),
+            "plane": found.plane,
+            "mirrored": halves(found.mirrored, 1.0 / scale),
+            "scale": np.array([scale]),
+        }
+
+    view = (camera.eye_m, camera.target_m, camera.vertical_field_of_view_rad, *of_picture)
     try:
-        found = view_light(own, hour, *view, rays, own.threads, go_on)
+        found = kept_light(own, layout_key, hour, view, made)
     except GivenUp:
         return None
-    scale = float16_scale(max(largest(found.light), largest(found.mirrored)))
     return ViewLightChanged(
         layout_key=layout_key,
-        camera=asked.camera,
+        camera=camera,
         size_px=asked.size_px,
         edge_px=edge_px,
-        light=Array(halves(found.light, 1.0 / scale)),
-        plane=Array(found.plane),
-        mirrored=Array(halves(found.mirrored, 1.0 / scale)),
-        radiance_scale=scale,
+        light=Array(found["light"]),
+        plane=Array(found["plane"]),
+        mirrored=Array(found["mirrored"]),
+        radiance_scale=float(found["scale"][0]),
         rays=rays,
         source=NAME,
     )
 
 
+@lru_cache(maxsize=1)
 def hour_of(messages: HourMessages) -> "Hour":
-    """An hour in plain arrays."""
+    """An hour in plain arrays, the same ones as long as the same hour is asked for."""
     from light_transport.hour.hour import Hour
 
     sky, key_light, ambient = messages

@@ -305,7 +305,8 @@ class LightTransport(Module):
             self.ledger.skip("hour: a newer one overtook it")
         else:
             self._hours_under_way += 1
-        self.link.start_job(HOUR, lit, self._round.bake, layout_key, hour)
+        of_still = self._least_rays > 0
+        self.link.start_job(HOUR, lit, self._round.bake, layout_key, hour, of_still)
 
     def _light_view(self) -> None:
         """Light the points that a finished still shows, by the last rays, if somebody wants it."""

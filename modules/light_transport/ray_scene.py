@@ -1,6 +1,5 @@
 """A scene as rays see it: triangles, the rows that rays begin at, and where these rays end."""
 
-import hashlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
@@ -9,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.digests import digest_of
 from light_transport.hour.openness import orientation_of
 from light_transport.layout.layout import Layout
 from light_transport.layout.probe_places import probe_places_m
@@ -20,7 +20,7 @@ from light_transport.rays.ray_table import Rows, empty_rows
 from light_transport.rays.tree import Tree, tree_over
 from light_transport.surfaces.groups import groups_of
 from light_transport.surfaces.links import links_of, seam_links
-from light_transport.surfaces.map_texels import map_geometry, texels_of, with_backs
+from light_transport.surfaces.map_texels import Texels, map_geometry, texels_of, with_backs
 from light_transport.surfaces.sheets import sheets_of
 from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.daylight.lamps import SceneLamps
@@ -33,6 +33,7 @@ _LEAST_FREE = 0.4
 _GROUP_TEXELS = 4.0
 _SMALLEST_GROUP = 1.0 / 200.0
 _Made = TypeVar("_Made")
+Cut = Callable[..., tuple[Texels, NDArray[np.int32]]]
 
 
 def tree_of(surfaces: Surfaces) -> Tree:
@@ -68,8 +69,9 @@ class RayScene:
         bounces_left: float,
         threads: int,
         tree: Tree | None,
+        cut: Cut = cut_texels,
     ):
-        """Nothing is traced yet; `tree` is made where there is none."""
+        """Nothing is traced yet; `tree` is made where there is none, `cut` cuts texels."""
         self.surfaces = surfaces.without_shapes()
         self.probes = layout.message.probes
         self.threads = threads
@@ -89,7 +91,7 @@ class RayScene:
         self.colour_of = self.texels.triangle
         charts = layout.chart[self.texels.triangle]
         self.beside = links_of(self.texels, charts)
-        self.texels, self.links = cut_texels(
+        self.texels, self.links = cut(
             self.tree, geometry, self.texels, charts, self.beside, sheets, self.over_rows
         )
         self.receivers = Receivers(geometry, self.texels, probes, groups)
@@ -120,13 +122,9 @@ class RayScene:
     @cached_property
     def geometry_digest(self) -> str:
         """Of all that rays meet and begin at."""
-        digest = hashlib.blake2b(digest_size=16)
         receivers = self.receivers
         begin: list[NDArray] = [receivers.texels.pixel, *receivers.probes, *receivers.groups]
-        for array in [*begin, *self.tree, *receivers.geometry[1:]]:
-            digest.update(f"{array.dtype.str}{array.shape}".encode())
-            digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
-        return digest.hexdigest()
+        return digest_of([*begin, *self.tree, *receivers.geometry[1:]])
 
     def over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""

@@ -13,6 +13,7 @@ from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.work_planes import work_planes
 from light_transport.giving_up import GivenUp, GoOn, always
 from light_transport.jobs import first_rays
+from light_transport.kept_cuts import kept_cut_texels
 from light_transport.kept_rays import add_kept_rays
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
@@ -71,7 +72,8 @@ def baked(
     threads = min(os.cpu_count() or 1, _MOST_THREADS)
     texels = int(quality.texels * share_of_texels)
     layout = lay_out(scene, surfaces, None, texels, threads, go_on)
-    bake = Bake(surfaces, layout, threads, quality.patch_texels, quality.bounces_left)
+    sizes = quality.patch_texels, quality.bounces_left
+    bake = Bake(surfaces, layout, threads, *sizes, cut=kept_cut_texels)
     # Patches follow from the first round, and so do kept rays: it is the module's own.
     for rays in (first_rays(bake.rows), quality.rays):
         if not add_kept_rays(bake, rays - bake.rays, lambda: _is_over(go_on)):
