@@ -32,7 +32,7 @@ COARSER = 2
 _MOST_TILES = 2 * (os.cpu_count() or 1)
 _BEFORE_SKY = 1e-20
 # As cloud_take_over.glsl has them, and how many pictures make all clouds anew.
-_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCE_UNIT, _TURNS = 8, 10, 11, 4
+_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCES_UNIT, _TURNS = 8, 10, 11, 4
 # An eye that has moved this far sees other sides.
 _NEAR_M = 200.0
 
@@ -152,7 +152,7 @@ class CloudPass:
         """Set what the march takes over."""
         before.target.before_sky.use(location=_OLD_SKY_UNIT)
         before.target.before_mesh.use(location=_OLD_MESH_UNIT)
-        before.target.distance_m.use(location=_OLD_DISTANCE_UNIT)
+        before.target.distances_m.use(location=_OLD_DISTANCES_UNIT)
         known.set("old_clip_from_axes", (before.view.projection @ before.view.rotation).T.ravel())
         known.set("moved_m", _moved_m(before, now))
 
@@ -172,7 +172,9 @@ class CloudPass:
     ) -> None:
         """Draw a picture, of which another may know a part."""
         known = self._program("cloud_known.frag", take_over)
-        march = self._program("clouds.frag", now.defines)
+        # A still's march begins where the coarser picture's met clouds.
+        guided: Defines = ("GUIDED",) if "INTERPOLATE" in take_over else ()
+        march = self._program("clouds.frag", (*now.defines, *guided))
         if before is not None:
             self._take_over(known, before, now)
         for program in (known, march):
@@ -181,6 +183,7 @@ class CloudPass:
             program.set("near_m", float(view.projection[2, 3]))
             program.set("view_axis", -view.rotation[2, :3])
             program.set("mesh_pixels", pixels)
+            program.set("picture_px", now.target.size)
         context = self._context
         now.target.buffer.use()
         clouds.bind_noises()
@@ -247,16 +250,16 @@ class _CloudTarget:
         for texture in (self.before_sky, self.before_mesh):
             texture.filter = (context.LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
-        self.distance_m = context.texture(size, 1, dtype="f4")
-        self.distance_m.filter = (context.NEAREST, context.NEAREST)
-        self.distance_m.repeat_x = self.distance_m.repeat_y = False
+        self.distances_m = context.texture(size, 2, dtype="f4")
+        self.distances_m.filter = (context.NEAREST, context.NEAREST)
+        self.distances_m.repeat_x = self.distances_m.repeat_y = False
         # What need not be marched has a depth.
         self._known = context.depth_renderbuffer(size)
         self.buffer = context.framebuffer(
-            [self.before_sky, self.before_mesh, self.distance_m], self._known
+            [self.before_sky, self.before_mesh, self.distances_m], self._known
         )
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
-        for thing in (self.buffer, self._known, self.before_sky, self.before_mesh, self.distance_m):
+        for thing in (self.buffer, self._known, self.before_sky, self.before_mesh, self.distances_m):
             thing.release()
