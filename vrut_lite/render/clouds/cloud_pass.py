@@ -27,6 +27,9 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 # Pixels of the frame to one of the clouds' while something moves, along each side; a still has one
 # for each in the end.
 COARSER = 2
+# Clouds are softer than edges: of the pictures that a finished still is the mean of these march
+# through them, as their shifts' mean is nearly none, and each other one shows the clouds before.
+MARCHED = (0, 2, 5, 7)
 # Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
@@ -61,6 +64,7 @@ class CloudPass:
         self._before: _Before | None = None
         # What a still has already.
         self._known: _Before | None = None
+        self._shown: _CloudTarget | None = None
         self._turn = 0
 
     def draw(
@@ -79,7 +83,7 @@ class CloudPass:
             before_meshes: whether clouds may stand before meshes.
             light: while something moves, a number of the light on them: pictures of the same light
                 are taken over. None: the picture is a still.
-            sample: of a still's pixels, which; the first comes first.
+            sample: of a still's pictures, which; the first comes first.
         """
         defines = (*(name for name in air if name == "AIR"),)
         depth = self._depths.get(targets.size)
@@ -90,10 +94,16 @@ class CloudPass:
             target = self._still(clouds, view, defines, targets.size, sample)
         else:
             target = self._moving(clouds, view, defines, targets.size, light)
+        self._shown = target
         targets.multisampled.use()
-        self._blend(target.before_sky, only_sky=True)
+        self.draw_again(before_meshes)
+
+    def draw_again(self, before_meshes: bool) -> None:
+        """Blend in what was marched last."""
+        assert self._shown is not None
+        self._blend(self._shown.before_sky, only_sky=True)
         if before_meshes:
-            self._blend(target.before_mesh, only_sky=False)
+            self._blend(self._shown.before_mesh, only_sky=False)
 
     def _moving(
         self,
@@ -143,7 +153,7 @@ class CloudPass:
         for screen in (*self._programs.values(), self._composite):
             if screen is not None:
                 screen.release()
-        self._before = self._known = None
+        self._before = self._known = self._shown = None
         self._targets.release()
         self._others.release()
         self._depths.release()
@@ -261,5 +271,6 @@ class _CloudTarget:
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
-        for thing in (self.buffer, self._known, self.before_sky, self.before_mesh, self.distances_m):
+        textures = self.before_sky, self.before_mesh, self.distances_m
+        for thing in (self.buffer, self._known, *textures):
             thing.release()
