@@ -61,11 +61,10 @@ SLICES_A_FRAME = 2
 
 # A finished still is the mean of pictures that are shifted so, right and up, in pixels. With one
 # sample a pixel no hidden one is shaded: eight such pictures take half as long as four of four
-# samples, and come nearer to 64. Clouds are marched through for each picture: fewer are better.
+# samples, and come nearer to 64.
 _SHIFTS_PX = tuple(
     ((2 * i - 7) / 16, (2 * j - 7) / 16) for i, j in enumerate((2, 5, 0, 7, 3, 6, 1, 4))
 )
-_SHIFTS_BY_CLOUDS_PX = ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25))
 
 Measure = Callable[[str], AbstractContextManager[Any]]
 
@@ -192,8 +191,8 @@ class Frame:
             )
         shifts: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
         if finished:
-            shifts = _SHIFTS_BY_CLOUDS_PX if self._clouds.are_drawn else _SHIFTS_PX
-        of_size = self._single if shifts is _SHIFTS_PX else self._targets
+            shifts = _SHIFTS_PX
+        of_size = self._single if finished else self._targets
         targets = of_size.get(state.size_px)
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
         self.ledger.did("picture", len(shifts))
@@ -283,7 +282,10 @@ class Frame:
                     within = [p for p in placed if in_view(p, part)]
                 shown: dict[PlacedSide, tuple[Run, ...]] = {}
                 if not blended:
-                    shown = self._meshes.draw_depth_first(within, view)
+                    if targets.samples_a_pixel > 1:
+                        shown = self._meshes.draw_depth_first(within, view)
+                    else:
+                        self._meshes.draw_depth_of_solid(within, view)
                     # Where two are equally near the last one shows: the nearer mesh.
                     within = within[::-1]
                 self._meshes.draw(

@@ -19,7 +19,7 @@ class Targets:
 
     def __init__(self, context: Any, size: tuple[int, int], samples: int = SAMPLES):
         self.size = size
-        self._samples = samples
+        self.samples_a_pixel = samples
         # Of OpenGL's, 0 is one sample, whose depth is tested before it is shaded.
         stored = samples if samples > 1 else 0
         self._colour = context.renderbuffer(size, 4, samples=stored, dtype="f4")
@@ -33,7 +33,7 @@ class Targets:
     @property
     def samples(self) -> int:
         """Samples of all pixels."""
-        return self.size[0] * self.size[1] * self._samples
+        return self.size[0] * self.size[1] * self.samples_a_pixel
 
     def read_resolved(self) -> NDArray[np.float32]:
         """The resolved picture (h, w, 4), row 0 at the top."""

@@ -27,12 +27,15 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 # Pixels of the frame to one of the clouds' while something moves, along each side; a still has one
 # for each in the end.
 COARSER = 2
+# Clouds are softer than edges: of the pictures that a finished still is the mean of these march
+# through them, as their shifts' mean is nearly none, and each other one shows the clouds before.
+MARCHED = (0, 2, 5, 7)
 # Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
 _BEFORE_SKY = 1e-20
 # As cloud_take_over.glsl has them, and how many pictures make all clouds anew.
-_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCE_UNIT, _TURNS = 8, 10, 11, 4
+_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCES_UNIT, _TURNS = 8, 10, 11, 4
 # An eye that has moved this far sees other sides.
 _NEAR_M = 200.0
 
@@ -61,6 +64,7 @@ class CloudPass:
         self._before: _Before | None = None
         # What a still has already.
         self._known: _Before | None = None
+        self._shown: _CloudTarget | None = None
         self._turn = 0
 
     def draw(
@@ -79,7 +83,7 @@ class CloudPass:
             before_meshes: whether clouds may stand before meshes.
             light: while something moves, a number of the light on them: pictures of the same light
                 are taken over. None: the picture is a still.
-            sample: of a still's pixels, which; the first comes first.
+            sample: of a still's pictures, which; the first comes first.
         """
         defines = (*(name for name in air if name == "AIR"),)
         depth = self._depths.get(targets.size)
@@ -90,10 +94,16 @@ class CloudPass:
             target = self._still(clouds, view, defines, targets.size, sample)
         else:
             target = self._moving(clouds, view, defines, targets.size, light)
+        self._shown = target
         targets.multisampled.use()
-        self._blend(target.before_sky, only_sky=True)
+        self.draw_again(before_meshes)
+
+    def draw_again(self, before_meshes: bool) -> None:
+        """Blend in what was marched last."""
+        assert self._shown is not None
+        self._blend(self._shown.before_sky, only_sky=True)
         if before_meshes:
-            self._blend(target.before_mesh, only_sky=False)
+            self._blend(self._shown.before_mesh, only_sky=False)
 
     def _moving(
         self,
@@ -143,7 +153,7 @@ class CloudPass:
         for screen in (*self._programs.values(), self._composite):
             if screen is not None:
                 screen.release()
-        self._before = self._known = None
+        self._before = self._known = self._shown = None
         self._targets.release()
         self._others.release()
         self._depths.release()
@@ -152,7 +162,7 @@ class CloudPass:
         """Set what the march takes over."""
         before.target.before_sky.use(location=_OLD_SKY_UNIT)
         before.target.before_mesh.use(location=_OLD_MESH_UNIT)
-        before.target.distance_m.use(location=_OLD_DISTANCE_UNIT)
+        before.target.distances_m.use(location=_OLD_DISTANCES_UNIT)
         known.set("old_clip_from_axes", (before.view.projection @ before.view.rotation).T.ravel())
         known.set("moved_m", _moved_m(before, now))
 
@@ -172,7 +182,9 @@ class CloudPass:
     ) -> None:
         """Draw a picture, of which another may know a part."""
         known = self._program("cloud_known.frag", take_over)
-        march = self._program("clouds.frag", now.defines)
+        # A still's march begins where the coarser picture's met clouds.
+        guided: Defines = ("GUIDED",) if "INTERPOLATE" in take_over else ()
+        march = self._program("clouds.frag", (*now.defines, *guided))
         if before is not None:
             self._take_over(known, before, now)
         for program in (known, march):
@@ -181,6 +193,7 @@ class CloudPass:
             program.set("near_m", float(view.projection[2, 3]))
             program.set("view_axis", -view.rotation[2, :3])
             program.set("mesh_pixels", pixels)
+            program.set("picture_px", now.target.size)
         context = self._context
         now.target.buffer.use()
         clouds.bind_noises()
@@ -247,16 +260,17 @@ class _CloudTarget:
         for texture in (self.before_sky, self.before_mesh):
             texture.filter = (context.LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
-        self.distance_m = context.texture(size, 1, dtype="f4")
-        self.distance_m.filter = (context.NEAREST, context.NEAREST)
-        self.distance_m.repeat_x = self.distance_m.repeat_y = False
+        self.distances_m = context.texture(size, 2, dtype="f4")
+        self.distances_m.filter = (context.NEAREST, context.NEAREST)
+        self.distances_m.repeat_x = self.distances_m.repeat_y = False
         # What need not be marched has a depth.
         self._known = context.depth_renderbuffer(size)
         self.buffer = context.framebuffer(
-            [self.before_sky, self.before_mesh, self.distance_m], self._known
+            [self.before_sky, self.before_mesh, self.distances_m], self._known
         )
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
-        for thing in (self.buffer, self._known, self.before_sky, self.before_mesh, self.distance_m):
+        textures = self.before_sky, self.before_mesh, self.distances_m
+        for thing in (self.buffer, self._known, *textures):
             thing.release()

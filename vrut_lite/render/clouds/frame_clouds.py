@@ -11,7 +11,7 @@ from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
-from vrut_lite.render.clouds.cloud_pass import CloudPass
+from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass
 from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
@@ -95,7 +95,7 @@ class FrameClouds:
     ) -> None:
         """Layers over the sky, and over meshes that stand behind them.
 
-        `sample`: of a still's pixels, which.
+        `sample`: of a still's pictures, which.
         """
         if not self._drawn:
             return
@@ -113,6 +113,10 @@ class FrameClouds:
             before_meshes = max(highest_m, view.eye_m[1]) > cloud.base_m
             if not before_meshes:
                 self._ledger.skip("clouds: before meshes, all below them")
+            if sample not in MARCHED:
+                self._ledger.skip("clouds: those of the picture before")
+                drawing.draw_again(before_meshes)
+                continue
             cloud.bind_again()
             self._shadow.bind_light(self._drawn.index(cloud))
             drawing.draw(cloud, targets, view, air.mesh, before_meshes, light, sample)

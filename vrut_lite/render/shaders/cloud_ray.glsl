@@ -8,8 +8,9 @@ uniform vec3 view_axis;
 in vec3 ray;
 layout(location = 0) out vec4 before_sky;
 layout(location = 1) out vec4 before_mesh;
-// The mean of what is seen, 0 where there is none; -1 less it where the march ended at a mesh.
-layout(location = 2) out float cloud_distance_m;
+// The mean of what is seen, 0 where there is none, -1 less it where the march ended at a mesh; and
+// where the ray first meets a cloud, or NEVER.
+layout(location = 2) out vec2 cloud_distances_m;
 
 const float NEVER = 1e30;
 // Pictures of one sample give the sky a depth, 0 is that of others: cloud_pass.py.

@@ -4,7 +4,7 @@
 
 layout(binding = 8) uniform sampler2D old_before_sky;
 layout(binding = 10) uniform sampler2D old_before_mesh;
-layout(binding = 11) uniform sampler2D old_distance_m;
+layout(binding = 11) uniform sampler2D old_distances_m;
 uniform mat4 old_clip_from_axes;
 uniform vec3 moved_m;  // from the eye then to the eye now, less the wind's drift
 uniform int turn;
@@ -20,7 +20,7 @@ vec2 old_place(vec3 d, float metres) {
 }
 
 float metres_at(vec2 place) {
-    float metres = textureLod(old_distance_m, place, 0.0).r;
+    float metres = textureLod(old_distances_m, place, 0.0).r;
     return metres < 0.0 ? -1.0 - metres : metres;
 }
 
@@ -57,10 +57,12 @@ bool taken_over(LayerRay ray) {
 #endif
     if (metres > 0.0 && abs(ray.mesh_m - metres) < BESIDE * metres) return false;
     // What was behind a mesh was not marched.
-    if (!ray.sky_hidden && any(lessThan(textureGather(old_distance_m, place), vec4(0.0)))) return false;
+    if (!ray.sky_hidden && any(lessThan(textureGather(old_distances_m, place), vec4(0.0))))
+        return false;
     before_sky = textureLod(old_before_sky, place, 0.0);
     bool hidden = metres == 0.0 || ray.mesh_m < metres;
     before_mesh = hidden ? vec4(0.0, 0.0, 0.0, 1.0) : textureLod(old_before_mesh, place, 0.0);
-    cloud_distance_m = ray.sky_hidden ? -1.0 - metres : metres;
+    cloud_distances_m = vec2(ray.sky_hidden ? -1.0 - metres : metres,
+                             textureLod(old_distances_m, place, 0.0).g);
     return true;
 }

@@ -9,6 +9,12 @@
 #ifdef AIR
 //!include air.glsl
 #endif
+#ifdef GUIDED
+// A picture of the same rays, or of rays between which they lie.
+layout(binding = 11) uniform sampler2D old_distances_m;
+uniform vec2 picture_px;
+const float BEFORE_FIRST = 0.95;  // what is between rays may be a little nearer
+#endif
 
 const int MOST_STEPS = 512;
 // Fine steps, as shares of the layer's thickness and of the distance, in thick layers no longer
@@ -39,6 +45,7 @@ struct March {
     Seen seen;
     Seen at_mesh;
     int parts, parts_at_mesh;
+    float first_m;      // NEVER where no cloud is met
     // Of the sample before, the share that is cloud; of what passed all, what passed there.
     float share, in_share;
     // Of the parts of what is seen: weight; distance, summed. Light changes little in
@@ -88,6 +95,10 @@ Place place_at(LayerRay ray, float at_m, float fine_m) {
     return Place(ray.d.xz * (at_m * sqrt(2.0 * radius / (radius + upright))), over_base_m, max(clouds.pixel_rad * at_m, 0.25 * fine_m));
 }
 
+float height_at(Place place) {
+    return clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
+}
+
 void end_part(inout March march) {
     if (march.gathered[march.parts].x > 0.0) march.parts = min(march.parts + 1, MOST_PARTS - 1);
 }
@@ -110,9 +121,22 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
     int clear = STEPS_TO_COARSE, halvings = 0;
     bool inside = false;
     for (int i = 0; i < MOST_STEPS && t < piece.y; ++i) {
-        float fine_m = min(fine_step_m(t), coarsest_m);
-        bool coarse = clear >= STEPS_TO_COARSE;
-        float step_m = coarse ? COARSE * fine_m : fine_m;
+        // Clear air by the envelope alone: a loop of its own ends where all pixels of a block have
+        // met one, and a software renderer runs the rest for none of them until then.
+        while (clear >= STEPS_TO_COARSE && t < piece.y) {
+            float fine_m = min(fine_step_m(t), coarsest_m);
+            float step_m = min(COARSE * fine_m, piece.y - t), at_m = t + dither * step_m;
+            Place place = place_at(ray, at_m, fine_m);
+            if (cloud_envelope(cloud_column(place.level, place.width_m), height_at(place)).w > 0.0) {
+                clear = 0;
+                break;
+            }
+            march.share = march.in_share = 0.0;
+            clear_m = at_m;
+            t += step_m;
+        }
+        if (t >= piece.y) break;
+        float fine_m = min(fine_step_m(t), coarsest_m), step_m = fine_m;
         // What lies deeper is seen less: it is sampled less.
         if (inside) step_m = min(step_m * (2.5 - 1.5 * march.seen.transmittance),
                                  DEEPEST_STEP / diffused_per_m);
@@ -126,13 +150,8 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             march.at_mesh = march.seen;
         }
         Place place = place_at(ray, at_m, fine_m);
-        float height = clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
         Column column = cloud_column(place.level, place.width_m);
-        vec4 envelope = cloud_envelope(column, height);
-        if (coarse && envelope.w > 0.0) {
-            clear = 0;
-            continue;
-        }
+        vec4 envelope = cloud_envelope(column, height_at(place));
         vec2 found = cloud_density(envelope, column.noise_range, place.level, place.over_base_m,
                                    place.width_m);
         float density = found.x, share = found.y;
@@ -147,6 +166,7 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
         if (density > 0.0 && !inside) {
             inside = true;
             clear = 0;
+            march.first_m = min(march.first_m, at_m);
             clear_m = max(clear_m, t - fine_m);
             cloudy_m = at_m;
             halvings = SURFACE_HALVINGS;
@@ -175,8 +195,25 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
     }
 }
 
+#ifdef GUIDED
+// Where the first of the rays around meets a cloud.
+float first_around_m() {
+    vec2 texel = 1.0 / vec2(textureSize(old_distances_m, 0));
+    vec2 middle = gl_FragCoord.xy / picture_px;
+    vec4 first = vec4(NEVER);
+    for (int i = 0; i < 4; ++i) {
+        vec2 beside = vec2(i & 1, i >> 1) * 2.0 - 1.0;
+        first = min(first, textureGather(old_distances_m, middle + beside * texel, 1));
+    }
+    return min(min(first.x, first.y), min(first.z, first.w));
+}
+#endif
+
 void main() {
     LayerRay seen = layer_ray();
+#ifdef GUIDED
+    seen.pieces.xz = max(seen.pieces.xz, BEFORE_FIRST * first_around_m());
+#endif
     // A pattern fixed to the picture (Jimenez 2014, "interleaved gradient noise").
     float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     March march;
@@ -184,6 +221,7 @@ void main() {
     march.parts = 0;
     march.share = march.in_share = 0.0;
     march.parts_at_mesh = -1;
+    march.first_m = NEVER;
     for (int i = 0; i < MOST_PARTS; ++i) march.gathered[i] = vec2(0.0);
     march_piece(march, seen, seen.pieces.xy, dither);
     if (march.seen.transmittance >= OPAQUE)
@@ -198,9 +236,12 @@ void main() {
                                           place.width_m);
         if (i < march.parts_at_mesh) radiance_at_mesh = radiance;
     }
-    before_sky = through_air_of(radiance, march.seen, seen.d);
-    before_mesh = march.parts_at_mesh < 0 ? before_sky
-                                          : through_air_of(radiance_at_mesh, march.at_mesh, seen.d);
-    cloud_distance_m = march.seen.weight > 0.0 ? march.seen.distance_m / march.seen.weight : 0.0;
-    if (seen.sky_hidden) cloud_distance_m = -1.0 - cloud_distance_m;
+    // One loop serves both, as a software renderer runs both sides of a branch.
+    for (int i = 0; i < (march.parts_at_mesh < 0 ? 1 : 2); ++i) {
+        before_mesh = through_air_of(i > 0 ? radiance_at_mesh : radiance,
+                                     i > 0 ? march.at_mesh : march.seen, seen.d);
+        if (i == 0) before_sky = before_mesh;
+    }
+    float mean_m = march.seen.weight > 0.0 ? march.seen.distance_m / march.seen.weight : 0.0;
+    cloud_distances_m = vec2(seen.sky_hidden ? -1.0 - mean_m : mean_m, march.first_m);
 }
