@@ -98,15 +98,22 @@ class Surroundings:
         wanted = np.ceil(_SAMPLES_A_CELL * edges.max(axis=-1, initial=0.0) / self._cell_m)
         # Powers of two, so that few sizes are gone through.
         samples = np.exp2(np.ceil(np.log2(np.clip(wanted, 1, _MOST_SAMPLES)))).astype(int)
+        in_cells = (triangles - self._origin_m) / self._cell_m
+        filled, (_, rows, columns) = self._filled.reshape(-1), self._filled.shape
+        last = np.array(self._filled.shape) - 1
         for count in np.unique(samples):
             i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
             inside = i + j <= count
             u, v = i[inside] / count, j[inside] / count
             weights = np.stack([1.0 - u - v, u, v], axis=-1)
-            chosen = triangles[samples == count]
+            chosen = in_cells[samples == count]
             a_chunk = max(1, _CHUNK_POINTS // len(weights))
             for start in range(0, len(chosen), a_chunk):
-                points = np.einsum("pk,nkx->npx", weights, chosen[start : start + a_chunk])
-                cells = ((points - self._origin_m) / self._cell_m).reshape(-1, 3).astype(int)
-                np.clip(cells, 0, np.array(self._filled.shape) - 1, out=cells)
-                self._filled[tuple(cells.T)] = True
+                # Coordinate by coordinate: no array of points by three.
+                x, y, z = (
+                    np.clip((corners @ weights.T).astype(np.int32), 0, most)
+                    for corners, most in zip(
+                        np.moveaxis(chosen[start : start + a_chunk], 2, 0), last, strict=True
+                    )
+                )
+                filled[(x * rows + y) * columns + z] = True
