@@ -106,6 +106,24 @@ def test_a_held_result_is_admitted_when_it_is_released():
     assert results(kernel) == [("sum", 1, "")]
 
 
+def test_held_jobs_begin_when_they_are_let_go_or_waited_for():
+    """What is done meanwhile goes first; jobs that are cancelled meanwhile never run."""
+    kernel, ran = kernel_with(ThreadRunner()), []
+    with kernel.jobs.held():
+        ask(kernel, Ask(work=ran.append, arguments=(1,)))
+        assert kernel.jobs.runs("worker")
+        ask(kernel, Ask(), Ask(work=ran.append, arguments=(2,)))
+        assert ran == []
+    kernel.pump_until_idle()
+    assert ran == [2]
+    with kernel.jobs.held():
+        ask(kernel, Ask(work=ran.append, arguments=(3,)))
+        kernel.pump_until_idle()
+        assert ran == [2, 3]
+    assert len(results(kernel)) == 2
+    kernel.close()
+
+
 def test_only_one_job_of_a_key_runs_at_a_time_even_after_cancelling():
     """A cancelled job cannot be torn from its thread; its successor waits for its return."""
     kernel = kernel_with(ThreadRunner())
