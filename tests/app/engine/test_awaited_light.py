@@ -1,10 +1,10 @@
-"""A finished picture waits for the first light of its scene, and for nothing else."""
+"""A finished picture waits for the light of its scene and of its hour, and for nothing else."""
 
 from types import SimpleNamespace
 
 import pytest
 
-from vrut_lite.app.engine.first_light import FirstLight
+from vrut_lite.app.engine.awaited_light import AwaitedLight
 from vrut_lite.daylight.light_map import SLOT
 from vrut_lite.kernel.job_desk import JobDesk
 from vrut_lite.kernel.messages import JobResult
@@ -37,25 +37,33 @@ def state(scene, light=None):
 
 
 def test_a_picture_waits_while_the_holder_of_the_light_map_works(kernel, runner):
-    """Not for others' jobs, nor when light is there, nor after the job's end."""
-    first, scene = FirstLight(), object()
+    """Not for others' jobs, nor after the job's end."""
+    light, scene = AwaitedLight(), object()
     kernel.jobs.start(("other", "job"), lambda: None, ())
-    assert not first.is_awaited(kernel, state(scene), 0.0)
+    assert not light.is_awaited(kernel, state(scene), 0.0, 0.0)
     kernel.jobs.start(("holder", "layout"), lambda: None, ())
-    assert first.is_awaited(kernel, state(scene), 0.1)
-    assert not first.is_awaited(kernel, state(scene, light=object()), 0.2)
+    assert light.is_awaited(kernel, state(scene), 0.1, 0.0)
     runner.finish(runner.job, result := JobResult(module="holder", job="layout"))
     assert kernel.jobs.admit(result)
-    assert not first.is_awaited(kernel, state(scene), 0.3)
+    assert not light.is_awaited(kernel, state(scene), 0.3, 0.0)
+
+
+def test_another_hour_s_light_is_waited_for_and_that_of_more_rays_is_not(kernel):
+    """A third of a second after the hand's last move; rays are traced for seconds."""
+    light, lit = AwaitedLight(), state(object(), light=object())
+    kernel.jobs.start(("holder", "hour"), lambda: None, ())
+    assert light.is_awaited(kernel, lit, 10.3, 10.0)
+    assert not light.is_awaited(kernel, lit, 10.4, 10.0)
+    assert light.is_awaited(kernel, lit, 10.4, 10.1)
 
 
 def test_patience_ends_and_begins_anew_with_another_scene(kernel):
     """Five seconds from the first question on; and where no module holds the slot, none."""
-    first, scene = FirstLight(), object()
+    light, scene = AwaitedLight(), object()
     kernel.jobs.start(("holder", "layout"), lambda: None, ())
-    assert first.is_awaited(kernel, state(scene), 100.0)
-    assert first.is_awaited(kernel, state(scene), 104.9)
-    assert not first.is_awaited(kernel, state(scene), 105.0)
-    assert first.is_awaited(kernel, state(object()), 106.0)
+    assert light.is_awaited(kernel, state(scene), 100.0, 0.0)
+    assert light.is_awaited(kernel, state(scene), 104.9, 0.0)
+    assert not light.is_awaited(kernel, state(scene), 105.0, 0.0)
+    assert light.is_awaited(kernel, state(object()), 106.0, 0.0)
     kernel.holders.clear()
-    assert not first.is_awaited(kernel, state(scene), 107.0)
+    assert not light.is_awaited(kernel, state(scene), 107.0, 0.0)
