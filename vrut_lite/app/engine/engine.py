@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.awaited_light import LOOK_AGAIN_S, AwaitedLight
-from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer
+from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
@@ -206,9 +206,8 @@ class Engine:
         self._finer_light.resume(stage.kernel, self._now_s())
 
     def _patience_s(self) -> float | None:
-        times_s = (
-            self._finish_at_s, self._adaptation.wakes_at_s, self._finer_light.resumes_at_s,
-        )  # fmt: skip
+        finish_at_s = self._finish_at_s if self._adaptation.is_near else None
+        times_s = finish_at_s, self._adaptation.wakes_at_s, self._finer_light.resumes_at_s
         due_s = min((time_s for time_s in times_s if time_s is not None), default=None)
         return None if due_s is None else max(0.0, due_s - self._now_s())
 
@@ -245,8 +244,13 @@ class Engine:
         """Draw a state that was not drawn yet; False if it was, or cannot be finished yet."""
         if stage.state.missing:
             return False
-        if is_only_finer(self._drawn, stage.state):
-            self._drawn, self._finish_at_s = stage.state, self._now_s()
+        now_s = self._now_s()
+        # At rest light that comes late is seen in a finished picture: not in a coarse one again.
+        rests = now_s >= self._moved_at_s + REST_S
+        if is_only_finer(self._drawn, stage.state) or (
+            rests and is_only_lit(self._drawn, stage.state)
+        ):
+            self._drawn, self._finish_at_s, self._in_vain = stage.state, now_s, False
         if stage.state is self._drawn:
             return False
         self._drawn, self._in_vain, self._moved_at_s = stage.state, False, self._sent_at_s

@@ -57,3 +57,13 @@ def is_only_finer(before: SceneState | None, now: SceneState) -> bool:
         and now.view_light is not before.view_light
         and now.shares_all_but(before, "view_light")
     )
+
+
+def is_only_lit(before: SceneState | None, now: SceneState) -> bool:
+    """Whether nothing but the light of surfaces is new, which they had before too."""
+    return (
+        before is not None
+        and before.surface_light is not None
+        and now.surface_light is not None
+        and now.shares_all_but(before, "surface_light", "coarser_light", "view_light")
+    )
