@@ -28,6 +28,8 @@ class JobDesk:
         self._pending: dict[Key, Job] = {}
         self._sent: dict[int, Job] = {}
         self._own: int | None = None
+        # How many jobs were asked for.
+        self.asked = 0
         # Jobs that wait for the end of `held`; None outside it.
         self._held: list[Job] | None = None
 
@@ -58,9 +60,15 @@ class JobDesk:
         """Whether this module waits for a result."""
         return any(key[0] == module for key in self._running)
 
+    def is_busy_since(self, asked: int) -> bool:
+        """Whether a result is waited for of a job that was none of the first so many `asked`."""
+        jobs = (*self._running.values(), *self._pending.values())
+        return any(job.number > asked for job in jobs)
+
     def start(self, key: Key, work: Work, arguments: tuple[Any, ...]) -> None:
         """Run the work now, or when the job of this key that runs is done."""
-        job = Job(key, work, arguments, self._trace)
+        self.asked += 1
+        job = Job(key, work, arguments, self._trace, self.asked)
         if key in self._running:
             self._pending[key] = job
         else:

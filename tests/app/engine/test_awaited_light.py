@@ -48,13 +48,18 @@ def test_a_picture_waits_while_the_holder_of_the_light_map_works(kernel, runner)
     assert not light.is_awaited(kernel, state(scene), 0.3, 0.0)
 
 
-def test_another_hour_s_light_is_waited_for_and_that_of_more_rays_is_not(kernel):
-    """A third of a second after the hand's last move; rays are traced for seconds."""
+def test_what_an_input_started_is_waited_for_and_other_work_is_not(kernel):
+    """A quarter of a second from when the picture was due; rays are traced for seconds."""
     light, lit = AwaitedLight(), state(object(), light=object())
-    kernel.jobs.start(("holder", "hour"), lambda: None, ())
-    assert light.is_awaited(kernel, lit, 10.3, 10.0)
-    assert not light.is_awaited(kernel, lit, 10.4, 10.0)
-    assert light.is_awaited(kernel, lit, 10.4, 10.1)
+    kernel.jobs.start(("holder", "rays"), lambda: None, ())
+    light.note_input(kernel)
+    assert not light.is_awaited(kernel, lit, 10.0, 10.0)
+    kernel.jobs.start(("sky", "solve"), lambda: None, ())
+    assert light.is_awaited(kernel, lit, 10.2, 10.0)
+    assert not light.is_awaited(kernel, lit, 10.3, 10.0)
+    light.note_input(kernel)
+    kernel.jobs.start(("sky", "solve"), lambda: None, ())
+    assert light.is_awaited(kernel, lit, 10.3, 10.2)
 
 
 def test_patience_ends_and_begins_anew_with_another_scene(kernel):

@@ -77,9 +77,8 @@ class Engine:
         self._adaptation = Adaptation()
         self._awaited_light = AwaitedLight()
         self._finer_light = FinerLight()
-        # When an input was sent last, the same before the last picture that something changed, and
-        # when the finished picture is due.
-        self._sent_at_s = self._moved_at_s = 0.0
+        # When an input came last; when a finished picture was due, and is looked for next.
+        self._sent_at_s = self._due_s = 0.0
         self._finish_at_s: float | None = None
         # Whether the last picture is a finished one.
         self._stands = False
@@ -202,6 +201,7 @@ class Engine:
         if self._sent.is_set():
             self._sent.clear()
             self._sent_at_s = self._now_s()
+            self._awaited_light.note_input(stage.kernel)
             self._finer_light.give_way(stage.kernel, stage.state, self._sent_at_s)
         self._finer_light.resume(stage.kernel, self._now_s())
 
@@ -246,16 +246,17 @@ class Engine:
             return False
         now_s = self._now_s()
         # At rest light that comes late is seen in a finished picture: not in a coarse one again.
-        rests = now_s >= self._moved_at_s + REST_S
+        rests = now_s >= self._sent_at_s + REST_S
         if is_only_finer(self._drawn, stage.state) or (
             rests and is_only_lit(self._drawn, stage.state)
         ):
-            self._drawn, self._finish_at_s, self._in_vain = stage.state, now_s, False
+            self._drawn, self._in_vain = stage.state, False
+            self._due_s = self._finish_at_s = now_s
         if stage.state is self._drawn:
             return False
-        self._drawn, self._in_vain, self._moved_at_s = stage.state, False, self._sent_at_s
+        self._drawn, self._in_vain = stage.state, False
         self._draw_one(stage, self._kind_of(stage))
-        self._finish_at_s = self._moved_at_s + REST_S
+        self._due_s = self._finish_at_s = self._sent_at_s + REST_S
         return True
 
     def _settle(self, stage: Stage) -> None:
@@ -265,7 +266,7 @@ class Engine:
             return
         now_s, adaptation = self._now_s(), self._adaptation
         if self._finish_at_s is not None and now_s >= self._finish_at_s and adaptation.is_near:
-            if self._awaited_light.is_awaited(stage.kernel, stage.state, now_s, self._moved_at_s):
+            if self._awaited_light.is_awaited(stage.kernel, stage.state, now_s, self._due_s):
                 self._finish_at_s = now_s + LOOK_AGAIN_S
                 return
             self._finish_at_s = None

@@ -65,5 +65,6 @@ def is_only_lit(before: SceneState | None, now: SceneState) -> bool:
         before is not None
         and before.surface_light is not None
         and now.surface_light is not None
+        and now.surface_light is not before.surface_light
         and now.shares_all_but(before, "surface_light", "coarser_light", "view_light")
     )
