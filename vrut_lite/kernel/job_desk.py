@@ -51,6 +51,10 @@ class JobDesk:
                 if not job.control.cancelled():
                     self._runner.start(job, self._finish)
 
+    def give_way(self) -> None:
+        """From now on leave the processor to other threads, which somebody is looking at."""
+        self._runner.give_way()
+
     @property
     def busy(self) -> bool:
         """Whether a module waits for a result."""

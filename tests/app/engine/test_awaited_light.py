@@ -49,17 +49,17 @@ def test_a_picture_waits_while_the_holder_of_the_light_map_works(kernel, runner)
 
 
 def test_what_an_input_started_is_waited_for_and_other_work_is_not(kernel):
-    """A quarter of a second from when the picture was due; rays are traced for seconds."""
+    """Half a second from when the picture was due; rays are traced for seconds."""
     light, lit = AwaitedLight(), state(object(), light=object())
     kernel.jobs.start(("holder", "rays"), lambda: None, ())
     light.note_input(kernel)
     assert not light.is_awaited(kernel, lit, 10.0, 10.0)
     kernel.jobs.start(("sky", "solve"), lambda: None, ())
-    assert light.is_awaited(kernel, lit, 10.2, 10.0)
-    assert not light.is_awaited(kernel, lit, 10.3, 10.0)
+    assert light.is_awaited(kernel, lit, 10.4, 10.0)
+    assert not light.is_awaited(kernel, lit, 10.6, 10.0)
     light.note_input(kernel)
     kernel.jobs.start(("sky", "solve"), lambda: None, ())
-    assert light.is_awaited(kernel, lit, 10.3, 10.2)
+    assert light.is_awaited(kernel, lit, 10.6, 10.4)
 
 
 def test_patience_ends_and_begins_anew_with_another_scene(kernel):

@@ -302,11 +302,12 @@ class Diligent(Module):
         self.link.start_job("note", self._notes.append, "job")
 
 
-def test_a_picture_goes_before_the_jobs_that_its_input_starts(running):
+def test_after_a_rest_a_picture_goes_before_the_jobs_that_its_input_starts(running):
     """They would take the processor from what a hand is waiting for."""
     notes = running.shown = []
     running.engine.ask(lambda stage: stage.kernel.add_module(Diligent, notes=notes)).result()
     for camera in (INSIDE, OUTSIDE):
+        running.wait(3.0)
         notes.clear()
         running.send(camera)
         running.engine.ask(lambda stage: stage.kernel.pump_until_idle()).result()

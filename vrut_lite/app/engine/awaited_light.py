@@ -7,8 +7,8 @@ from vrut_lite.kernel.bus import Kernel
 
 # Longer than the first light of any of the project's scenes takes; large texels come sooner.
 _FIRST_PATIENCE_S = 5.0
-# Longer than an hour's light takes on surfaces, or the first sky of another atmosphere.
-_PATIENCE_S = 0.25
+# Longer than light takes on surfaces, or an atmosphere that is solved well after a draft.
+_PATIENCE_S = 0.5
 # Between two questions whether it is there.
 LOOK_AGAIN_S = 0.05
 

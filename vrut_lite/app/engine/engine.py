@@ -166,6 +166,7 @@ class Engine:
             return None
         if stage.device is not None:
             self._pacing.expect(stage.device.choices.expected_s)
+        stage.kernel.jobs.give_way()
         stage.kernel.tap(self._hear)
         stage.kernel.on_inject(self._awake.set)
         for failure in stage.failures:
@@ -187,8 +188,9 @@ class Engine:
             # Counted before the pump: inputs that were sent before a question are acted on first.
             questions = len(self._questions)
             self._make_way(stage)
-            # Jobs that inputs start begin after the picture that the same inputs change.
-            with stage.kernel.jobs.held():
+            # After a rest a hand waits for the first picture: jobs that its input starts begin
+            # thereafter. In motion they run beside pictures: light would be older by one.
+            with stage.kernel.jobs.held() if self._stands else nullcontext():
                 self._pump(stage)
                 self._answer(stage, questions)
                 rests = not self._ending.is_set() and not self._draw_what_moved(stage)
