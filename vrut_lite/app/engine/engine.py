@@ -246,14 +246,12 @@ class Engine:
         """Draw a state that was not drawn yet; False if it was, or cannot be finished yet."""
         if stage.state.missing:
             return False
-        now_s = self._now_s()
-        # At rest light that comes late is seen in a finished picture: not in a coarse one again.
-        rests = now_s >= self._sent_at_s + REST_S
+        # Light that comes late finishes a picture that stands anew, which is not coarse again.
         if is_only_finer(self._drawn, stage.state) or (
-            rests and is_only_lit(self._drawn, stage.state)
+            self._stands and is_only_lit(self._drawn, stage.state)
         ):
             self._drawn, self._in_vain = stage.state, False
-            self._due_s = self._finish_at_s = now_s
+            self._due_s = self._finish_at_s = self._now_s()
         if stage.state is self._drawn:
             return False
         self._drawn, self._in_vain = stage.state, False
