@@ -140,7 +140,7 @@ def test_a_setting_that_a_hand_drags_searches_the_suns_day_when_it_rests(driver,
         )
         driver.settled()
     assert searched == []
-    scout._settings_rest.start(0)
+    scout._rest.start(0)
     driver.until(lambda: len(searched) > 0)
     assert [wanted.settings["dynamic_skylight", "turbidity"] for wanted in searched] == [4.0]
 

@@ -19,6 +19,8 @@ _CONSUMER = "the window's day"
 # Settings of the sun's module rest so long before the day is searched anew: few change the sun, and
 # the search would hold up the pictures that a slider is waiting for.
 _RESTS_MS = 1000
+# The first day is searched when the first picture is seen, and no later than this.
+_FIRST_MS = 3000
 
 
 class _Wanted(NamedTuple):
@@ -45,9 +47,10 @@ class DayScout(QObject):
         self._wanted: _Wanted | None = None
         # With other settings alone: it rests.
         self._awaited: _Wanted | None = None
-        self._settings_rest = make_timer(self, _RESTS_MS, self._search_anew, once=True)
+        self._rest = make_timer(self, _RESTS_MS, self._search_anew, once=True)
         self._session = session
         session.ready.connect(lambda _: self._begin())
+        session.picture_shown.connect(self._note_picture)
         session.listen(MoonPathChanged, lambda _: self._look_for_moon())
         for kind in (SetPlace, ClockMoved, SlotChanged, SettingChanged):
             session.listen(kind, lambda _: self._look())
@@ -61,11 +64,18 @@ class DayScout(QObject):
         if wanted is None or wanted == self._wanted:
             return
         known = self._wanted
-        if known is None or wanted._replace(settings=known.settings) != known:
+        if known is None and self._session.shown is None:
+            if not self._rest.isActive():
+                self._rest.start(_FIRST_MS)
+        elif known is None or wanted._replace(settings=known.settings) != known:
             self._search_anew()
         elif wanted != self._awaited:
             self._awaited = wanted
-            self._settings_rest.start()
+            self._rest.start(_RESTS_MS)
+
+    def _note_picture(self) -> None:
+        if self._wanted is None:
+            self._search_anew()
 
     def _present(self) -> _Wanted | None:
         place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
