@@ -9,6 +9,7 @@ from box_stage import show_box, sun_at, uniform_sky
 from scene_stage import light, look, square
 from stateful_backend import opened
 
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.render import device
 from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.device import Device
@@ -40,6 +41,29 @@ def test_a_camera_that_went_on_for_a_while_sees_the_finished_picture(backend, bo
     assert np.median(off) < 1e-3
     assert (off > 0.05).mean() < 0.02
     np.testing.assert_allclose(moving.mean((0, 1)), finished.mean((0, 1)), rtol=5e-3)
+
+
+def test_another_exposure_of_a_finished_picture_draws_nothing_anew(backend, box_file):
+    """It is the same to the bit; after other light, or of another view, all is drawn."""
+    backend.change(scene=opened(box_file))
+    light(backend, uniform_sky(1.0), **SUN)
+    held = SetExposure(mode="manual", ev100=10.0)
+    backend.change(exposure=held)
+    wanted = look(backend, around(20), TARGET)
+    drawn = backend.ledger.done["picture"]
+    for exposure in (SetExposure(), held):
+        backend.change(exposure=exposure)
+        again = backend.draw()
+        assert (again.ev100 == 10.0) == (exposure is held)
+    assert backend.ledger.skipped["picture: the same but for its exposure"] == 2
+    assert backend.ledger.done["picture"] == drawn
+    assert np.array_equal(again.display, wanted.display)
+    assert np.array_equal(again.radiance, wanted.radiance)
+    light(backend, uniform_sky(2.0), **SUN)
+    assert backend.draw().radiance.mean() > 1.1 * again.radiance.mean()
+    backend.change(exposure=SetExposure())
+    look(backend, around(40), TARGET)
+    assert backend.ledger.done["picture"] == drawn + 2
 
 
 def test_what_a_coat_mirrors_moves_with_the_eye(backend, tmp_path):

@@ -1,6 +1,6 @@
 """The state of the scene that backends draw, as one frozen value."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Literal, Self
 
@@ -129,6 +129,13 @@ class SceneState:
         """Names of the parts that a picture still lacks."""
         needed = ("scene", "background", "key_light", "ambient", "camera")
         return tuple(name for name in needed if getattr(self, name) is None)
+
+    def shares_all_but(self, other: Self, *names: str) -> bool:
+        """Whether all parts but these are those of another state."""
+        kept = (part.name for part in fields(self) if part.name not in ("size_px", *names))
+        return self.size_px == other.size_px and all(
+            getattr(self, name) is getattr(other, name) for name in kept
+        )
 
     def check_drawable(self) -> None:
         """Raise RuntimeError that names what a picture still lacks, if anything."""

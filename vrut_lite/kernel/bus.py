@@ -169,6 +169,7 @@ class Kernel:
         """Pump until no input is left and no background job runs or waits."""
         self.pump()
         while self.jobs.busy:
+            self.jobs.let_go()
             self._runner.wait()
             self.pump()
 

@@ -39,10 +39,12 @@ class JobControl:
 
 
 class Job:
-    """One start of a module's work, under the module's name and the job's."""
+    """One start of a module's work, under the module's name and the job's, numbered."""
 
-    def __init__(self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace):
-        self.key = key
+    def __init__(
+        self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace, number: int = 0
+    ):
+        self.key, self.number = key, number
         module, name = key
         self.control = JobControl(lambda text: trace.remark("progress", module, f"{name}: {text}"))
         self._work = work

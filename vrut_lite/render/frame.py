@@ -100,6 +100,8 @@ class Frame:
         self._targets = SizeCache(context, lambda size: Targets(context, size))
         self._single = SizeCache(context, lambda size: Targets(context, size, samples=1))
         self._moving = SizeCache(context, lambda size: MovingTargets(context, size))
+        # The last finished picture, whose radiance its targets still hold.
+        self._finished: tuple[SceneState, Targets, NDArray[np.float32]] | None = None
         self._reuse = Reuse(context)
 
     def show_view(self, view: ViewShader | None) -> None:
@@ -151,6 +153,10 @@ class Frame:
         Raises:
             GivenUp: `is_given_up()` returned true; it is called repeatedly.
         """
+        if still and (known := self._known(state)) is not None:
+            self.ledger.skip("picture: the same but for its exposure")
+            self._finished = state, *known
+            return self._exposed(*known, view, state)
         self._patience.is_given_up = is_given_up
         self._skips = state.skips
         self._filter.change_seen = reflection_change(state.tolerance)
@@ -230,9 +236,26 @@ class Frame:
         if state.shows != "picture":
             return in_false_colours(resolved, state.shows)
         radiance = np.ascontiguousarray(resolved[..., :3])
-        with self.measure("copy and meter"):
-            if len(shifts) > 1:
+        if len(shifts) > 1:
+            with self.measure("copy and meter"):
                 targets.write_resolved(resolved)
+        if still:
+            self._finished = state, targets, radiance
+        return self._exposed(targets, radiance, view, state)
+
+    def _known(self, state: SceneState) -> tuple[Targets, NDArray[np.float32]] | None:
+        """Targets and radiance of the last finished picture, if only the exposure is another."""
+        if self._finished is None:
+            return None
+        drawn, targets, radiance = self._finished
+        is_it = drawn.exposure != state.exposure and state.shares_all_but(drawn, "exposure")
+        return (targets, radiance) if is_it and not targets.is_released else None
+
+    def _exposed(
+        self, targets: Targets, radiance: NDArray[np.float32], view: View, state: SceneState
+    ) -> Picture:
+        """The picture whose radiance (h, w, 3) the targets hold."""
+        with self.measure("copy and meter"):
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
             pixel_rad = view.pixel_rad(targets.size)

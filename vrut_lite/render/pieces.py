@@ -5,7 +5,7 @@ picture up, so that a user need not wait for it.
 """
 
 from collections.abc import Callable
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import NamedTuple
 
 from vrut_lite.kernel.ledger import Ledger
@@ -82,27 +82,39 @@ class Pieces:
             draw(Piece(0, 0, *size))
             return
         left = lower = 0
+        times_s = []
         GL.glEnable(GL.GL_SCISSOR_TEST)
         try:
             while lower < size[1]:
                 piece = piece_at(left, lower, size, self._tiles)
                 GL.glScissor(left, lower, piece.right - left, piece.upper - lower)
-                self._draw_one(draw, piece)
+                times_s.append(_timed(draw, piece))
+                self._adapt(piece, *times_s[-1])
                 self._patience.check()
                 left = piece.right % size[0]
                 lower = lower if left else piece.upper
         finally:
             GL.glDisable(GL.GL_SCISSOR_TEST)
+        # The next picture begins by the mean: what comes last is sky, and quick.
+        placed_s, shaded_s = map(sum, zip(*times_s, strict=True))
+        self._adapt(Piece(0, 0, *size), placed_s / len(times_s), shaded_s)
 
-    def _draw_one(self, draw: Callable[[Piece], None], piece: Piece) -> None:
-        start_s = perf_counter()
-        draw(piece)
-        # A software renderer places triangles at once, and shades pixels when the result is needed.
-        placed_s = perf_counter() - start_s
-        GL.glFinish()
-        shaded_s = perf_counter() - start_s - placed_s
-        tiles = next_tiles(self._tiles, piece.tiles, placed_s, shaded_s)
+    def _adapt(self, drawn: Piece, placed_s: float, shaded_s: float) -> None:
+        tiles = next_tiles(self._tiles, drawn.tiles, placed_s, shaded_s)
         self._tiles = tiles if self._most_tiles is None else min(tiles, self._most_tiles)
+
+
+def _timed(draw: Callable[[Piece], None], piece: Piece) -> tuple[float, float]:
+    """Draw a piece; seconds of placing its triangles, and of shading.
+
+    A software renderer places triangles on this thread, and on others shades pixels, for which this
+    one may wait: when it asks whether any are seen, or at the end.
+    """
+    start_s, start_cpu_s = perf_counter(), thread_time()
+    draw(piece)
+    placed_s = thread_time() - start_cpu_s
+    GL.glFinish()
+    return placed_s, perf_counter() - start_s - placed_s
 
 
 def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:

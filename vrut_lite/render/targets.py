@@ -19,6 +19,7 @@ class Targets:
 
     def __init__(self, context: Any, size: tuple[int, int], samples: int = SAMPLES):
         self.size = size
+        self.is_released = False
         self.samples_a_pixel = samples
         # Of OpenGL's, 0 is one sample, whose depth is tested before it is shaded.
         stored = samples if samples > 1 else 0
@@ -51,6 +52,7 @@ class Targets:
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
+        self.is_released = True
         for thing in (self.multisampled, self.resolved, self.display, self._colour, self._depth,
                       self.radiance, self._display):  # fmt: skip
             thing.release()

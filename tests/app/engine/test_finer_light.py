@@ -51,6 +51,22 @@ def test_a_picture_at_rest_is_finished_anew_when_the_light_of_its_points_arrives
     assert not is_asked_for(running)
 
 
+def test_light_that_comes_late_is_seen_in_a_finished_picture(running):
+    """A picture that stands is not coarse again for it; the first light of surfaces is quick."""
+
+    def arrives(light):
+        def change(stage):
+            stage._view.state = replace(stage.state, surface_light=light)
+
+        running.shown.clear()
+        running.engine.ask(change, changes=True).result(PATIENCE_MS / 1000)
+        running.wait(0.5)
+        return [shown.still for shown in running.shown]
+
+    assert arrives(object()) == [False, True]
+    assert arrives(object()) == [True]
+
+
 def test_rays_of_a_standing_picture_give_way_to_an_input_and_go_on_when_it_changed_nothing():
     """Until a second after the last input; a picture that is drawn meanwhile ends the pause."""
     kernel = Kernel()

@@ -7,7 +7,7 @@ from PySide6.QtCore import QDate, QPoint, Qt, QTime
 
 from vrut_lite.app.panels.day_bar import light_colour
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
 
 
 @pytest.fixture
@@ -128,6 +128,21 @@ def test_play_lets_time_go_by_at_the_chosen_speed_and_pause_stops_it(driver, qtb
     driver.settled()
     assert driver.session.last(ClockMoved).instant == stood
     assert not driver.time.play.isChecked()
+
+
+def test_a_setting_that_a_hand_drags_searches_the_suns_day_when_it_rests(driver, monkeypatch):
+    """Once for all its moves: the search takes longer than a picture."""
+    scout, searched = driver.window.desk.scout, []
+    monkeypatch.setattr(scout, "_search", lambda second, wanted: searched.append(wanted))
+    for turbidity in (3.0, 3.5, 4.0):
+        driver.session.send(
+            SetSetting(module="dynamic_skylight", name="turbidity", value=turbidity)
+        )
+        driver.settled()
+    assert searched == []
+    scout._rest.start(0)
+    driver.until(lambda: len(searched) > 0)
+    assert [wanted.settings["dynamic_skylight", "turbidity"] for wanted in searched] == [4.0]
 
 
 def test_now_is_now(driver, qtbot):

@@ -28,10 +28,11 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite.pictures.picture import Picture
 
-# 95 % of the difference in stops is gone after 0.6 seconds: a finished picture waits for it.
+# 95 % of the difference in stops is gone after 0.6 seconds. A finished picture waits until it is
+# near, for what is seen stands still while it is drawn; the rest it adapts as it stands.
 _TIME_CONSTANT_S = 0.2
 _ADAPTED_S = 1.5
-_SETTLED_EV = 0.04
+_SETTLED_EV, _NEAR_EV = 0.04, 0.5
 # Of a picture that is seen for a moment.
 _ENOUGH_PIXELS = 2**13
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
@@ -68,15 +69,25 @@ class Adaptation:
         return self._arrived and self.wakes_at_s is None
 
     @property
+    def is_near(self) -> bool:
+        """Whether a finished picture may be drawn."""
+        return self._way_ev < _NEAR_EV
+
+    @property
     def held(self) -> bool:
         """Whether automatic exposure stays fixed."""
         return not self._follows
 
     @property
     def _arrived(self) -> bool:
+        return self._way_ev < _SETTLED_EV
+
+    @property
+    def _way_ev(self) -> float:
+        """How far the exposure still has to go."""
         if self._ev100 is None or not self._follows:
-            return True
-        return abs(self._seen_ev100 - self._ev100) < _SETTLED_EV
+            return 0.0
+        return abs(self._seen_ev100 - self._ev100)
 
     def meter_anew(self) -> None:
         """Meter the next picture by itself."""
@@ -122,10 +133,14 @@ class Adaptation:
         self._stepped_s = now_s
         return msgspec.structs.replace(state.exposure, mode="manual", ev100=self._ev100)
 
-    def drew(self, picture: Picture, exposure: SetExposure, now_s: float) -> None:
+    def drew(
+        self, picture: Picture, exposure: SetExposure, now_s: float, still: bool = False
+    ) -> None:
         """Meter a picture that was drawn with `exposure`, which this object chose."""
         if self._state.exposure.mode == "manual":
             return
+        if still:
+            self._stepped_s = now_s
         if exposure.mode == "auto":
             self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
         elif self._follows:

@@ -9,12 +9,18 @@ from vrut_lite.app.engine.day import Day, day_of
 from vrut_lite.app.engine.moon_day import MoonDay, moon_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.widgets import make_timer
 from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, time_zone_at
 from vrut_lite.kernel.messages import ClockMoved, Demand, SettingChanged, SlotChanged
 
 _CONSUMER = "the window's day"
+# Settings of the sun's module rest so long before the day is searched anew: few change the sun, and
+# the search would hold up the pictures that a slider is waiting for.
+_RESTS_MS = 1000
+# The first day is searched when the first picture is seen, and no later than this.
+_FIRST_MS = 3000
 
 
 class _Wanted(NamedTuple):
@@ -39,8 +45,12 @@ class DayScout(QObject):
         self.day: Day | None = None
         self.moon: MoonDay | None = None
         self._wanted: _Wanted | None = None
+        # With other settings alone: it rests.
+        self._awaited: _Wanted | None = None
+        self._rest = make_timer(self, _RESTS_MS, self._search_anew, once=True)
         self._session = session
         session.ready.connect(lambda _: self._begin())
+        session.picture_shown.connect(self._note_picture)
         session.listen(MoonPathChanged, lambda _: self._look_for_moon())
         for kind in (SetPlace, ClockMoved, SlotChanged, SettingChanged):
             session.listen(kind, lambda _: self._look())
@@ -50,17 +60,39 @@ class DayScout(QObject):
         self._look()
 
     def _look(self) -> None:
+        wanted = self._present()
+        if wanted is None or wanted == self._wanted:
+            return
+        known = self._wanted
+        if known is None and self._session.shown is None:
+            if not self._rest.isActive():
+                self._rest.start(_FIRST_MS)
+        elif known is None or wanted._replace(settings=known.settings) != known:
+            self._search_anew()
+        elif wanted != self._awaited:
+            self._awaited = wanted
+            self._rest.start(_RESTS_MS)
+
+    def _note_picture(self) -> None:
+        if self._wanted is None:
+            self._search_anew()
+
+    def _present(self) -> _Wanted | None:
         place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
         holder = self._session.roster.holders.get("sun", "")
         if place is None or clock is None or not holder:
-            return
+            return None
         settings = self._session.roster.settings_of(holder)
-        wanted = _Wanted(place, local_date(clock.instant, place), holder, settings)
-        if wanted != self._wanted:
-            self._wanted = wanted
-            self._session.look_up(
-                lambda second: self._search(second, wanted), lambda day: self._take(wanted, day)
-            )
+        return _Wanted(place, local_date(clock.instant, place), holder, settings)
+
+    def _search_anew(self) -> None:
+        wanted = self._awaited = self._present()
+        if wanted is None or wanted == self._wanted:
+            return
+        self._wanted = wanted
+        self._session.look_up(
+            lambda second: self._search(second, wanted), lambda day: self._take(wanted, day)
+        )
 
     def _search(self, second: SecondKernel, wanted: _Wanted) -> Day | None:
         """Compute the day, on the second kernel's thread; None if another day was requested

@@ -14,8 +14,8 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.app.engine.adaptation import Adaptation
-from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer
-from vrut_lite.app.engine.first_light import LOOK_AGAIN_S, FirstLight
+from vrut_lite.app.engine.awaited_light import LOOK_AGAIN_S, AwaitedLight
+from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
@@ -75,9 +75,13 @@ class Engine:
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._adaptation = Adaptation()
-        self._first_light = FirstLight()
+        self._awaited_light = AwaitedLight()
         self._finer_light = FinerLight()
+        # When an input came last; when a finished picture was due, and is looked for next.
+        self._sent_at_s = self._due_s = 0.0
         self._finish_at_s: float | None = None
+        # Whether the last picture is a finished one.
+        self._stands = False
         # A finished picture was given up, and nothing visible has changed since.
         self._in_vain = False
         self._camera: Any = None
@@ -162,6 +166,7 @@ class Engine:
             return None
         if stage.device is not None:
             self._pacing.expect(stage.device.choices.expected_s)
+        stage.kernel.jobs.give_way()
         stage.kernel.tap(self._hear)
         stage.kernel.on_inject(self._awake.set)
         for failure in stage.failures:
@@ -183,23 +188,28 @@ class Engine:
             # Counted before the pump: inputs that were sent before a question are acted on first.
             questions = len(self._questions)
             self._make_way(stage)
-            self._pump(stage)
-            self._answer(stage, questions)
-            if not self._ending.is_set():
-                self._draw(stage)
+            # After a rest a hand waits for the first picture: jobs that its input starts begin
+            # thereafter. In motion they run beside pictures: light would be older by one.
+            with stage.kernel.jobs.held() if self._stands else nullcontext():
+                self._pump(stage)
+                self._answer(stage, questions)
+                rests = not self._ending.is_set() and not self._draw_what_moved(stage)
+            if rests:
+                self._settle(stage)
         stage.kernel.on_inject(None)
 
     def _make_way(self, stage: Stage) -> None:
         """Let what inputs cause go before the finer light of the present picture."""
         if self._sent.is_set():
             self._sent.clear()
-            self._finer_light.give_way(stage.kernel, stage.state, self._now_s())
+            self._sent_at_s = self._now_s()
+            self._awaited_light.note_input(stage.kernel)
+            self._finer_light.give_way(stage.kernel, stage.state, self._sent_at_s)
         self._finer_light.resume(stage.kernel, self._now_s())
 
     def _patience_s(self) -> float | None:
-        times_s = (
-            self._finish_at_s, self._adaptation.wakes_at_s, self._finer_light.resumes_at_s,
-        )  # fmt: skip
+        finish_at_s = self._finish_at_s if self._adaptation.is_near else None
+        times_s = finish_at_s, self._adaptation.wakes_at_s, self._finer_light.resumes_at_s
         due_s = min((time_s for time_s in times_s if time_s is not None), default=None)
         return None if due_s is None else max(0.0, due_s - self._now_s())
 
@@ -232,28 +242,37 @@ class Engine:
             except BaseException as error:
                 answer.set_exception(error)
 
-    def _draw(self, stage: Stage) -> None:
-        now_s = self._now_s()
-        wakes_at_s = self._adaptation.wakes_at_s
+    def _draw_what_moved(self, stage: Stage) -> bool:
+        """Draw a state that was not drawn yet; False if it was, or cannot be finished yet."""
         if stage.state.missing:
-            return
-        if is_only_finer(self._drawn, stage.state):
-            self._drawn, self._finish_at_s = stage.state, now_s
-        if stage.state is not self._drawn or (wakes_at_s is not None and now_s >= wakes_at_s):
+            return False
+        # Light that comes late finishes a picture that stands anew, which is not coarse again.
+        if is_only_finer(self._drawn, stage.state) or (
+            self._stands and is_only_lit(self._drawn, stage.state)
+        ):
             self._drawn, self._in_vain = stage.state, False
-            self._draw_one(stage, self._kind_of(stage))
-            # A finished picture waits until the exposure has settled.
-            settled = self._adaptation.settled
-            self._finish_at_s = self._now_s() + REST_S if settled else None
-        elif self._awake.is_set():
-            # A question has injected inputs, as an undo does: pump them first.
+            self._due_s = self._finish_at_s = self._now_s()
+        if stage.state is self._drawn:
+            return False
+        self._drawn, self._in_vain = stage.state, False
+        self._draw_one(stage, self._kind_of(stage))
+        self._due_s = self._finish_at_s = self._sent_at_s + REST_S
+        return True
+
+    def _settle(self, stage: Stage) -> None:
+        """Draw what is due while nothing moves: the finished picture, or one more exposure."""
+        # A question may have injected inputs, as an undo does: they are pumped first.
+        if self._awake.is_set() or stage.state.missing:
             return
-        elif self._finish_at_s is not None and now_s >= self._finish_at_s:
-            if self._first_light.is_awaited(stage.kernel, stage.state, now_s):
+        now_s, adaptation = self._now_s(), self._adaptation
+        if self._finish_at_s is not None and now_s >= self._finish_at_s and adaptation.is_near:
+            if self._awaited_light.is_awaited(stage.kernel, stage.state, now_s, self._due_s):
                 self._finish_at_s = now_s + LOOK_AGAIN_S
                 return
             self._finish_at_s = None
             self._draw_one(stage, "still")
+        elif adaptation.wakes_at_s is not None and now_s >= adaptation.wakes_at_s:
+            self._draw_one(stage, "still" if self._stands else self._kind_of(stage))
 
     def _kind_of(self, stage: Stage) -> Kind:
         """What the next picture while something moves will be."""
@@ -268,8 +287,10 @@ class Engine:
         scale = 1.0 if still else self._pacing.quick_scale(kind)
         start_s = self._now_s()
         adaptation, state = self._adaptation, stage.state
+        # The exposure of a finished picture that is not settled adapts further as it stands.
+        settled = still and adaptation.settled
         exposure = (
-            adaptation.exposure_of(state) if still else adaptation.next_exposure(state, start_s)
+            adaptation.exposure_of(state) if settled else adaptation.next_exposure(state, start_s)
         )
         size = scaled(stage.state.size_px, scale)
         is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
@@ -284,10 +305,13 @@ class Engine:
             self._trouble(error)
             return
         seconds = self._now_s() - start_s
-        adaptation.drew(picture, exposure, self._now_s())
+        adaptation.drew(picture, exposure, self._now_s(), still)
         self._pacing.drew(scale, seconds, kind)
         if not still:
             self._moved_from = state
+        elif adaptation.settled and not settled:
+            self._finish_at_s = self._now_s()
+        self._stands = still
         self._finer_light.drew(stage.kernel, still)
         self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds, adaptation.held))
 

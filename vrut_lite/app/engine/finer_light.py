@@ -1,7 +1,5 @@
 """When the window's finished picture has light by rays of its own: once it stands."""
 
-from dataclasses import fields
-
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.bus import Kernel
@@ -9,7 +7,6 @@ from vrut_lite.kernel.messages import Demand
 
 # Longer than it takes to solve an atmosphere on a quiet machine.
 _PAUSE_S = 1.0
-_OTHERS = [field.name for field in fields(SceneState) if field.name != "view_light"]
 
 
 class FinerLight:
@@ -58,5 +55,16 @@ def is_only_finer(before: SceneState | None, now: SceneState) -> bool:
         before is not None
         and now.view_light is not None
         and now.view_light is not before.view_light
-        and all(getattr(before, name) is getattr(now, name) for name in _OTHERS)
+        and now.shares_all_but(before, "view_light")
+    )
+
+
+def is_only_lit(before: SceneState | None, now: SceneState) -> bool:
+    """Whether nothing but the light of surfaces is new, which they had before too."""
+    return (
+        before is not None
+        and before.surface_light is not None
+        and now.surface_light is not None
+        and now.surface_light is not before.surface_light
+        and now.shares_all_but(before, "surface_light", "coarser_light", "view_light")
     )
