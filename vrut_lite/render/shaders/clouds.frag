@@ -121,22 +121,9 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
     int clear = STEPS_TO_COARSE, halvings = 0;
     bool inside = false;
     for (int i = 0; i < MOST_STEPS && t < piece.y; ++i) {
-        // Clear air by the envelope alone: a loop of its own ends where all pixels of a block have
-        // met one, and a software renderer runs the rest for none of them until then.
-        while (clear >= STEPS_TO_COARSE && t < piece.y) {
-            float fine_m = min(fine_step_m(t), coarsest_m);
-            float step_m = min(COARSE * fine_m, piece.y - t), at_m = t + dither * step_m;
-            Place place = place_at(ray, at_m, fine_m);
-            if (cloud_envelope(cloud_column(place.level, place.width_m), height_at(place)).w > 0.0) {
-                clear = 0;
-                break;
-            }
-            march.share = march.in_share = 0.0;
-            clear_m = at_m;
-            t += step_m;
-        }
-        if (t >= piece.y) break;
-        float fine_m = min(fine_step_m(t), coarsest_m), step_m = fine_m;
+        float fine_m = min(fine_step_m(t), coarsest_m);
+        bool coarse = clear >= STEPS_TO_COARSE;
+        float step_m = coarse ? COARSE * fine_m : fine_m;
         // What lies deeper is seen less: it is sampled less.
         if (inside) step_m = min(step_m * (2.5 - 1.5 * march.seen.transmittance),
                                  DEEPEST_STEP / diffused_per_m);
@@ -152,6 +139,10 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
         Place place = place_at(ray, at_m, fine_m);
         Column column = cloud_column(place.level, place.width_m);
         vec4 envelope = cloud_envelope(column, height_at(place));
+        if (coarse && envelope.w > 0.0) {
+            clear = 0;
+            continue;
+        }
         vec2 found = cloud_density(envelope, column.noise_range, place.level, place.over_base_m,
                                    place.width_m);
         float density = found.x, share = found.y;
