@@ -95,10 +95,6 @@ Place place_at(LayerRay ray, float at_m, float fine_m) {
     return Place(ray.d.xz * (at_m * sqrt(2.0 * radius / (radius + upright))), over_base_m, max(clouds.pixel_rad * at_m, 0.25 * fine_m));
 }
 
-float height_at(Place place) {
-    return clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
-}
-
 void end_part(inout March march) {
     if (march.gathered[march.parts].x > 0.0) march.parts = min(march.parts + 1, MOST_PARTS - 1);
 }
@@ -137,8 +133,9 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             march.at_mesh = march.seen;
         }
         Place place = place_at(ray, at_m, fine_m);
+        float height = clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
         Column column = cloud_column(place.level, place.width_m);
-        vec4 envelope = cloud_envelope(column, height_at(place));
+        vec4 envelope = cloud_envelope(column, height);
         if (coarse && envelope.w > 0.0) {
             clear = 0;
             continue;
@@ -234,5 +231,5 @@ void main() {
         if (i == 0) before_sky = before_mesh;
     }
     float mean_m = march.seen.weight > 0.0 ? march.seen.distance_m / march.seen.weight : 0.0;
-    cloud_distances_m = vec2(seen.sky_hidden ? -1.0 - mean_m : mean_m, march.first_m);
+    cloud_distances_m = seen.sky_hidden ? vec2(-1.0 - mean_m, 0.0) : vec2(mean_m, march.first_m);
 }
