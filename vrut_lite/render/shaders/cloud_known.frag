@@ -16,5 +16,5 @@ void main() {
 #endif
     if (!empty) discard;
     before_sky = before_mesh = vec4(0.0, 0.0, 0.0, 1.0);
-    cloud_distances_m = vec2(seen.sky_hidden ? -1.0 : 0.0, NEVER);
+    cloud_distances_m = seen.sky_hidden ? vec2(-1.0, 0.0) : vec2(0.0, NEVER);
 }

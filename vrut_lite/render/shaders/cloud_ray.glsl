@@ -9,7 +9,7 @@ in vec3 ray;
 layout(location = 0) out vec4 before_sky;
 layout(location = 1) out vec4 before_mesh;
 // The mean of what is seen, 0 where there is none, -1 less it where the march ended at a mesh; and
-// where the ray first meets a cloud, or NEVER.
+// where the ray first meets a cloud: NEVER where it meets none, 0 where it was not followed.
 layout(location = 2) out vec2 cloud_distances_m;
 
 const float NEVER = 1e30;

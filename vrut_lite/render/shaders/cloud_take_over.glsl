@@ -62,7 +62,7 @@ bool taken_over(LayerRay ray) {
     before_sky = textureLod(old_before_sky, place, 0.0);
     bool hidden = metres == 0.0 || ray.mesh_m < metres;
     before_mesh = hidden ? vec4(0.0, 0.0, 0.0, 1.0) : textureLod(old_before_mesh, place, 0.0);
-    cloud_distances_m = vec2(ray.sky_hidden ? -1.0 - metres : metres,
-                             textureLod(old_distances_m, place, 0.0).g);
+    float first_m = textureLod(old_distances_m, place, 0.0).g;
+    cloud_distances_m = ray.sky_hidden ? vec2(-1.0 - metres, 0.0) : vec2(metres, first_m);
     return true;
 }

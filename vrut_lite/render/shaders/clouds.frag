@@ -95,10 +95,6 @@ Place place_at(LayerRay ray, float at_m, float fine_m) {
     return Place(ray.d.xz * (at_m * sqrt(2.0 * radius / (radius + upright))), over_base_m, max(clouds.pixel_rad * at_m, 0.25 * fine_m));
 }
 
-float height_at(Place place) {
-    return clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
-}
-
 void end_part(inout March march) {
     if (march.gathered[march.parts].x > 0.0) march.parts = min(march.parts + 1, MOST_PARTS - 1);
 }
@@ -121,22 +117,9 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
     int clear = STEPS_TO_COARSE, halvings = 0;
     bool inside = false;
     for (int i = 0; i < MOST_STEPS && t < piece.y; ++i) {
-        // Clear air by the envelope alone: a loop of its own ends where all pixels of a block have
-        // met one, and a software renderer runs the rest for none of them until then.
-        while (clear >= STEPS_TO_COARSE && t < piece.y) {
-            float fine_m = min(fine_step_m(t), coarsest_m);
-            float step_m = min(COARSE * fine_m, piece.y - t), at_m = t + dither * step_m;
-            Place place = place_at(ray, at_m, fine_m);
-            if (cloud_envelope(cloud_column(place.level, place.width_m), height_at(place)).w > 0.0) {
-                clear = 0;
-                break;
-            }
-            march.share = march.in_share = 0.0;
-            clear_m = at_m;
-            t += step_m;
-        }
-        if (t >= piece.y) break;
-        float fine_m = min(fine_step_m(t), coarsest_m), step_m = fine_m;
+        float fine_m = min(fine_step_m(t), coarsest_m);
+        bool coarse = clear >= STEPS_TO_COARSE;
+        float step_m = coarse ? COARSE * fine_m : fine_m;
         // What lies deeper is seen less: it is sampled less.
         if (inside) step_m = min(step_m * (2.5 - 1.5 * march.seen.transmittance),
                                  DEEPEST_STEP / diffused_per_m);
@@ -150,8 +133,13 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             march.at_mesh = march.seen;
         }
         Place place = place_at(ray, at_m, fine_m);
+        float height = clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
         Column column = cloud_column(place.level, place.width_m);
-        vec4 envelope = cloud_envelope(column, height_at(place));
+        vec4 envelope = cloud_envelope(column, height);
+        if (coarse && envelope.w > 0.0) {
+            clear = 0;
+            continue;
+        }
         vec2 found = cloud_density(envelope, column.noise_range, place.level, place.over_base_m,
                                    place.width_m);
         float density = found.x, share = found.y;
@@ -243,5 +231,5 @@ void main() {
         if (i == 0) before_sky = before_mesh;
     }
     float mean_m = march.seen.weight > 0.0 ? march.seen.distance_m / march.seen.weight : 0.0;
-    cloud_distances_m = vec2(seen.sky_hidden ? -1.0 - mean_m : mean_m, march.first_m);
+    cloud_distances_m = seen.sky_hidden ? vec2(-1.0 - mean_m, 0.0) : vec2(mean_m, march.first_m);
 }
