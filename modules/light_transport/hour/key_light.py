@@ -105,8 +105,10 @@ class KeyShadows:
         missing = [number for number in numbers if number not in kept]
         if missing:
             found = cast(np.array([direction_of(number) for number in missing]))
-            latest = list(kept.items())[len(missing) - _MOST_KEPT :]
-            kept = {**dict(latest), **dict(zip(missing, found, strict=True))}
+            own = {number: kept[number] for number in numbers if number in kept}
+            own.update(zip(missing, found, strict=True))
+            others = [item for item in kept.items() if item[0] not in own]
+            kept = {**dict(others[max(len(others) + len(own) - _MOST_KEPT, 0) :]), **own}
             self._kept = kept
         return [kept[number] for number in numbers]
 
