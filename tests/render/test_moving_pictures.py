@@ -66,6 +66,34 @@ def test_another_exposure_of_a_finished_picture_draws_nothing_anew(backend, box_
     assert backend.ledger.done["picture"] == drawn + 2
 
 
+def test_a_camera_that_rests_soon_sees_what_is_drawn_anew(backend, box_file):
+    """After sixteen pictures every pixel has had its turn, and nothing of the way there is left."""
+    backend.change(scene=opened(box_file))
+    light(backend, uniform_sky(1.0), **SUN)
+    for angle_deg in (0, 8, 16, *17 * [24]):
+        rested = look(backend, around(angle_deg), TARGET, still=False).radiance
+    # Nothing is taken over under a light that is set by hand.
+    light(backend, uniform_sky(0.5), **SUN)
+    look(backend, around(0), TARGET, still=False)
+    light(backend, uniform_sky(1.0), **SUN)
+    anew = look(backend, around(24), TARGET, still=False).radiance
+    np.testing.assert_allclose(rested, anew, rtol=1e-5)
+
+
+def test_no_trail_stays_behind_an_edge_that_swings_past(backend, box_file):
+    """Where no edge is near, the sky is the sky in the first picture that shows it again."""
+    backend.change(scene=opened(box_file))
+    light(backend, uniform_sky(1.0), **SUN)
+    for angle_deg in range(0, 50, 10):
+        moving = look(backend, around(angle_deg), TARGET, still=False).radiance[..., 1]
+        finished = look(backend, around(angle_deg), TARGET).radiance[..., 1]
+        sky = finished == finished[0, 0]
+        for axis in (0, 1):
+            sky = sky & np.roll(sky, 1, axis) & np.roll(sky, -1, axis)
+        assert sky.mean() > 0.1
+        np.testing.assert_allclose(moving[sky], finished[0, 0], rtol=1e-5)
+
+
 def test_what_a_coat_mirrors_moves_with_the_eye(backend, tmp_path):
     """The sun's image on glossy ground is where the finished picture has it; it leaves no trace."""
     glossy = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.3}}

@@ -75,10 +75,6 @@ class Reuse:
         GL.glDepthFunc(GL.GL_GREATER)
         self._before = _Before(drawn, view, state, reflection)
 
-    def forget(self) -> None:
-        """Take nothing over into the next picture."""
-        self._before = None
-
     def release(self) -> None:
         """Free the GL objects."""
         self._before = None
