@@ -1,6 +1,7 @@
 """The moon's way over a place through the civil days of a date."""
 
 from datetime import UTC, datetime, timedelta
+from functools import lru_cache
 
 import astronomy
 import numpy as np
@@ -17,9 +18,14 @@ _DAY_S = 86_400.0
 
 
 def moon_path(instant: datetime, place: SetPlace, source: str) -> MoonPathChanged:
-    """The path around the UTC date of an instant: 30 ms."""
+    """The path around the UTC date of an instant: 30 ms, unless it was among the last ones."""
     utc = instant.astimezone(UTC)
     start = utc.replace(hour=0, minute=0, second=0, microsecond=0) - _BEFORE
+    return _path_from(start, place, source)
+
+
+@lru_cache(maxsize=4)
+def _path_from(start: datetime, place: SetPlace, source: str) -> MoonPathChanged:
     where = place.latitude_deg, place.longitude_deg, place.altitude_m, place.north_offset_rad
     steps = range(_LENGTH // _STEP + 1)
     places = np.array([_true_direction(watch(start + n * _STEP, *where)) for n in steps])
