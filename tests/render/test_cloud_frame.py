@@ -13,7 +13,8 @@ from stateful_backend import opened
 from vrut_lite.daylight.cloud_density import distance_up_m
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
-from vrut_lite.render.clouds.cloud_pass import CloudPass, _picture
+from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass, _picture
+from vrut_lite.render.frame import _SHIFTS_PX
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)
@@ -161,6 +162,14 @@ def _every_pixel(drawing, clouds, view, defines, size, sample):
     now = _picture(drawing._targets.get(size), clouds, view, defines, 0)
     drawing._march(clouds, now, 1, None)
     return now.target
+
+
+def test_clouds_of_a_finished_still_lie_where_its_meshes_do():
+    shown_px = [_SHIFTS_PX[max(each for each in MARCHED if each <= sample)] for sample in range(8)]
+
+    assert MARCHED[0] == 0
+    assert np.abs(np.mean(shown_px, axis=0)).max() < 0.1
+    assert np.abs(np.subtract(shown_px, _SHIFTS_PX)).max() <= 0.4
 
 
 def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):

@@ -25,19 +25,28 @@ float metres_at(vec2 place) {
 }
 
 #ifdef INTERPOLATE
-// Range of four texels; of radiance, of the greatest.
-const float SMOOTH = 0.15;
+// Of four texels and their neighbours, how far a line misses one, and the range of the four: of
+// radiance, of the greatest.
+const float BENT = 0.3, RANGE = 0.5;
 
 bool is_smooth(sampler2D picture, ivec2 low) {
     ivec2 most = textureSize(picture, 0) - 1;
-    vec4 least = vec4(FAR_M), greatest = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        vec4 texel = texelFetch(picture, clamp(low + ivec2(i & 1, i >> 1), ivec2(0), most), 0);
-        least = min(least, texel);
-        greatest = max(greatest, texel);
-    }
+    ivec2 a = max(low - 1, ivec2(0)), b = max(low, ivec2(0));
+    ivec2 c = min(low + 1, most), d = min(low + 2, most);
+    vec4 bb = texelFetch(picture, b, 0), cb = texelFetch(picture, ivec2(c.x, b.y), 0);
+    vec4 bc = texelFetch(picture, ivec2(b.x, c.y), 0), cc = texelFetch(picture, c, 0);
+    vec4 bent = abs(texelFetch(picture, ivec2(a.x, b.y), 0) + cb - 2.0 * bb);
+    bent = max(bent, abs(texelFetch(picture, ivec2(d.x, b.y), 0) + bb - 2.0 * cb));
+    bent = max(bent, abs(texelFetch(picture, ivec2(a.x, c.y), 0) + cc - 2.0 * bc));
+    bent = max(bent, abs(texelFetch(picture, ivec2(d.x, c.y), 0) + bc - 2.0 * cc));
+    bent = max(bent, abs(texelFetch(picture, ivec2(b.x, a.y), 0) + bc - 2.0 * bb));
+    bent = max(bent, abs(texelFetch(picture, ivec2(b.x, d.y), 0) + bb - 2.0 * bc));
+    bent = max(bent, abs(texelFetch(picture, ivec2(c.x, a.y), 0) + cc - 2.0 * cb));
+    bent = max(bent, abs(texelFetch(picture, ivec2(c.x, d.y), 0) + cb - 2.0 * cc));
+    vec4 least = min(min(bb, cc), min(cb, bc)), greatest = max(max(bb, cc), max(cb, bc));
     vec4 range = greatest - least;
-    return all(lessThanEqual(range.rgb, SMOOTH * greatest.rgb)) && range.a <= SMOOTH;
+    return all(lessThanEqual(bent.rgb, BENT * greatest.rgb)) && bent.a <= BENT
+        && all(lessThanEqual(range.rgb, RANGE * greatest.rgb)) && range.a <= RANGE;
 }
 #endif
 
