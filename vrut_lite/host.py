@@ -9,6 +9,7 @@ from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
+from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input
 from vrut_lite.pictures.picture import Picture
@@ -31,9 +32,9 @@ class Host:
     `draw_now` and `light_at_pixel`, on that thread.
     """
 
-    def __init__(self, cube_size: int | None = None):
+    def __init__(self, cube_size: int | None = None, runner: JobRunner | None = None):
         self.frame_skips = FrameSkips()
-        self.kernel, self.failures = daylight_kernel()
+        self.kernel, self.failures = daylight_kernel(runner)
         self.faults = FaultCollector(self.kernel)
         self.gl = GlOwner()
         try:

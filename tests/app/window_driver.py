@@ -10,6 +10,7 @@ from PySide6.QtCore import QCoreApplication, QEvent
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
+from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
@@ -39,7 +40,7 @@ class HeadlessStage:
     device = None
 
     def __init__(self):
-        self.kernel, self.failures = daylight_kernel()
+        self.kernel, self.failures = daylight_kernel(WindowJobs())
         self._view = SceneView()
         self.kernel.add_module(SceneManager, view=self._view, cube_size=16)
         self.kernel.pump_until_idle()

@@ -1,9 +1,6 @@
 """Background jobs: one runs, the latest waits, results come back as inputs or not at all."""
 
-import os
-import sys
 import threading
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -107,46 +104,6 @@ def test_a_held_result_is_admitted_when_it_is_released():
     assert not runner.release("worker", "sum")
     kernel.pump()
     assert results(kernel) == [("sum", 1, "")]
-
-
-def test_held_jobs_begin_when_they_are_let_go_or_waited_for():
-    """What is done meanwhile goes first; jobs that are cancelled meanwhile never run."""
-    kernel, ran = kernel_with(ThreadRunner()), []
-    with kernel.jobs.held():
-        ask(kernel, Ask(work=ran.append, arguments=(1,)))
-        assert kernel.jobs.runs("worker")
-        ask(kernel, Ask(), Ask(work=ran.append, arguments=(2,)))
-        assert ran == []
-    kernel.pump_until_idle()
-    assert ran == [2]
-    with kernel.jobs.held():
-        ask(kernel, Ask(work=ran.append, arguments=(3,)))
-        kernel.pump_until_idle()
-        assert ran == [2, 3]
-    assert len(results(kernel)) == 2
-    kernel.close()
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads have no niceness of their own")
-def test_jobs_give_way_to_the_threads_of_a_window():
-    """With the threads that they start; the kernel's own keeps its priority."""
-    kernel = kernel_with(ThreadRunner())
-    before = niceness()
-    kernel.jobs.give_way()
-    ask(kernel, Ask(work=niceness), Ask(work=niceness_of_a_thread, job="threads"))
-    kernel.pump_until_idle()
-    assert sorted(results(kernel)) == [("sum", before + 5, ""), ("threads", before + 5, "")]
-    assert niceness() == before
-    kernel.close()
-
-
-def niceness():
-    return os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-
-
-def niceness_of_a_thread():
-    with ThreadPoolExecutor(1) as pool:
-        return pool.submit(niceness).result()
 
 
 def test_only_one_job_of_a_key_runs_at_a_time_even_after_cancelling():

@@ -5,17 +5,18 @@ from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.discovery import discover
 from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.messages import Demand, Fault, Input, Message
 
 __all__ = ["LIGHT", "FaultCollector", "daylight_kernel", "demand_light"]
 
 
-def daylight_kernel() -> tuple[Kernel, list[str]]:
+def daylight_kernel(runner: JobRunner | None = None) -> tuple[Kernel, list[str]]:
     """A kernel with every installed module and the sum of sky and layers.
 
     With it comes a sentence for each module that failed to load.
     """
-    kernel = Kernel()
+    kernel = Kernel(runner)
     modules, failures = discover()
     for module in modules:
         services = {"inject": kernel.inject} if module.injects else {}

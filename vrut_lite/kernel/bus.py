@@ -44,8 +44,8 @@ class Kernel:
         self.trace = Trace()
         self._inbox = Inbox()
         self._clock = Clock()
-        self._runner = runner or ThreadRunner()
-        self.jobs = JobDesk(self._runner, self.inject, self.trace)
+        self.runner = runner or ThreadRunner()
+        self.jobs = JobDesk(self.runner, self.inject, self.trace)
         self.beginning = Beginning(self.jobs)
         self.dispatcher = Dispatcher(self.seats, self.slots, self.trace)
         self.lifecycle = Lifecycle(
@@ -169,14 +169,13 @@ class Kernel:
         """Pump until no input is left and no background job runs or waits."""
         self.pump()
         while self.jobs.busy:
-            self.jobs.let_go()
-            self._runner.wait()
+            self.runner.wait()
             self.pump()
 
     def close(self) -> None:
         """Cancel all background jobs and start no more."""
         self.jobs.cancel_all()
-        self._runner.close()
+        self.runner.close()
 
     def last(self, message_type: type[M]) -> M | None:
         """The latest message of a type, or None; for a slot's types, of the present holder."""

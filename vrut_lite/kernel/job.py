@@ -39,12 +39,10 @@ class JobControl:
 
 
 class Job:
-    """One start of a module's work, under the module's name and the job's, numbered."""
+    """One start of a module's work, under the module's name and the job's."""
 
-    def __init__(
-        self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace, number: int = 0
-    ):
-        self.key, self.number = key, number
+    def __init__(self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace):
+        self.key = key
         module, name = key
         self.control = JobControl(lambda text: trace.remark("progress", module, f"{name}: {text}"))
         self._work = work

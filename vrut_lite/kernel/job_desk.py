@@ -4,8 +4,7 @@ Both change only in transactions, so that a replay finds them the same: a result
 place when it is admitted, not when the work happens to end.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 from vrut_lite.kernel.job import Job, Key, Work
@@ -28,32 +27,6 @@ class JobDesk:
         self._pending: dict[Key, Job] = {}
         self._sent: dict[int, Job] = {}
         self._own: int | None = None
-        # How many jobs were asked for.
-        self.asked = 0
-        # Jobs that wait for the end of `held`; None outside it.
-        self._held: list[Job] | None = None
-
-    @contextmanager
-    def held(self) -> Iterator[None]:
-        """Let jobs that are started within begin at its end: what is done in it goes first."""
-        self._held = []
-        try:
-            yield
-        finally:
-            self.let_go()
-            self._held = None
-
-    def let_go(self) -> None:
-        """Begin what is held up now, for somebody who waits for it."""
-        if self._held:
-            held, self._held = self._held, []
-            for job in held:
-                if not job.control.cancelled():
-                    self._runner.start(job, self._finish)
-
-    def give_way(self) -> None:
-        """From now on leave the processor to other threads, which somebody is looking at."""
-        self._runner.give_way()
 
     @property
     def busy(self) -> bool:
@@ -64,15 +37,9 @@ class JobDesk:
         """Whether this module waits for a result."""
         return any(key[0] == module for key in self._running)
 
-    def is_busy_since(self, asked: int) -> bool:
-        """Whether a result is waited for of a job that was none of the first so many `asked`."""
-        jobs = (*self._running.values(), *self._pending.values())
-        return any(job.number > asked for job in jobs)
-
     def start(self, key: Key, work: Work, arguments: tuple[Any, ...]) -> None:
         """Run the work now, or when the job of this key that runs is done."""
-        self.asked += 1
-        job = Job(key, work, arguments, self._trace, self.asked)
+        job = Job(key, work, arguments, self._trace)
         if key in self._running:
             self._pending[key] = job
         else:
@@ -114,10 +81,7 @@ class JobDesk:
         return isinstance(message, JobResult) and id(message) == self._own
 
     def _run(self, job: Job) -> None:
-        if self._held is None:
-            self._runner.start(job, self._finish)
-        else:
-            self._held.append(job)
+        self._runner.start(job, self._finish)
         self._running[job.key] = job
 
     def _finish(self, job: Job, result: JobResult) -> None:

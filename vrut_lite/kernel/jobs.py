@@ -1,7 +1,5 @@
 """Where background jobs run: on a few threads."""
 
-import os
-import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -12,9 +10,6 @@ from vrut_lite.kernel.messages import JobResult
 
 Finish = Callable[[Job, JobResult], None]
 _WORKERS = 4
-# Steps of niceness: a third of an equal share. With ten a window's pictures would gain little more,
-# and the light of a playing hour come late.
-_NICER = 5
 
 
 class JobRunner(Protocol):
@@ -25,9 +20,6 @@ class JobRunner(Protocol):
 
     def wait(self) -> None:
         """Return when every job that was started has finished or was cancelled."""
-
-    def give_way(self) -> None:
-        """Leave the processor to other threads from now on."""
 
     def close(self) -> None:
         """Start nothing more."""
@@ -44,8 +36,6 @@ class ThreadRunner:
         self._busy: dict[Key, Job] = {}
         self._waiting: dict[Key, tuple[Job, Finish]] = {}
         self._changed = threading.Condition()
-        # Of the threads; None: that of the process.
-        self._niceness: int | None = None
 
     def start(self, job: Job, finish: Finish) -> None:
         """Hand the job to a thread, or let it wait for a cancelled one of its key."""
@@ -61,14 +51,6 @@ class ThreadRunner:
         with self._changed:
             self._changed.wait_for(self._is_idle)
 
-    def give_way(self) -> None:
-        """Run jobs, and the threads that they start, at a lower priority than the process has.
-
-        Elsewhere than on Linux threads have no niceness of their own.
-        """
-        if sys.platform == "linux":
-            self._niceness = min(os.getpriority(os.PRIO_PROCESS, os.getpid()) + _NICER, 19)
-
     def close(self) -> None:
         """End the threads when their jobs return."""
         self._executor.shutdown(wait=False, cancel_futures=True)
@@ -78,8 +60,6 @@ class ThreadRunner:
         return all(job.control.cancelled() for job in jobs)
 
     def _run(self, job: Job, finish: Finish) -> None:
-        if self._niceness is not None:
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), self._niceness)
         result = None if job.control.cancelled() else job.run()
         with self._changed:
             del self._busy[job.key]

@@ -37,9 +37,6 @@ class HeldRunner:
         for module, job in self.held:
             self.release(module, job)
 
-    def give_way(self) -> None:
-        """Do nothing: jobs run on the thread that releases them."""
-
     def close(self) -> None:
         """Drop every job."""
         self._held.clear()

@@ -18,8 +18,8 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 # Pixels: pieces begin where a software renderer's tiles do, and no 2 x 2 pixels, of which
 # derivatives are taken, are parted. Its threads take a tile each.
 TILE, _LEAST_TILES = 64, 2
-# Time of a piece, unless most of it is spent before its first pixel.
-_PIECE_S = 0.15
+# Time of a piece, unless most of it is spent before its first pixel, or a picture would have many.
+_PIECE_S, _MANY = 0.15, 6
 
 
 class Piece(NamedTuple):
@@ -69,6 +69,7 @@ class Pieces:
         self._patience = patience
         self._most_tiles = most_tiles
         self._tiles = _LEAST_TILES
+        self._piece_s = _PIECE_S
 
     def draw(self, size: tuple[int, int], draw: Callable[[Piece], None]) -> None:
         """Draw all of a picture of this size, piece after piece, each clipped to its rectangle.
@@ -97,10 +98,11 @@ class Pieces:
             GL.glDisable(GL.GL_SCISSOR_TEST)
         # The next picture begins by the mean: what comes last is sky, and quick.
         placed_s, shaded_s = map(sum, zip(*times_s, strict=True))
+        self._piece_s = max(_PIECE_S, (placed_s + shaded_s) / _MANY)
         self._adapt(Piece(0, 0, *size), placed_s / len(times_s), shaded_s)
 
     def _adapt(self, drawn: Piece, placed_s: float, shaded_s: float) -> None:
-        tiles = next_tiles(self._tiles, drawn.tiles, placed_s, shaded_s)
+        tiles = next_tiles(self._tiles, drawn.tiles, placed_s, shaded_s, self._piece_s)
         self._tiles = tiles if self._most_tiles is None else min(tiles, self._most_tiles)
 
 
@@ -125,13 +127,15 @@ def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:
     return Piece(left, lower, right, min(lower + rows * TILE, height))
 
 
-def next_tiles(asked: int, drawn: float, placed_s: float, shaded_s: float) -> int:
+def next_tiles(
+    asked: int, drawn: float, placed_s: float, shaded_s: float, piece_s: float = _PIECE_S
+) -> int:
     """Tiles of the next piece, from the seconds that placing and shading the last one took.
 
     Every piece places triangles again, which must take no longer than shading its pixels. The
     next piece has at most twice the tiles that were `asked` for, since a piece of bare sky says
     little about the next; `drawn` are fewer at the picture's edge.
     """
-    wished_s = max(_PIECE_S - placed_s, placed_s)
+    wished_s = max(piece_s - placed_s, placed_s)
     wished = min(2.0 * max(asked, drawn), wished_s / max(shaded_s, 1e-6) * drawn)
     return max(_LEAST_TILES, int(wished))

@@ -5,16 +5,19 @@ from types import SimpleNamespace
 import pytest
 
 from vrut_lite.app.engine.awaited_light import AwaitedLight
+from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.daylight.light_map import SLOT
 from vrut_lite.kernel.job_desk import JobDesk
 from vrut_lite.kernel.messages import JobResult
 
 
-class NeverDone:
+class NeverDone(WindowJobs):
     """Starts jobs that others end."""
 
     def start(self, job, finish):
-        self.job, self.finish = job, finish
+        with self.held():
+            super().start(job, finish)
+            self.job, self.finish = self._held.pop()
 
 
 @pytest.fixture
@@ -27,6 +30,7 @@ def kernel(runner):
     holders = {SLOT: "holder"}
     return SimpleNamespace(
         jobs=JobDesk(runner, lambda result: None, None),
+        runner=runner,
         slots=SimpleNamespace(holder=lambda slot: holders.get(slot, "")),
         holders=holders,
     )
@@ -58,7 +62,8 @@ def test_what_an_input_started_is_waited_for_and_other_work_is_not(kernel):
     assert light.is_awaited(kernel, lit, 10.4, 10.0)
     assert not light.is_awaited(kernel, lit, 10.6, 10.0)
     light.note_input(kernel)
-    kernel.jobs.start(("sky", "solve"), lambda: None, ())
+    assert not light.is_awaited(kernel, lit, 10.6, 10.4)
+    kernel.jobs.start(("holder", "hour"), lambda: None, ())
     assert light.is_awaited(kernel, lit, 10.6, 10.4)
 
 

@@ -1,5 +1,6 @@
 """A picture at rest is finished with the light that is under way, not before it."""
 
+from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.daylight.light_map import SLOT
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
@@ -23,11 +24,12 @@ class AwaitedLight:
     def __init__(self) -> None:
         self._scene: SceneOpened | None = None
         self._until_s = 0.0
-        self._asked_before = 0
+        self._started_before = 0
 
     def note_input(self, kernel: Kernel) -> None:
         """From now on jobs count that an input starts, which is about to be acted on."""
-        self._asked_before = kernel.jobs.asked
+        if isinstance(kernel.runner, WindowJobs):
+            self._started_before = kernel.runner.started
 
     def is_awaited(self, kernel: Kernel, state: SceneState, now_s: float, due_s: float) -> bool:
         """Whether a finished picture is to wait that was due at some time.
@@ -38,4 +40,7 @@ class AwaitedLight:
             self._scene, self._until_s = state.scene, now_s + _FIRST_PATIENCE_S
         if state.surface_light is None and now_s < self._until_s:
             return kernel.jobs.runs(kernel.slots.holder(SLOT))
-        return now_s < due_s + _PATIENCE_S and kernel.jobs.is_busy_since(self._asked_before)
+        jobs = kernel.runner
+        if now_s >= due_s + _PATIENCE_S or not isinstance(jobs, WindowJobs):
+            return False
+        return jobs.is_busy_since(self._started_before)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.app.engine.stage import GlStage, Stage
+from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
@@ -75,7 +76,7 @@ class CpuSkyStage:
 
     def __init__(self, reason: str):
         self.kernel: Kernel
-        self.kernel, failures = daylight_kernel()
+        self.kernel, failures = daylight_kernel(WindowJobs())
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
         self._backend = CpuSkyBackend()
         self._view = SceneView(self._backend)

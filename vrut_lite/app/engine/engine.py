@@ -19,9 +19,11 @@ from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.change_of_light import change_of_light
@@ -166,7 +168,6 @@ class Engine:
             return None
         if stage.device is not None:
             self._pacing.expect(stage.device.choices.expected_s)
-        stage.kernel.jobs.give_way()
         stage.kernel.tap(self._hear)
         stage.kernel.on_inject(self._awake.set)
         for failure in stage.failures:
@@ -190,7 +191,7 @@ class Engine:
             self._make_way(stage)
             # After a rest a hand waits for the first picture: jobs that its input starts begin
             # thereafter. In motion they run beside pictures: light would be older by one.
-            with stage.kernel.jobs.held() if self._stands else nullcontext():
+            with _held(stage.kernel) if self._stands else nullcontext():
                 self._pump(stage)
                 self._answer(stage, questions)
                 rests = not self._ending.is_set() and not self._draw_what_moved(stage)
@@ -324,3 +325,8 @@ class Engine:
 
     def _trouble(self, error: BaseException) -> None:
         self._tell((PROBLEM, next(self._numbers)), sentence_of(error))
+
+
+def _held(kernel: Kernel) -> AbstractContextManager[None]:
+    runner = kernel.runner
+    return runner.held() if isinstance(runner, WindowJobs) else nullcontext()

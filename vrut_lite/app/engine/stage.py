@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import Any, Protocol
 
+from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.host import Host
@@ -71,7 +72,7 @@ class GlStage:
     """A host that draws with OpenGL, on its owner's thread."""
 
     def __init__(self) -> None:
-        self._host = Host()
+        self._host = Host(runner=WindowJobs())
         self._host.measure_passes(self._measured)
         self.pass_seconds: dict[str, float] = {}
         self.renderer: str = self._host.gl.renderer
