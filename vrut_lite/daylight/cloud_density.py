@@ -22,11 +22,11 @@ NOISE_TURN_RAD = 0.3
 # which make a period: a volume that repeats would show as rows of the same cloud.
 WARP = 0.3
 WARP_WAVES = (0.306, 0.414)
-# Both views of the weather are shifted too, far and over long waves that run across both axes: a
-# period away lies another part of the map, or from space clouds would stand in rows. In periods of
-# the first; waves a period along x and z, for each axis of the shift.
-WEATHER_WARP = 0.9
-WEATHER_WAVES = ((-0.053, 0.025), (-0.046, -0.046))
+# Both views of the weather are shifted too, along waves that run across both axes: one period away
+# lies another part of the map, or clouds would stand in rows from space. In periods of the first;
+# waves a period along x and z, for each axis of the shift.
+WEATHER_WARP = 0.216
+WEATHER_WAVES = ((0.184, 0.205), (-0.214, 0.411))
 # An anvil grows out of towers, from where their sides are so deep: from which share of the layer's
 # thickness, over which it spreads, and over which it fades in and, at the top, out.
 ANVIL_ROOT, ANVIL_FROM, ANVIL_RISE, ANVIL_FADE = 0.5, 0.5, 0.4, 0.12

@@ -8,9 +8,9 @@ layout(binding = 2) uniform sampler3D cloud_detail;
 const float PLANET_RADIUS_M = 6.36e6;
 const float WEATHER_TURN_RAD = 0.65;
 const float NOISE_TURN_RAD = 0.3;
-const float WARP = 0.3, WEATHER_WARP = 0.9;
+const float WARP = 0.3, WEATHER_WARP = 0.216;
 const vec2 WARP_WAVES = vec2(0.306, 0.414);
-const mat2 WEATHER_WAVES = mat2(-0.053, 0.025, -0.046, -0.046);
+const mat2 WEATHER_WAVES = mat2(0.184, 0.205, -0.214, 0.411);
 const float ANVIL_ROOT = 0.5, ANVIL_FROM = 0.5, ANVIL_RISE = 0.4, ANVIL_FADE = 0.12;
 
 // Nearly a sine, of period 1: parabolas.
