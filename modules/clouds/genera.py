@@ -70,7 +70,7 @@ GENERA: dict[Genus, Typical] = {
         CloudForm(
             weather_periods_m=(83_000.0, 51_700.0), second_share=0.2, shape_period_m=4_300.0,
             detail_period_m=700.0, stretch=9.0, lean=4.0, least_height=0.6, growth=0.6,
-            side_fade=0.7, base_fade=0.4, top_fade=0.5, fraying=0.6, sharpness=1.2,
+            side_fade=0.7, base_fade=0.4, top_fade=0.5, fraying=0.45, sharpness=1.2,
         ),
         "ice",
     ),

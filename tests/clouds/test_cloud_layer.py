@@ -46,6 +46,16 @@ def test_the_zenith_is_covered_as_asked(coverage, seed):
     assert (depths > 0.5).mean() == pytest.approx(coverage, abs=0.03)
 
 
+def test_cirrus_covers_seven_tenths_where_asked():
+    """Frayed fibres leave room: within 3 %, where 5 % of a full column's depth counts."""
+    layer = cloud_layer(CloudSettings(high_genus="Ci", high_coverage=0.7))
+    level = np.random.default_rng(1).uniform(-5e5, 5e5, (2000, 1, 2))
+    heights = layer.base_m + (np.arange(30) + 0.5) / 30 * layer.thickness_m
+    eyes = np.stack([level[..., 0], np.zeros((2000, 1)), level[..., 1]], axis=-1)
+    shares = density(layer, eyes + heights[:, None] * UP, eyes).mean(axis=1)
+    assert (shares > 0.05).mean() == pytest.approx(0.7, abs=0.03)
+
+
 def test_a_closed_layer_has_no_gaps():
     """Coverage 1 hides the sun everywhere: no column has an optical depth below 1."""
     layer = cloud_layer(CloudSettings(coverage=1.0))

@@ -19,6 +19,7 @@ from vrut_lite.render.frame import _SHIFTS_PX
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)
 BLACK = np.zeros((6, 16, 16, 3))
+SUN = {"sun_direction": (0.6, 0.8, 0.0), "sun_irradiance": (90.0, 80.0, 70.0)}
 
 
 @pytest.fixture
@@ -170,6 +171,64 @@ def test_clouds_of_a_finished_still_lie_where_its_meshes_do():
     assert MARCHED[0] == 0
     assert np.abs(np.mean(shown_px, axis=0)).max() < 0.1
     assert np.abs(np.subtract(shown_px, _SHIFTS_PX)).max() <= 0.4
+
+
+DENSE = msgspec.structs.replace(rough_layer(), extinction_per_m=0.01)
+# Where the eye is and how far it moves from one picture to the next; how far the wind blows.
+MOVES = {
+    "flying into clouds": ((0.0, 1500.0, 0.0), (150.0, 0.0, 0.0), 0.0),
+    "flying below them": (EYE, (0.0, 0.0, 50.0), 0.0),
+    "wind": (EYE, (0.0, 0.0, 0.0), 190.0),
+}
+
+
+@pytest.mark.parametrize("move", mostly_long(list(MOVES), "flying below them".__ne__))
+def test_moving_clouds_leave_no_ghosts(gl_backend, tmp_path, move):
+    """A moving picture is that which takes nothing over, within 5 % in the mean and 30 % in each
+    block of 8 pixels: edges are by half a pixel beside their place."""
+    eye, step_m, blown_m = MOVES[move]
+    backend = gl_backend(size_px=(96, 64))
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0))))
+    _shine(backend, 1.0)
+    for count in range(6):
+        backend.change(clouds=(msgspec.structs.replace(DENSE, drift_m=(count * blown_m, 0.0)),))
+        at = np.array(eye) + count * np.array(step_m)
+        view = at, at + np.array([1.0, 0.5, 0.0]), 0.9
+        moving = look(backend, *view, still=False).radiance
+    off = _off(moving, _taking_nothing_over(backend, view))
+    assert off.any() != (move == "flying into clouds"), "all is near and new there"
+    assert off.mean() < 0.05
+    assert off.reshape(8, 8, 12, 8).mean(axis=(1, 3)).max() < 0.3
+
+
+def test_light_on_clouds_that_is_set_is_seen_at_once(gl_backend, tmp_path):
+    """A sky and a sun twice as bright: nothing is taken over from the picture before."""
+    backend = gl_backend(size_px=(96, 64))
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0))))
+    backend.change(clouds=(DENSE,))
+    view = EYE, (1.0, 2.5, 0.0), 0.9
+    for brighter in (1.0, 2.0):
+        _shine(backend, brighter)
+        moving = look(backend, *view, still=False).radiance
+    assert _off(moving, _taking_nothing_over(backend, view, brighter)).max() < 1e-3
+
+
+def _taking_nothing_over(backend, view, brighter=1.0):
+    """A moving picture's radiance after one in another light, from which nothing is taken over."""
+    for now in (4.0, brighter):
+        _shine(backend, now)
+        moving = look(backend, *view, still=False).radiance
+    return moving
+
+
+def _shine(backend, brighter):
+    suns = {**SUN, "sun_irradiance": tuple(brighter * np.array(SUN["sun_irradiance"]))}
+    light(backend, np.full((6, 16, 16, 3), 4.0 * brighter), **suns)
+
+
+def _off(moving, fresh):
+    """By how much of its value each pixel is off."""
+    return np.abs(moving / fresh - 1.0).max(axis=-1)
 
 
 def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):

@@ -22,8 +22,11 @@ NOISE_TURN_RAD = 0.3
 # which make a period: a volume that repeats would show as rows of the same cloud.
 WARP = 0.3
 WARP_WAVES = (0.306, 0.414)
-# The same of both views of the weather, in periods of the first.
-WEATHER_WARP = 0.12
+# Both views of the weather are shifted too, along waves that run across both axes: one period away
+# lies another part of the map, or clouds would stand in rows from space. In periods of the first;
+# waves a period along x and z, for each axis of the shift.
+WEATHER_WARP = 0.216
+WEATHER_WAVES = ((0.184, 0.205), (-0.214, 0.411))
 # An anvil grows out of towers, from where their sides are so deep: from which share of the layer's
 # thickness, over which it spreads, and over which it fades in and, at the top, out.
 ANVIL_ROOT, ANVIL_FROM, ANVIL_RISE, ANVIL_FADE = 0.5, 0.5, 0.4, 0.12
@@ -100,8 +103,8 @@ def weather_at(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
     """Weather (...,) in [0, 1] over places (..., 2), world x and z."""
     texels = layer.weather.values / 65535.0
     places = np.asarray(level_m, dtype=float) - layer.drift_m
-    along = places[..., ::-1] / layer.form.weather_periods_m[0]
-    waves = WEATHER_WARP * wave(along * WARP_WAVES)
+    along = places / layer.form.weather_periods_m[0] @ np.transpose(WEATHER_WAVES)
+    waves = WEATHER_WARP * wave(along)
     views = (places, turned(places, WEATHER_TURN_RAD))
     shares = 1.0 - layer.form.second_share, layer.form.second_share
     parts = [
@@ -136,7 +139,8 @@ def warp_origin(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
     place = np.asarray(level_m, dtype=float) - layer.drift_m
     in_shape = noise_places_m(layer, level_m) / layer.form.shape_period_m
     in_weather = place / layer.form.weather_periods_m[0]
-    return np.concatenate([at[::-1] * WARP_WAVES % 1.0 for at in (in_shape, in_weather)])
+    waves = in_shape[::-1] * WARP_WAVES, np.asarray(WEATHER_WAVES) @ in_weather
+    return np.concatenate(waves) % 1.0
 
 
 def shape_at(layer: CloudLayer, level_m: ArrayLike, over_base_m: ArrayLike) -> FloatArray:

@@ -23,6 +23,7 @@ from vrut_lite.daylight.cloud_density import (
     WARP_WAVES,
     WEATHER_TURN_RAD,
     WEATHER_WARP,
+    WEATHER_WAVES,
 )
 from vrut_lite.daylight.cloud_spread import Spread
 from vrut_lite.daylight.clouds import CloudForm
@@ -183,9 +184,9 @@ def column_in(field, x, z, log_width):  # type: ignore[no-untyped-def]
     c, s = _WEATHER_TURN
     form, o, texels, levels = field.form, field.origin, field.texels, field.levels
     first_m, second_m = form.first_period_m, form.second_period_m
-    first, second = WARP_WAVES
-    east = WEATHER_WARP * _wave(o[10] + first * z / first_m)
-    south = WEATHER_WARP * _wave(o[11] + second * x / first_m)
+    (ax, az), (bx, bz) = WEATHER_WAVES
+    east = WEATHER_WARP * _wave(o[10] + (ax * x + az * z) / first_m)
+    south = WEATHER_WARP * _wave(o[11] + (bx * x + bz * z) / first_m)
     lod = min(max(log_width + field.logs[0], 0.0), field.last[0])
     weather = (1.0 - form.second_share) * _weather(
         texels, levels, lod, o[0] + x / first_m + east, o[1] + z / first_m + south

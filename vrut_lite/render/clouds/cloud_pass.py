@@ -35,10 +35,11 @@ MARCHED = (0, 3, 4, 7)
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
 _BEFORE_SKY = 1e-20
-# As cloud_take_over.glsl has them, and how many pictures make all clouds anew.
-_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCES_UNIT, _TURNS = 8, 10, 11, 4
-# An eye that has moved this far sees other sides.
-_NEAR_M = 200.0
+# As cloud_take_over.glsl has them.
+_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCES_UNIT = 8, 10, 11
+# Which blocks are marched in a picture, each once in four. What moves by whole blocks a picture
+# would meet the blocks of one order never; with these it waits for 12 pictures at most.
+_TURNS = (0, 1, 2, 3, 0, 1, 3, 2, 1, 2, 0, 3)
 
 
 class _Before(NamedTuple):
@@ -121,8 +122,8 @@ class CloudPass:
             target = self._others.get(target.size)
         now = _picture(target, clouds, view, defines, light)
         if before is not None and _holds(before, now):
-            self._turn = (self._turn + 1) % _TURNS
-            self._program("cloud_known.frag", ("TAKE_OVER",)).set("turn", self._turn)
+            self._turn = (self._turn + 1) % len(_TURNS)
+            self._program("cloud_known.frag", ("TAKE_OVER",)).set("turn", _TURNS[self._turn])
             self._march(clouds, now, COARSER, before, ("TAKE_OVER",))
         else:
             self._march(clouds, now, COARSER, None)
@@ -241,8 +242,7 @@ def _coarser(size: tuple[int, int]) -> tuple[int, int]:
 def _holds(before: _Before, now: _Before) -> bool:
     """Whether a picture serves the next."""
     same = (before.light, before.defines, before.target.size)
-    near = float(np.linalg.norm(_moved_m(before, now))) < _NEAR_M
-    return near and same == (now.light, now.defines, now.target.size)
+    return same == (now.light, now.defines, now.target.size)
 
 
 def _moved_m(before: _Before, now: _Before) -> NDArray[np.float64]:

@@ -5,6 +5,8 @@ from contextlib import AbstractContextManager
 from itertools import zip_longest
 from typing import Any
 
+import numpy as np
+
 from vrut_lite.daylight.cloud_layers import clear_light, lights_on
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -22,6 +24,8 @@ from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.targets import Targets
 
 CLOUD_SHADOWS = "CLOUD_SHADOWS"
+# Light that changes by more from one picture to the next shows in all of the next.
+_LARGEST_CHANGE = 0.01
 Measure = Callable[[str], AbstractContextManager[Any]]
 
 
@@ -42,6 +46,9 @@ class FrameClouds:
         self._passes: list[CloudPass] = []
         self._shadow: CloudShadowMap | None = None
         self._drawn: list[CloudsOnGpu] = []
+        # Light of the clear sky on the ground, and how often it has changed at once.
+        self._on_ground = np.zeros(3)
+        self._changes = 0
 
     def show(self, layers: tuple[CloudLayer, ...]) -> None:
         """Draw these layers from the next frame on, from low to high."""
@@ -74,6 +81,9 @@ class FrameClouds:
         )
         assert self._shadow is not None
         clear = clear_light(key_light, light.clear_sh, light.lamps_rgb)
+        change = np.abs(clear.on_ground - self._on_ground)
+        self._changes += bool(np.any(change > _LARGEST_CHANGE * clear.on_ground))
+        self._on_ground = clear.on_ground
         beneath = evaluate_irradiance(light.irradiance_sh, (0.0, 1.0, 0.0))
         layers = tuple(cloud.layer for cloud in self._drawn if cloud.layer is not None)
         casts = self._shadow.bind(self._drawn, lights_on(layers, clear), beneath, around)
@@ -101,7 +111,7 @@ class FrameClouds:
             return
         assert self._shadow is not None
         highest_m = scene.centre_m[1] + scene.radius_m
-        light = None if still else self._shadow.lights
+        light = None if still else self._shadow.lights + self._changes
         eye_m = float(view.eye_m[1])
         # Farther layers first, so that nearer ones are blended over them.
         far_first = sorted(

@@ -8,8 +8,9 @@ layout(binding = 2) uniform sampler3D cloud_detail;
 const float PLANET_RADIUS_M = 6.36e6;
 const float WEATHER_TURN_RAD = 0.65;
 const float NOISE_TURN_RAD = 0.3;
-const float WARP = 0.3, WEATHER_WARP = 0.12;
+const float WARP = 0.3, WEATHER_WARP = 0.216;
 const vec2 WARP_WAVES = vec2(0.306, 0.414);
+const mat2 WEATHER_WAVES = mat2(0.184, 0.205, -0.214, 0.411);
 const float ANVIL_ROOT = 0.5, ANVIL_FROM = 0.5, ANVIL_RISE = 0.4, ANVIL_FADE = 0.12;
 
 // Nearly a sine, of period 1: parabolas.
@@ -37,7 +38,7 @@ Column cloud_column(vec2 level, float width_m) {
     float log_width = log2(max(width_m, 1.0));
     vec2 texels_m = clouds.weather_periods_m / float(textureSize(cloud_weather, 0).x);
     vec2 lod = max(log_width - log2(texels_m), 0.0);
-    vec2 along = clouds.warp_origin.zw + WARP_WAVES * level.yx / clouds.weather_periods_m.x;
+    vec2 along = clouds.warp_origin.zw + level * WEATHER_WAVES / clouds.weather_periods_m.x;
     vec2 waves = WEATHER_WARP * wave(along);
     vec2 first = clouds.weather_origin.xy + level / clouds.weather_periods_m.x + waves;
     vec2 second = clouds.weather_origin.zw
