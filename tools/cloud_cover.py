@@ -37,7 +37,7 @@ UP, EYE = np.array([0.0, 1.0, 0.0]), (0.0, 2.0, 0.0)
 VIEW = Viewpoint(EYE, (0.0, 0.0, 0.0), 5000.0)
 BANDS_DEG, _BAND_DEG = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0), 5.0
 COVERAGES = (0.35, 0.7, 1.0)
-_PLACES, _APART_M, _SIZE, _RAYS = 4, 31_000.0, 16, 1200
+_PLACES, _APART_M, _SIZE, _RAYS = 12, 31_000.0, 16, 1200
 _SEEN = np.exp(-0.5)
 # A direction is cloud or none: a wider ray would be a share of both.
 _NARROW_RAD = 1e-3

@@ -62,8 +62,15 @@ def test_another_exposure_of_a_finished_picture_draws_nothing_anew(backend, box_
     light(backend, uniform_sky(2.0), **SUN)
     assert backend.draw().radiance.mean() > 1.1 * again.radiance.mean()
     backend.change(exposure=SetExposure())
-    look(backend, around(40), TARGET)
+    other = look(backend, around(40), TARGET)
     assert backend.ledger.done["picture"] == drawn + 2
+    # False colours are drawn into the same targets.
+    backend.change(shows="illuminance")
+    backend.draw()
+    for exposure in (held, SetExposure()):
+        backend.change(shows="picture", exposure=exposure)
+        again = backend.draw()
+    assert np.array_equal(again.display, other.display)
 
 
 def test_a_camera_that_rests_soon_sees_what_is_drawn_anew(backend, box_file):

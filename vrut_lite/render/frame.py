@@ -157,6 +157,8 @@ class Frame:
             self.ledger.skip("picture: the same but for its exposure")
             self._finished = state, *known
             return self._exposed(*known, view, state)
+        # Its targets may be drawn into.
+        self._finished = None
         self._patience.is_given_up = is_given_up
         self._skips = state.skips
         self._filter.change_seen = reflection_change(state.tolerance)
@@ -195,9 +197,7 @@ class Frame:
             return self._draw_moving(
                 scene, seen, view, light, disc, shadows, reflection, air, state
             )
-        shifts: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
-        if finished:
-            shifts = _SHIFTS_PX
+        shifts = _SHIFTS_PX if finished else ((0.0, 0.0),)
         of_size = self._single if finished else self._targets
         targets = of_size.get(state.size_px)
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
