@@ -18,8 +18,13 @@ _CLEAR, _CLOSED = 0.05, 0.95
 # Heaps that are more than half of the sky stand in rolls. Light passes thinner layers than these.
 _HEAPED = 0.6
 _THIN_HEAPS, _THIN_ROLLS, _THIN_SHEET, _STRATUS, _RAIN = 0.97, 0.9, 0.8, 0.55, 0.22
-# Of heaps an observer sees the sides too: the share of the hemisphere over that of the zenith.
-_SIDES = 0.45
+# Of heaps and rolls an observer sees the sides too: shares of the zenith, and of the hemisphere
+# where these are covered (tools/cloud_cover.py).
+_ZENITH = 0.0, 0.35, 0.7, 1.0
+_HEMISPHERE: dict[Genus, tuple[float, ...]] = {
+    "Cu": (0.0, 0.61, 0.88, 1.0),
+    "Sc": (0.0, 0.53, 0.80, 1.0),
+}
 
 
 def layers_under(
@@ -63,16 +68,11 @@ def genus_of(cloudiness: CloudinessChanged) -> Genus:
 
 
 def coverage_of(cover: float, genus: Genus) -> float:
-    """Share of the zenith that is cloud, of a share of the hemisphere.
-
-    Of heaps c + 0.45 c (1 - c) of the hemisphere is cloud where c of the zenith is: 0.46 and 0.78
-    for cumulus of 0.35 and 0.7 (tools/cloud_cover.py).
-    """
+    """Share of the zenith that is cloud, of a share of the hemisphere."""
     if cover < _CLEAR:
         return 0.0
     if cover >= _CLOSED:
         return 1.0
-    if genus not in ("Cu", "Sc"):
+    if genus not in _HEMISPHERE:
         return cover
-    rise = 1.0 + _SIDES
-    return float((rise - np.sqrt(rise * rise - 4.0 * _SIDES * cover)) / (2.0 * _SIDES))
+    return float(np.interp(cover, _HEMISPHERE[genus], _ZENITH))
