@@ -13,10 +13,10 @@ from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.render.picture_passes import Measure
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, SceneView

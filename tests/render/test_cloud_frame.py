@@ -14,7 +14,7 @@ from vrut_lite.daylight.cloud_density import distance_up_m
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
 from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass, _picture
-from vrut_lite.render.frame import _SHIFTS_PX
+from vrut_lite.render.still_picture import SHIFTS_PX
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)
@@ -166,11 +166,11 @@ def _every_pixel(drawing, clouds, view, defines, size, sample):
 
 
 def test_clouds_of_a_finished_still_lie_where_its_meshes_do():
-    shown_px = [_SHIFTS_PX[max(each for each in MARCHED if each <= sample)] for sample in range(8)]
+    shown_px = [SHIFTS_PX[max(each for each in MARCHED if each <= sample)] for sample in range(8)]
 
     assert MARCHED[0] == 0
     assert np.abs(np.mean(shown_px, axis=0)).max() < 0.1
-    assert np.abs(np.subtract(shown_px, _SHIFTS_PX)).max() <= 0.4
+    assert np.abs(np.subtract(shown_px, SHIFTS_PX)).max() <= 0.4
 
 
 DENSE = msgspec.structs.replace(rough_layer(), extinction_per_m=0.01)
@@ -254,7 +254,7 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
 def test_off_costs_nothing(stage):
     """Before there were clouds and after they went: the same picture bit for bit, and no work."""
     before = look(stage, EYE, (1.0, 2.2, 0.0))
-    assert stage.backend._frame._clouds._made == [], (
+    assert stage.backend._frame._passes.clouds._made == [], (
         "nothing is compiled for clouds that never were"
     )
     stage.change(clouds=(rough_layer(),))

@@ -106,7 +106,7 @@ def test_a_plain_scene_pays_for_nothing_that_it_has_not(backend, boxes):
 
 def compiled(backend):
     """What the programs of meshes are compiled with."""
-    programs = backend.backend._frame._meshes._program_cache._program_cache
+    programs = backend.backend._frame._passes.meshes._program_cache._program_cache
     return {name for key in programs for name, _ in key[2:]}
 
 

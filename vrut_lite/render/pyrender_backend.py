@@ -21,11 +21,12 @@ from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.frame import Frame, Measure
+from vrut_lite.render.frame import Frame
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, Sky
 from vrut_lite.render.light_meter import Illuminance, illuminance
 from vrut_lite.render.passes.view import View
+from vrut_lite.render.picture_passes import Measure
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.surface_look_up import LitScene
@@ -140,7 +141,7 @@ class PyrenderBackend:
 
     def measure_passes(self, measure: Measure) -> None:
         """Enter `measure(name)` around each pass, on the GL thread."""
-        self._frame.measure = measure
+        self._frame.measure_passes(measure)
 
     def close(self) -> None:
         """Free the GL objects."""

@@ -1,0 +1,110 @@
+"""What a picture shows, and the passes that draw it, whichever kind of picture it is."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.render.air import FrameAir
+from vrut_lite.render.backdrop import Backdrop
+from vrut_lite.render.clouds.frame_clouds import FrameClouds
+from vrut_lite.render.lamps import LampsOnGpu
+from vrut_lite.render.light import Light, Reflection, Shadows
+from vrut_lite.render.passes.mesh_renderer import MeshRenderer
+from vrut_lite.render.passes.night_pass import NightPass
+from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
+from vrut_lite.render.passes.tone_pass import TonePass
+from vrut_lite.render.passes.triangles import PlacedSide, Run
+from vrut_lite.render.passes.view import View
+from vrut_lite.render.pieces import Patience
+from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.surface_light import SurfaceLightOnGpu
+
+Measure = Callable[[str], AbstractContextManager[Any]]
+
+
+class Shot(NamedTuple):
+    """A scene in its light, as it is seen from somewhere; `seen`: what may be in the picture."""
+
+    scene: PyrenderScene
+    seen: list[PlacedPrimitive]
+    view: View
+    light: Light
+    disc: SunDisc
+    shadows: Shadows
+    reflection: Reflection
+    air: FrameAir
+    state: SceneState
+
+
+@dataclass
+class PicturePasses:
+    """One of each; used on the GL thread only.
+
+    `measure` is entered around each pass, with its name; `ledger` counts what was done and what
+    was skipped.
+    """
+
+    context: Any
+    ledger: Ledger
+    patience: Patience
+    meshes: MeshRenderer
+    sky: SkyPass
+    night: NightPass
+    tone: TonePass
+    surface_light: SurfaceLightOnGpu
+    lamps: LampsOnGpu
+    backdrop: Backdrop
+    clouds: FrameClouds
+    measure: Measure = field(default=lambda name: nullcontext())
+
+    @staticmethod
+    def made(context: Any, ledger: Ledger) -> "PicturePasses":
+        """New ones in a context."""
+        patience = Patience(ledger)
+        return PicturePasses(
+            context,
+            ledger,
+            patience,
+            MeshRenderer(),
+            SkyPass(context),
+            NightPass(context, ledger),
+            TonePass(context),
+            SurfaceLightOnGpu(context),
+            LampsOnGpu(context, ledger),
+            Backdrop(context),
+            FrameClouds(context, ledger, patience),
+        )
+
+    def draw_meshes(
+        self,
+        shot: Shot,
+        placed: list[PlacedPrimitive],
+        defines: Defines,
+        blended: bool,
+        shown: Mapping[PlacedSide, Sequence[Run]] = MappingProxyType({}),
+    ) -> None:
+        """Draw some of a shot's meshes, of their sides what is `shown`."""
+        self.meshes.draw(
+            shot.scene,
+            placed,
+            shot.view,
+            shot.light,
+            shot.shadows,
+            shot.reflection,
+            self.surface_light,
+            defines,
+            blended,
+            shown,
+        )
+
+    def release(self) -> None:
+        """Free everything; another framebuffer must be bound."""
+        self.meshes.delete()
+        for thing in (self.sky, self.night, self.tone, self.surface_light, self.lamps,
+                      self.backdrop, self.clouds):  # fmt: skip
+            thing.release()

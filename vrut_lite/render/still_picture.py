@@ -1,0 +1,202 @@
+"""Complete pictures, in false colours too: one, or the mean of several that are shifted."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.pictures import exposure
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS
+from vrut_lite.render.culling import in_view, part_of
+from vrut_lite.render.passes.draw_order import in_order
+from vrut_lite.render.passes.triangles import PlacedSide, Run
+from vrut_lite.render.passes.view import View
+from vrut_lite.render.picture_passes import PicturePasses, Shot
+from vrut_lite.render.pieces import Piece, Pieces
+from vrut_lite.render.pyrender_scene import PlacedPrimitive
+from vrut_lite.render.reversed_depth import reversed_depth
+from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.surface_terms import needs_backdrop
+from vrut_lite.render.targets import Targets
+from vrut_lite.render.value_light import in_false_colours
+
+# A finished still is the mean of pictures that are shifted so, right and up, in pixels. With one
+# sample a pixel no hidden one is shaded: eight such pictures take half as long as four of four
+# samples, and come nearer to 64.
+SHIFTS_PX = tuple(
+    ((2 * i - 7) / 16, (2 * j - 7) / 16) for i, j in enumerate((2, 5, 0, 7, 3, 6, 1, 4))
+)
+_UNSHIFTED_PX = ((0.0, 0.0),)
+
+
+class StillPictures:
+    """Draws a shot; keeps the last one, which may be exposed again. On the GL thread only."""
+
+    def __init__(self, passes: PicturePasses):
+        self._passes = passes
+        self._pieces = Pieces(passes.patience)
+        context = passes.context
+        self._targets = SizeCache(context, lambda size: Targets(context, size))
+        self._single = SizeCache(context, lambda size: Targets(context, size, samples=1))
+        # The last still, whose radiance its targets still hold.
+        self._last: tuple[SceneState, Targets, NDArray[np.float32]] | None = None
+
+    def exposed_again(self, state: SceneState, view: View) -> Picture | None:
+        """The last still with another exposure; None if more than that is another."""
+        if self._last is None:
+            return None
+        drawn, targets, radiance = self._last
+        if drawn.exposure == state.exposure or not state.shares_all_but(drawn, "exposure"):
+            return None
+        if targets.is_released:
+            return None
+        self._passes.ledger.skip("picture: the same but for its exposure")
+        self._last = state, targets, radiance
+        return self._exposed(targets, radiance, view, state)
+
+    def forget(self) -> None:
+        """Let the last still go: another picture is drawn, perhaps into its targets."""
+        self._last = None
+
+    def draw(self, shot: Shot, still: bool, finished: bool) -> Picture:
+        """Draw a shot, `finished` by several pictures; a `still` is kept.
+
+        Raises:
+            GivenUp: see `Patience`.
+        """
+        passes, state = self._passes, shot.state
+        shifts = SHIFTS_PX if finished else _UNSHIFTED_PX
+        targets = (self._single if finished else self._targets).get(state.size_px)
+        passes.meshes.read_finer(shot.scene, np.log2(len(shifts)) / 2.0)
+        passes.ledger.did("picture", len(shifts))
+        resolved = self._mean(shot, targets, shifts, still)
+        if state.shows != "picture":
+            return in_false_colours(resolved, state.shows)
+        radiance = np.ascontiguousarray(resolved[..., :3])
+        if len(shifts) > 1:
+            with passes.measure("copy and meter"):
+                targets.write_resolved(resolved)
+        if still:
+            self._last = state, targets, radiance
+        return self._exposed(targets, radiance, shot.view, state)
+
+    def release(self) -> None:
+        """Free everything; another framebuffer must be bound."""
+        self._targets.release()
+        self._single.release()
+
+    def _mean(
+        self, shot: Shot, targets: Targets, shifts: tuple[tuple[float, float], ...], still: bool
+    ) -> NDArray[np.float32]:
+        """The mean (h, w, 4) of pictures shifted so, row 0 at the top."""
+        passes = self._passes
+        passes.meshes.picture_count = len(shifts)
+        resolved: NDArray[np.float32] | None = None
+        for sample, shift_px in enumerate(shifts):
+            passes.patience.check()
+            passes.meshes.picture_number = sample
+            targets.multisampled.use()
+            targets.multisampled.clear()
+            view = shot.view if len(shifts) == 1 else shot.view.shifted(shift_px, targets.size)
+            with reversed_depth():
+                self._draw_seen(targets, shot._replace(view=view), still, sample)
+            with passes.measure("resolve"):
+                passes.context.copy_framebuffer(targets.resolved, targets.multisampled)
+            read = targets.read_resolved()
+            resolved = read if resolved is None else resolved + read
+        passes.meshes.picture_number, passes.meshes.picture_count = 0, 1
+        assert resolved is not None
+        if len(shifts) > 1:
+            resolved /= np.float32(len(shifts))
+        return resolved
+
+    def _exposed(
+        self, targets: Targets, radiance: NDArray[np.float32], view: View, state: SceneState
+    ) -> Picture:
+        """The picture whose radiance (h, w, 3) the targets hold."""
+        passes = self._passes
+        with passes.measure("copy and meter"):
+            ev100 = exposure.ev100_of(state.exposure, radiance)
+        with passes.measure("tone map"):
+            pixel_rad = view.pixel_rad(targets.size)
+            passes.tone.draw(targets.radiance, targets.display, ev100, state.exposure, pixel_rad)
+        return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
+
+    def _draw_seen(self, targets: Targets, shot: Shot, still: bool, sample: int) -> None:
+        """Solid surfaces, the sky in what they leave, clouds, and what shows all these.
+
+        Of values in false colours solid surfaces alone.
+        """
+        passes, state = self._passes, shot.state
+        solid, blended = in_order(shot.seen, shot.view.eye_m)
+        defines = _defines(shot, passes.lamps.defines)
+        if state.shows != "picture":
+            with passes.measure("mesh"):
+                self._draw_meshes(targets, shot, solid, defines)
+            return
+        if not state.skips.sky:
+            self._draw_sky(targets, shot)
+        with passes.measure("mesh"):
+            self._draw_meshes(targets, shot, solid, defines)
+        if state.skips.sky:
+            self._draw_sky(targets, shot)
+        with passes.measure("night"):
+            passes.night.draw(targets.size, shot.view)
+        with passes.measure("clouds"):
+            passes.clouds.draw(shot.scene, targets, shot.view, shot.air, still, sample)
+        if any(needs_backdrop(placed.primitive.material) for placed in blended):
+            with passes.measure("backdrop"):
+                passes.backdrop.take(targets.multisampled, targets.size)
+            passes.ledger.did("backdrop")
+        with passes.measure("blended mesh"):
+            self._draw_meshes(targets, shot, blended, defines, blended=True)
+
+    def _draw_meshes(
+        self,
+        targets: Targets,
+        shot: Shot,
+        placed: list[PlacedPrimitive],
+        defines: Defines,
+        blended: bool = False,
+    ) -> None:
+        """Draw meshes in pieces of the picture, solid ones after their depth."""
+        passes = self._passes
+
+        def draw(piece: Piece) -> None:
+            within = placed
+            if shot.state.skips.meshes and piece[2:] != targets.size:
+                part = part_of(shot.view, targets.size, piece)
+                within = [p for p in placed if in_view(p, part)]
+            shown: dict[PlacedSide, tuple[Run, ...]] = {}
+            if not blended:
+                if targets.samples_a_pixel > 1:
+                    shown = passes.meshes.draw_depth_first(within, shot.view)
+                else:
+                    passes.meshes.draw_depth_of_solid(within, shot.view)
+                # Where two are equally near the last one shows: the nearer mesh.
+                within = within[::-1]
+            passes.draw_meshes(shot, within, defines, blended, shown)
+
+        if placed:
+            self._pieces.draw(targets.size, draw)
+
+    def _draw_sky(self, targets: Targets, shot: Shot) -> None:
+        passes = self._passes
+        with passes.measure("sky"):
+            counted = passes.sky.draw(
+                targets.size, shot.view, shot.light, shot.disc, shot.state.skips.sky, shot.air.sky
+            )
+        drawn = targets.samples if counted is None else counted
+        passes.ledger.did("sky sample", drawn)
+        passes.ledger.skip("sky sample: covered", targets.samples - drawn)
+
+
+def _defines(shot: Shot, of_lamps: Defines) -> Defines:
+    """What meshes' shaders are compiled with."""
+    if shot.state.shows == "picture":
+        return (*shot.air.mesh, *of_lamps)
+    shadows_of_clouds = tuple(set(shot.air.mesh) & {CLOUD_SHADOWS})
+    if shot.state.shows == "illuminance":
+        return ("ILLUMINANCE", *shadows_of_clouds, *of_lamps)
+    return ("ILLUMINANCE", "MAP_VALUES")
