@@ -215,8 +215,8 @@ def test_light_on_clouds_that_is_set_is_seen_at_once(gl_backend, tmp_path):
 
 def _taking_nothing_over(backend, view, brighter=1.0):
     """A moving picture's radiance after one in another light, from which nothing is taken over."""
-    for now in (4.0, brighter):
-        _shine(backend, now)
+    for level in (4.0, brighter):
+        _shine(backend, level)
         moving = look(backend, *view, still=False).radiance
     return moving
 
