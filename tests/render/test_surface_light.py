@@ -25,6 +25,7 @@ from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.render.still_picture import FEWER_SHIFTS_PX
 
 pytestmark = pytest.mark.gl
 SIZE = 48
@@ -32,6 +33,7 @@ ABOVE = ((0.0, 1.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(0.4))
 # Where the rays through the middles of the pixels of `ABOVE` meet the level through the origin.
 ACROSS_M = 0.4 * ((np.arange(SIZE) + 0.5) / SIZE * 2.0 - 1.0)
 PLACES_M = np.stack(np.meshgrid(ACROSS_M, ACROSS_M), axis=-1)
+PIXEL_M = 0.8 / SIZE
 CHART = GroundChart(corner_px=(14, 0), edge_px=16, half_width_m=8.0, warp=3.0)
 GROUND = GroundDisc((0.0, 0.0), 0.0, 200.0)
 FACES = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -66,6 +68,12 @@ def paint_alone(backend, folder, draw, **more):
     return shown[1.0] - shown[0.0]
 
 
+def mean_of_pictures(found_at):
+    """The mean of what is found at the places that a still's shifted pictures show."""
+    shifts_m = np.multiply(FEWER_SHIFTS_PX, (-PIXEL_M, PIXEL_M))
+    return np.mean([found_at(PLACES_M + shift_m) for shift_m in shifts_m], axis=0)
+
+
 def test_a_surface_sends_back_the_irradiance_of_its_texels(backend, tmp_path):
     """Linearly between texels: paint under an uneven map over paint under an even one is E / pi."""
     made = {}
@@ -78,12 +86,14 @@ def test_a_surface_sends_back_the_irradiance_of_its_texels(backend, tmp_path):
 
     level = paint_alone(backend, tmp_path, lit_by(even))
     found = paint_alone(backend, tmp_path, lit_by(uneven)) / level
-    at_px = np.array([1, 2]) + 0.5 + (PLACES_M + 0.5) * (RECTANGLE_PX - 1)
-    expected = fetched(made["texels"], at_px)[..., :3] / np.pi
-    # A pixel on the diagonal is shaded for either triangle, in the middle of its part.
-    inside = ~np.eye(SIZE, dtype=bool)[::-1]
-    np.testing.assert_allclose(found[inside], expected[inside], rtol=2e-3)
-    np.testing.assert_allclose(found, expected, rtol=0.05)
+
+    def expected_at(places_m):
+        at_px = np.array([1, 2]) + 0.5 + (places_m + 0.5) * (RECTANGLE_PX - 1)
+        return fetched(made["texels"], at_px)[..., :3] / np.pi
+
+    off = np.abs(found / mean_of_pictures(expected_at) - 1.0)
+    assert np.quantile(off, 0.999) < 2e-3
+    assert off.max() < 5e-3
 
 
 def test_every_instance_is_lit_from_its_own_rectangle(backend, tmp_path):
@@ -112,8 +122,11 @@ def test_the_ground_is_its_albedo_times_the_light_of_its_chart(backend, tmp_path
     for height_m in (1.0, 10.0):
         eye = (far_m, height_m, -far_m + 1e-3)
         picture = look(backend, eye, (far_m, 0.0, -far_m), ABOVE[2])
-        at_px = on_chart(CHART, height_m * PLACES_M)
-        expected = 0.5 / np.pi * fetched(texels, at_px)[..., :3]
+
+        def expected_at(places_m, height_m=height_m):
+            return 0.5 / np.pi * fetched(texels, on_chart(CHART, height_m * places_m))[..., :3]
+
+        expected = mean_of_pictures(expected_at)
         np.testing.assert_allclose(picture.radiance, expected, rtol=0.02)
         np.testing.assert_allclose(picture.radiance.mean(), expected.mean(), rtol=1e-3)
 
@@ -131,7 +144,7 @@ def test_the_ground_goes_over_into_open_ground_without_an_edge(backend, tmp_path
     bare = look(backend, *view).radiance[SIZE // 2, :, 0]
     away_m = np.abs(20.0 * 0.5 * ((np.arange(SIZE) + 0.5) / SIZE * 2.0 - 1.0))
     np.testing.assert_allclose(row[away_m < 5.5], 0.25, rtol=1e-3)
-    np.testing.assert_allclose(row[away_m > 8.0], bare[away_m > 8.0], rtol=1e-5)
+    np.testing.assert_allclose(row[away_m > 8.2], bare[away_m > 8.2], rtol=1e-5)
     # 0.25 over some seven pixels, smoothly.
     assert np.abs(np.diff(row)).max() < 0.08
 

@@ -15,6 +15,7 @@ from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+from vrut_lite.render.near_air import NearAir
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
 
@@ -39,16 +40,20 @@ class AirSurroundings(NamedTuple):
 
 
 class FrameAir(NamedTuple):
-    """The defines with which shaders of meshes and sky are compiled for a frame's air."""
+    """The defines with which shaders of meshes and sky are compiled for a frame's air.
+
+    `near`: a table for what is near, where there is one.
+    """
 
     mesh: Defines = ()
     sky: Defines = ()
+    near: NearAir | None = None
 
     @classmethod
-    def of(cls, around: AirSurroundings, shafts: bool) -> "FrameAir":
+    def of(cls, around: AirSurroundings, shafts: bool, near: NearAir | None) -> "FrameAir":
         """Defines of a frame with air; a sky whose air is included needs no more."""
         mesh = ("AIR", "LIGHT_SHAFTS") if shafts else ("AIR",)
-        return cls(mesh, mesh if shafts or around.ground_is_bare else ())
+        return cls(mesh, mesh if shafts or around.ground_is_bare else (), near)
 
 
 class AirOnGpu:

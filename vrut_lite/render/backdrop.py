@@ -27,7 +27,7 @@ class Backdrop:
         self._copies = SizeCache(context, lambda size: _Copy(context, size))
 
     def take(self, drawn: Any, size: tuple[int, int]) -> None:
-        """Copy a multisampled framebuffer, and bind the copy; `drawn` is bound again."""
+        """Copy a framebuffer, and bind the copy; `drawn` is bound again."""
         copy = self._copies.get(size)
         self._context.copy_framebuffer(copy.buffer, drawn)
         copy.texture.build_mipmaps()

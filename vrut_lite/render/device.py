@@ -31,8 +31,9 @@ class Choices(NamedTuple):
     Attributes:
         name: of the kind of renderer.
         least_trial_ns: of a pixel of the trial; the last row that a renderer reaches is its own.
-        takes_over: moving pictures have one sample a pixel, smoothed edges, and what still holds of
-            the picture before; otherwise they have the finished picture's samples.
+        takes_over: pictures have one sample a pixel: a still is the mean of several, a moving one
+            has smoothed edges and what still holds of the picture before. Otherwise both are one
+            picture with several samples a pixel.
         expected_s: of a picture in a window, before the first is drawn.
     """
 

@@ -25,6 +25,7 @@ from vrut_lite.render.device import Choices
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow
 from vrut_lite.render.moving_picture import MovingPictures
+from vrut_lite.render.near_air import NearAirTable
 from vrut_lite.render.passes.shadow_map import ShadowMaps
 from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SunDisc
@@ -54,11 +55,12 @@ class Frame:
         self.ledger = Ledger()
         context.enable_direct(_CUBE_MAP_SEAMLESS)
         self._passes = PicturePasses.made(context, self.ledger)
-        self._stills = StillPictures(self._passes)
+        self._stills = StillPictures(self._passes, several_samples=not choices.takes_over)
         self._moving = MovingPictures(self._passes)
         self._shadow = ShadowMaps(context, self.ledger)
         self._filter = SpecularFilter(context, self.ledger)
         self._air = AirOnGpu(context)
+        self._near_air = NearAirTable(context)
         self._reflectance = _table_texture(context)
 
     def measure_passes(self, measure: Measure) -> None:
@@ -139,7 +141,7 @@ class Frame:
                 shadows = self._shadow.update(passes.meshes, scene, light, view, always, quick)
         with passes.measure("lamps"):
             passes.lamps.update(passes.meshes, scene, view.eye_m, always)
-        air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
+        air = self._air_before(scene, view, light, shadows.scene, state)
         with passes.measure("cloud shadows"):
             air = passes.clouds.prepare(scene, view, light, air, state.size_px, state.key_light)
         disc = self._disc(light, state.key_light, state.moon_disc)
@@ -150,7 +152,7 @@ class Frame:
         """Free everything, on the GL thread."""
         bind_permanent_framebuffer(self._context)
         for thing in (self._passes, self._stills, self._moving, self._shadow, self._filter,
-                      self._air, self._reflectance):  # fmt: skip
+                      self._air, self._near_air, self._reflectance):  # fmt: skip
             thing.release()
 
     def _disc(self, light: Light, key: KeyLightChanged, moon: MoonDiscChanged | None) -> SunDisc:
@@ -160,13 +162,18 @@ class Frame:
         return SunDisc(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
 
     def _air_before(
-        self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow | None, shafts: bool
+        self,
+        scene: PyrenderScene,
+        view: View,
+        light: Light,
+        shadow: Shadow | None,
+        state: SceneState,
     ) -> FrameAir:
         """Bind the air of this frame; returns the shaders' defines."""
         if self._air.volume is None:
             self.ledger.skip("air: none to be seen")
             return FrameAir()
-        shafts = shafts and any(light.sun_irradiance)
+        shafts = state.light_shafts and any(light.sun_irradiance)
         around = AirSurroundings(
             eye_altitude_m=float(view.eye_m[1]),
             ground_level_m=scene.ground_level_m,
@@ -179,7 +186,8 @@ class Frame:
             shadow.texture.use(location=SHADOW_UNIT)
             self.ledger.did("light shafts")
         self.ledger.did("air")
-        return FrameAir.of(around, shafts)
+        near = None if shafts else self._near_air.draw(self._air.volume, view, state.size_px)
+        return FrameAir.of(around, shafts, near)
 
     def _seen(self, scene: PyrenderScene, view: View, skips: FrameSkips) -> list[PlacedPrimitive]:
         """Meshes that may be in the picture."""

@@ -30,7 +30,7 @@ class MovingPictures:
         passes.ledger.did("picture")
         defines: Defines = (*shot.air.mesh, *passes.lamps.defines)
         # For the viewport.
-        targets.multisampled.use()
+        targets.buffer.use()
         targets.front.bind()
         with reversed_depth():
             with passes.measure("depth"):
@@ -40,14 +40,14 @@ class MovingPictures:
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
-                passes.sky.draw_remaining(targets.size, view, shot.light, shot.disc, shot.air.sky)
+                passes.sky.draw(view, shot.light, shot.disc, True, shot.air.sky)
             if blended or passes.clouds.are_drawn:
                 targets.draw_over()
                 with passes.measure("clouds"):
                     passes.clouds.draw(shot.scene, targets, view, shot.air, still=False)
                 with passes.measure("blended mesh"):
                     if any(needs_backdrop(placed.primitive.material) for placed in blended):
-                        passes.backdrop.take(targets.multisampled, targets.size)
+                        passes.backdrop.take(targets.buffer, targets.size)
                     passes.draw_meshes(shot, blended, defines, blended=True)
         with passes.measure("copy and meter"):
             radiance = targets.read_radiance()

@@ -45,7 +45,7 @@ class MovingTargets:
     """What is drawn into in turns, and what is shown.
 
     `front` is the depth of solid surfaces; `drawn` is what is solid and the sky, now and before;
-    `over` has what shows these too, where there is any. `multisampled` is that of the pictures that
+    `over` has what shows these too, where there is any. `buffer` is that of the pictures that
     passes draw into just now, by the name that it has in `Targets`.
     """
 
@@ -60,7 +60,7 @@ class MovingTargets:
         self.toned = context.framebuffer([self._toned])
 
     @property
-    def multisampled(self) -> Any:
+    def buffer(self) -> Any:
         """The framebuffer that is drawn into."""
         return self.now.buffer
 

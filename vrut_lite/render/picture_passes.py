@@ -1,9 +1,8 @@
 """What a picture shows, and the passes that draw it, whichever kind of picture it is."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from vrut_lite.daylight.scene_state import SceneState
@@ -17,7 +16,6 @@ from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.night_pass import NightPass
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.tone_pass import TonePass
-from vrut_lite.render.passes.triangles import PlacedSide, Run
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
@@ -86,9 +84,8 @@ class PicturePasses:
         placed: list[PlacedPrimitive],
         defines: Defines,
         blended: bool,
-        shown: Mapping[PlacedSide, Sequence[Run]] = MappingProxyType({}),
     ) -> None:
-        """Draw some of a shot's meshes, of their sides what is `shown`."""
+        """Draw some of a shot's meshes."""
         self.meshes.draw(
             shot.scene,
             placed,
@@ -98,8 +95,8 @@ class PicturePasses:
             shot.reflection,
             self.surface_light,
             defines,
+            shot.air.near,
             blended,
-            shown,
         )
 
     def release(self) -> None:

@@ -9,7 +9,6 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.passes.triangles import PlacedSide, Run
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import PicturePasses, Shot
 from vrut_lite.render.pieces import Piece, Pieces
@@ -18,27 +17,30 @@ from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
-from vrut_lite.render.targets import Targets
+from vrut_lite.render.targets import SAMPLES, Targets
 from vrut_lite.render.value_light import in_false_colours
 
-# A finished still is the mean of pictures that are shifted so, right and up, in pixels. With one
-# sample a pixel no hidden one is shaded: eight such pictures take half as long as four of four
-# samples, and come nearer to 64.
+# A still is the mean of pictures with one sample a pixel, which are shifted so, right and up, in
+# pixels. Software renderers shade hidden samples too where there are several: three such pictures
+# cost at most what one of four samples does, and come nearer to 64; eight less than half of four.
 SHIFTS_PX = tuple(
     ((2 * i - 7) / 16, (2 * j - 7) / 16) for i, j in enumerate((2, 5, 0, 7, 3, 6, 1, 4))
 )
+FEWER_SHIFTS_PX = ((-1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, -1 / 3))
 _UNSHIFTED_PX = ((0.0, 0.0),)
 
 
 class StillPictures:
     """Draws a shot; keeps the last one, which may be exposed again. On the GL thread only."""
 
-    def __init__(self, passes: PicturePasses):
+    def __init__(self, passes: PicturePasses, several_samples: bool):
+        """`several_samples`: what is not finished is one picture with several samples a pixel."""
         self._passes = passes
+        self._shifts_px = _UNSHIFTED_PX if several_samples else FEWER_SHIFTS_PX
         self._pieces = Pieces(passes.patience)
         context = passes.context
-        self._targets = SizeCache(context, lambda size: Targets(context, size))
-        self._single = SizeCache(context, lambda size: Targets(context, size, samples=1))
+        self._of_one = SizeCache(context, lambda size: Targets(context, size, SAMPLES))
+        self._of_several = SizeCache(context, lambda size: Targets(context, size, 1))
         # The last still, whose radiance its targets still hold.
         self._last: tuple[SceneState, Targets, NDArray[np.float32]] | None = None
 
@@ -66,9 +68,9 @@ class StillPictures:
             GivenUp: see `Patience`.
         """
         passes, state = self._passes, shot.state
-        shifts = SHIFTS_PX if finished else _UNSHIFTED_PX
-        targets = (self._single if finished else self._targets).get(state.size_px)
-        passes.meshes.read_finer(shot.scene, np.log2(len(shifts)) / 2.0)
+        shifts = SHIFTS_PX if finished else self._shifts_px
+        targets = (self._of_one if len(shifts) == 1 else self._of_several).get(state.size_px)
+        passes.meshes.read_finer(shot.scene, np.log2(len(shifts)) / 2.0 if finished else 0.0)
         passes.ledger.did("picture", len(shifts))
         resolved = self._mean(shot, targets, shifts, still)
         if state.shows != "picture":
@@ -83,33 +85,34 @@ class StillPictures:
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
-        self._targets.release()
-        self._single.release()
+        self._of_one.release()
+        self._of_several.release()
 
     def _mean(
         self, shot: Shot, targets: Targets, shifts: tuple[tuple[float, float], ...], still: bool
     ) -> NDArray[np.float32]:
         """The mean (h, w, 4) of pictures shifted so, row 0 at the top."""
-        passes = self._passes
+        passes, state = self._passes, shot.state
         passes.meshes.picture_count = len(shifts)
-        resolved: NDArray[np.float32] | None = None
+        width, height = targets.size
+        resolved = np.zeros((height, width, 4), np.float32)
         for sample, shift_px in enumerate(shifts):
             passes.patience.check()
             passes.meshes.picture_number = sample
-            targets.multisampled.use()
-            targets.multisampled.clear()
+            targets.buffer.use()
+            targets.buffer.clear()
             view = shot.view if len(shifts) == 1 else shot.view.shifted(shift_px, targets.size)
             with reversed_depth():
                 self._draw_seen(targets, shot._replace(view=view), still, sample)
             with passes.measure("resolve"):
-                passes.context.copy_framebuffer(targets.resolved, targets.multisampled)
-            read = targets.read_resolved()
-            resolved = read if resolved is None else resolved + read
+                resolved += targets.read_resolved()
+            if state.shows == "picture":
+                drawn = passes.sky.count_samples()
+                passes.ledger.did("sky sample", drawn)
+                passes.ledger.skip("sky sample: covered", targets.samples - drawn)
         passes.meshes.picture_number, passes.meshes.picture_count = 0, 1
-        assert resolved is not None
-        if len(shifts) > 1:
-            resolved /= np.float32(len(shifts))
-        return resolved
+        resolved /= np.float32(len(shifts))
+        return resolved[::-1]
 
     def _exposed(
         self, targets: Targets, radiance: NDArray[np.float32], view: View, state: SceneState
@@ -136,18 +139,18 @@ class StillPictures:
                 self._draw_meshes(targets, shot, solid, defines)
             return
         if not state.skips.sky:
-            self._draw_sky(targets, shot)
+            self._draw_sky(shot)
         with passes.measure("mesh"):
             self._draw_meshes(targets, shot, solid, defines)
         if state.skips.sky:
-            self._draw_sky(targets, shot)
+            self._draw_sky(shot)
         with passes.measure("night"):
             passes.night.draw(targets.size, shot.view)
         with passes.measure("clouds"):
             passes.clouds.draw(shot.scene, targets, shot.view, shot.air, still, sample)
         if any(needs_backdrop(placed.primitive.material) for placed in blended):
             with passes.measure("backdrop"):
-                passes.backdrop.take(targets.multisampled, targets.size)
+                passes.backdrop.take(targets.buffer, targets.size)
             passes.ledger.did("backdrop")
         with passes.measure("blended mesh"):
             self._draw_meshes(targets, shot, blended, defines, blended=True)
@@ -168,28 +171,22 @@ class StillPictures:
             if shot.state.skips.meshes and piece[2:] != targets.size:
                 part = part_of(shot.view, targets.size, piece)
                 within = [p for p in placed if in_view(p, part)]
-            shown: dict[PlacedSide, tuple[Run, ...]] = {}
             if not blended:
-                if targets.samples_a_pixel > 1:
-                    shown = passes.meshes.draw_depth_first(within, shot.view)
-                else:
-                    passes.meshes.draw_depth_of_solid(within, shot.view)
+                passes.meshes.draw_depth_of_solid(within, shot.view)
                 # Where two are equally near the last one shows: the nearer mesh.
                 within = within[::-1]
-            passes.draw_meshes(shot, within, defines, blended, shown)
+            passes.draw_meshes(shot, within, defines, blended)
 
         if placed:
             self._pieces.draw(targets.size, draw)
 
-    def _draw_sky(self, targets: Targets, shot: Shot) -> None:
+    def _draw_sky(self, shot: Shot) -> None:
         passes = self._passes
         with passes.measure("sky"):
-            counted = passes.sky.draw(
-                targets.size, shot.view, shot.light, shot.disc, shot.state.skips.sky, shot.air.sky
+            pictures = passes.meshes.picture_count
+            passes.sky.draw(
+                shot.view, shot.light, shot.disc, shot.state.skips.sky, shot.air.sky, pictures
             )
-        drawn = targets.samples if counted is None else counted
-        passes.ledger.did("sky sample", drawn)
-        passes.ledger.skip("sky sample: covered", targets.samples - drawn)
 
 
 def _defines(shot: Shot, of_lamps: Defines) -> Defines:

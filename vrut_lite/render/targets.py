@@ -14,31 +14,31 @@ SAMPLES = 4
 class Targets:
     """Radiance with one sample a pixel or several, resolved radiance, and the picture for display.
 
-    Radiance is in 32-bit floats: the sun's disc is brighter than half precision can hold.
+    `buffer` is drawn into. Radiance is in 32-bit floats: the sun's disc is brighter than half
+    precision can hold.
     """
 
-    def __init__(self, context: Any, size: tuple[int, int], samples: int = SAMPLES):
+    def __init__(self, context: Any, size: tuple[int, int], samples: int):
         self.size = size
         self.is_released = False
-        self.samples_a_pixel = samples
-        # Of OpenGL's, 0 is one sample, whose depth is tested before it is shaded.
-        stored = samples if samples > 1 else 0
-        self._colour = context.renderbuffer(size, 4, samples=stored, dtype="f4")
-        self.multisampled = context.framebuffer([self._colour])
-        self._depth = FloatDepth(self.multisampled, size, stored)
+        self.samples = size[0] * size[1] * samples
         self.radiance = context.texture(size, 4, dtype="f4")
-        self.resolved = context.framebuffer([self.radiance])
+        self._context = context
+        self._resolved = context.framebuffer([self.radiance])
+        self.buffer, self._colour = self._resolved, None
+        if samples > 1:
+            self._colour = context.renderbuffer(size, 4, samples=samples, dtype="f4")
+            self.buffer = context.framebuffer([self._colour])
+        # Of OpenGL's, 0 is one sample, whose depth is tested before it is shaded.
+        self._depth = FloatDepth(self.buffer, size, samples if samples > 1 else 0)
         self._display = context.texture(size, 4)
         self.display = context.framebuffer([self._display])
 
-    @property
-    def samples(self) -> int:
-        """Samples of all pixels."""
-        return self.size[0] * self.size[1] * self.samples_a_pixel
-
     def read_resolved(self) -> NDArray[np.float32]:
-        """The resolved picture (h, w, 4), row 0 at the top."""
-        return read_rgba(self.radiance)[::-1].copy()
+        """The mean of each pixel's samples (h, w, 4), row 0 at the bottom."""
+        if self.buffer is not self._resolved:
+            self._context.copy_framebuffer(self._resolved, self.buffer)
+        return read_rgba(self.radiance)
 
     def write_resolved(self, radiance: NDArray[np.float32]) -> None:
         """Let this (h, w, 4), row 0 at the top, be the resolved picture."""
@@ -53,6 +53,8 @@ class Targets:
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self.is_released = True
-        for thing in (self.multisampled, self.resolved, self.display, self._colour, self._depth,
-                      self.radiance, self._display):  # fmt: skip
+        if self._colour is not None:
+            self.buffer.release()
+            self._colour.release()
+        for thing in (self._resolved, self.display, self._depth, self.radiance, self._display):
             thing.release()

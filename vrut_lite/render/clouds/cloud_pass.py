@@ -53,7 +53,7 @@ class _Before(NamedTuple):
 
 
 class CloudPass:
-    """Draws with reversed depth into the multisampled target; on the GL thread only."""
+    """Draws with reversed depth into the target; on the GL thread only."""
 
     def __init__(self, context: Any, patience: Patience):
         self._context = context
@@ -89,7 +89,7 @@ class CloudPass:
         """
         defines = (*(name for name in air if name == "AIR"),)
         depth = self._depths.get(targets.size)
-        depth.copy(targets.multisampled)
+        depth.copy(targets.buffer)
         depth.use(location=4)
         if light is None:
             self._before = None
@@ -97,7 +97,7 @@ class CloudPass:
         else:
             target = self._moving(clouds, view, defines, targets.size, light)
         self._shown = target
-        targets.multisampled.use()
+        targets.buffer.use()
         self.draw_again(before_meshes)
 
     def draw_again(self, before_meshes: bool) -> None:

@@ -144,4 +144,4 @@ class FrameClouds:
 def with_cloud_shadows(air: FrameAir) -> FrameAir:
     """The defines where clouds shade the sun; the sky's own ground is shaded only through air."""
     sky = (*air.sky, CLOUD_SHADOWS) if "AIR" in air.sky else air.sky
-    return FrameAir((*air.mesh, CLOUD_SHADOWS), sky)
+    return FrameAir((*air.mesh, CLOUD_SHADOWS), sky, air.near)

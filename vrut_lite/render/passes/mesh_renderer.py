@@ -5,9 +5,7 @@ are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
-from types import MappingProxyType
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -19,23 +17,13 @@ from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render import direct_gl
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadows
+from vrut_lite.render.near_air import NearAir
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
 from vrut_lite.render.passes.draw_order import alpha_range
-from vrut_lite.render.passes.occlusion_queries import OcclusionQueries
 from vrut_lite.render.passes.programs import Program
 from vrut_lite.render.passes.shadows_on_mesh import bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
-from vrut_lite.render.passes.triangles import (
-    PlacedSide,
-    Run,
-    Side,
-    draw_run,
-    draw_side,
-    joined,
-    runs_of,
-    show_side,
-    sides,
-)
+from vrut_lite.render.passes.triangles import Side, draw_side, sides
 from vrut_lite.render.passes.view import View, normal_matrix
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene, Uploads
 from vrut_lite.render.shader_files import Defines
@@ -50,9 +38,6 @@ from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 _SKY_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 10, 11
 # From this roughness on both lobes of `sky_image` are as wide as the first level of the map.
 _NO_MIRROR = (0.8 - math.sqrt(0.64 - 1.44 * LEVEL_ROUGHNESS[0])) / 0.72
-# Triangles of which one question asks whether any is seen: fewer, and asking takes longer than it
-# spares; and into how many runs all meshes of a picture are cut, where runs are longer.
-_SHORTEST_RUN, _MOST_RUNS = 48, 256
 _LAYER_UNIFORMS: dict[str, MapName] = {
     "base_color_layer": "base_colour",
     "metallic_roughness_layer": "metallic_roughness",
@@ -69,7 +54,6 @@ class MeshRenderer(CasterRenderer):
         super().__init__()
         # What cuts the scene's meshes, but neither the ground's disc nor shadows.
         self.section: Section | None = None
-        self._queries = OcclusionQueries()
         self._levels_finer = 0.0
         # What a mesh's program is told of its place, as the last view sees it.
         self._uploads: Uploads | None = None
@@ -83,67 +67,10 @@ class MeshRenderer(CasterRenderer):
         # and other parts of the sun.
         self.picture_number, self.picture_count = 0, 1
 
-    def delete(self) -> None:
-        """Free all that it keeps on the GPU."""
-        self._queries.release()
-        super().delete()
-
-    def draw_depth_first(
-        self, placed_in_order: Iterable[PlacedPrimitive], view: View
-    ) -> dict[PlacedSide, tuple[Run, ...]]:
-        """Draw the depth of what is all solid; returns which triangles of its sides are seen.
-
-        A mesh drawn thereafter passes where it is as near as that depth. Software renderers shade
-        hidden samples too where there are several a pixel: hidden triangles are not to be drawn.
-        Of meshes without triangles by indices all that is seen has no entry.
-        """
-        solid = self.draw_depth_of_solid(placed_in_order, view)
-        GL.glColorMask(*4 * [GL.GL_FALSE])
-        GL.glDepthMask(GL.GL_FALSE)
-        GL.glDepthFunc(GL.GL_GEQUAL)
-        self._queries.begin()
-        asked = self._ask_for_runs(solid, view)
-        shown = {
-            placed_side: joined([run for run, question in runs if self._queries.passed(question)])
-            for placed_side, runs in asked.items()
-        }
-        GL.glDepthFunc(GL.GL_GREATER)
-        GL.glDepthMask(GL.GL_TRUE)
-        GL.glColorMask(*4 * [GL.GL_TRUE])
-        GL.glUseProgram(0)
-        return shown
-
-    def _ask_for_runs(
-        self, solid: list[PlacedPrimitive], view: View
-    ) -> dict[PlacedSide, list[tuple[Run, int]]]:
-        """Of each side the runs of triangles, with the number of the question for each."""
-        triangles = sum(placed.primitive.indices.size // 3 for placed in solid
-                        if placed.primitive.indices is not None)  # fmt: skip
-        longest = max(_SHORTEST_RUN, triangles // _MOST_RUNS)
-        asked: dict[PlacedSide, list[tuple[Run, int]]] = {}
-        for placed in solid:
-            primitive = placed.primitive
-            runs = runs_of(primitive, longest)
-            if not runs:
-                continue
-            self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
-            for side in sides(placed, blended=False):
-                show_side(primitive, side)
-                direct_gl.bind_vertices(primitive._vaid)
-                asked[placed, side] = [
-                    (run, self._queries.ask(partial(draw_run, primitive, run))) for run in runs
-                ]
-                direct_gl.bind_vertices(0)
-            direct_gl.disable(GL.GL_CLIP_DISTANCE0)
-        return asked
-
-    def draw_depth_of_solid(
-        self, placed_in_order: Iterable[PlacedPrimitive], view: View
-    ) -> list[PlacedPrimitive]:
-        """Draw the depth of what is all solid, and return that."""
-        solid = [p for p in placed_in_order if is_all_solid(p.primitive.material)]
+    def draw_depth_of_solid(self, placed_in_order: Iterable[PlacedPrimitive], view: View) -> None:
+        """Draw the depth of what is all solid; drawn thereafter, it passes where it is as near."""
+        solid = (p for p in placed_in_order if is_all_solid(p.primitive.material))
         self.draw_whole_depth(solid, view)
-        return solid
 
     def draw_whole_depth(self, placed_in_order: Iterable[PlacedPrimitive], view: View) -> None:
         """Draw the depth of triangles, also where they are cut out."""
@@ -211,14 +138,14 @@ class MeshRenderer(CasterRenderer):
         reflection: Reflection,
         surface_light: SurfaceLightOnGpu,
         defines: Defines,
+        near_air: NearAir | None = None,
         blended: bool = False,
-        shown: Mapping[PlacedSide, Sequence[Run]] = MappingProxyType({}),
     ) -> None:
         """Draw meshes of the scene, one after another, with reversed depth.
 
-        `defines`: further features of the shader, as in air.py. Of blended materials the
-        solid texels are drawn, or else, if `blended`, the others. Of sides in `shown` these
-        triangles are drawn, of others all.
+        `defines`: further features of the shader, as in air.py; `near_air`: its table of air, if
+        there is one. Of blended materials the solid texels are drawn, or else, if `blended`, the
+        others.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
@@ -233,13 +160,13 @@ class MeshRenderer(CasterRenderer):
             "irradiance_sh": np.asarray(light.irradiance_sh),
             "picture_count": self.picture_count,
         }
+        if near_air is not None:
+            of_picture["picture_px"] = np.asarray(near_air.size_px, dtype=float)
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
+            near = ("NEAR_AIR",) if near_air is not None and near_air.holds(placed, view) else ()
             for side in sides(placed, blended):
-                runs = shown.get((placed, side))
-                if runs is not None and not runs:
-                    continue
                 shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view)
                 own = (
                     *shadow_defines,
@@ -248,6 +175,7 @@ class MeshRenderer(CasterRenderer):
                     *_lobe_defines(placed.primitive.material),
                     *term_defines(placed.primitive.material, blended),
                     *surface_light.defines(placed),
+                    *near,
                     *side.defines,
                 )
                 program = self._mesh_program(placed.primitive, (*defines, *own))
@@ -258,7 +186,7 @@ class MeshRenderer(CasterRenderer):
                 if surface_light.mirrors(placed):
                     mirror_eye_m = surface_light.bind_mirror(placed, view.eye_m)
                     program.set_uniform("mirror_eye_m", mirror_eye_m)
-                draw_side(placed.primitive, side, blended, runs)
+                draw_side(placed.primitive, side, blended)
                 direct_gl.disable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)

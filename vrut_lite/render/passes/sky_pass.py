@@ -12,7 +12,6 @@ from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.render.light import Light
 from vrut_lite.render.passes.background_view import BackgroundView
 from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.passes.sky_tiles import SkyTiles, whole
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.shader_files import Defines
 
@@ -53,7 +52,7 @@ class SkyPass:
         self._context = context
         self._screens: dict[Defines, FullScreen] = {}
         self._view = BackgroundView(context)
-        self._tiles = SkyTiles(context)
+        self._samples = context.query(samples=True)
 
     def show_view(self, view: ViewShader | None) -> None:
         """Draw the background by a module's own shader, or from the cube map again.
@@ -65,52 +64,35 @@ class SkyPass:
 
     def draw(
         self,
-        size: tuple[int, int],
         view: View,
         light: Light,
         disc: SunDisc,
         only_uncovered: bool,
         defines: Defines,
-    ) -> int | None:
+        pictures: int = 1,
+    ) -> None:
         """Draw the sky, also where something was drawn unless `only_uncovered`.
 
-        `defines`: further features of the shader, as in air.py.
-
-        Returns:
-            The number of samples that were drawn, None for all.
+        Args:
+            defines: further features of the shader, as in air.py.
+            pictures: of how many, shifted by parts of a pixel, this is one: all together they make
+                the horizon and the sun's edge as wide as a pixel.
         """
         # At infinity, where nothing was drawn, depth is exactly the sky's.
         GL.glDepthFunc(GL.GL_GEQUAL if only_uncovered else GL.GL_ALWAYS)
         self._context.enable(self._context.DEPTH_TEST)
         self._context.disable(self._context.CULL_FACE | self._context.BLEND)
         self._context.depth_mask = False
-        tiles, count = self._tiles.uncovered(size, view) if only_uncovered else (whole(size), None)
-        GL.glEnable(GL.GL_SCISSOR_TEST)
-        for over_horizon in (True, False):
-            drawn = [tile for tile in tiles if tile.over_horizon == over_horizon]
-            if not drawn:
-                continue
-            also: Defines = ("OVER_HORIZON",) if over_horizon else ()
-            screen = self._prepared(view, light, disc, (*defines, *also))
-            for tile in drawn:
-                GL.glScissor(*tile[:4])
-                screen.draw()
-        GL.glDisable(GL.GL_SCISSOR_TEST)
+        screen = self._prepared(view, light, disc, defines)
+        screen.set("edge_px", 1.0 / pictures)
+        with self._samples:
+            screen.draw()
         self._context.depth_mask = True
         GL.glDepthFunc(GL.GL_GREATER)
-        return count
 
-    def draw_remaining(
-        self, size: tuple[int, int], view: View, light: Light, disc: SunDisc, defines: Defines
-    ) -> None:
-        """Draw the sky where nothing was drawn, with one sample a pixel."""
-        GL.glDepthFunc(GL.GL_GEQUAL)
-        self._context.enable(self._context.DEPTH_TEST)
-        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
-        self._context.depth_mask = False
-        self._prepared(view, light, disc, defines).draw()
-        self._context.depth_mask = True
-        GL.glDepthFunc(GL.GL_GREATER)
+    def count_samples(self) -> int:
+        """Samples that were drawn last; waits for them."""
+        return int(self._samples.samples)
 
     def _prepared(self, view: View, light: Light, disc: SunDisc, defines: Defines) -> FullScreen:
         """The program that draws the background, with its uniforms set."""
@@ -143,7 +125,6 @@ class SkyPass:
         self._view.release()
         for screen in self._screens.values():
             screen.release()
-        self._tiles.release()
 
 
 def _set_flattening(

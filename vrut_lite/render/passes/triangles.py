@@ -1,6 +1,5 @@
 """Draw calls of pyrender's primitives, by the sides that show."""
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from vrut_lite.render import direct_gl
@@ -19,17 +18,6 @@ class Side(NamedTuple):
     defines: Defines = ()
 
 
-class Run(NamedTuple):
-    """Consecutive triangles of a mesh: the first, and how many."""
-
-    first: int
-    triangles: int
-
-
-PlacedSide = tuple[PlacedPrimitive, Side]
-_BYTES_OF_INDEX = 4
-
-
 def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
     """The sides of a mesh that show, one after another: of a blended one the backs first.
 
@@ -46,42 +34,8 @@ def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
     return (Side(0),)
 
 
-def runs_of(primitive: Any, longest: int) -> tuple[Run, ...]:
-    """A mesh's triangles in runs of a like length; none of what has no triangles by indices."""
-    if primitive.indices is None or primitive.mode != GL.GL_TRIANGLES:
-        return ()
-    count = primitive.indices.size // 3
-    starts = range(0, count, longest)
-    return tuple(Run(first, min(longest, count - first)) for first in starts)
-
-
-def joined(runs: Sequence[Run]) -> tuple[Run, ...]:
-    """The same triangles in as few runs as possible."""
-    found: list[Run] = []
-    for run in runs:
-        if found and found[-1].first + found[-1].triangles == run.first:
-            found[-1] = Run(found[-1].first, found[-1].triangles + run.triangles)
-        else:
-            found.append(run)
-    return tuple(found)
-
-
-def draw_side(
-    primitive: Any, side: Side, blended: bool = False, runs: Sequence[Run] | None = None
-) -> None:
-    """Draw one side of a mesh, or of some of its triangles."""
-    show_side(primitive, side, blended)
-    if runs is None:
-        draw_triangles(primitive)
-        return
-    direct_gl.bind_vertices(primitive._vaid)
-    for run in runs:
-        draw_run(primitive, run)
-    direct_gl.bind_vertices(0)
-
-
-def show_side(primitive: Any, side: Side, blended: bool = False) -> None:
-    """Set what draws one side of a mesh."""
+def draw_side(primitive: Any, side: Side, blended: bool = False) -> None:
+    """Draw one side of a mesh."""
     if blended:
         direct_gl.enable(GL.GL_BLEND)
         if primitive.material.terms.transmits:
@@ -96,6 +50,7 @@ def show_side(primitive: Any, side: Side, blended: bool = False) -> None:
         direct_gl.cull_face(side.hidden)
     else:
         direct_gl.disable(GL.GL_CULL_FACE)
+    draw_triangles(primitive)
 
 
 def draw_triangles(primitive: Any) -> None:
@@ -106,9 +61,3 @@ def draw_triangles(primitive: Any) -> None:
     else:
         direct_gl.draw_arrays(primitive.mode, 0, len(primitive.positions))
     direct_gl.bind_vertices(0)
-
-
-def draw_run(primitive: Any, run: Run) -> None:
-    """Draw some triangles of a primitive that is bound."""
-    start = 3 * _BYTES_OF_INDEX * run.first
-    direct_gl.draw_elements(primitive.mode, 3 * run.triangles, GL.GL_UNSIGNED_INT, start)

@@ -1,11 +1,12 @@
 //!include cut_out.glsl
 
-// A threshold by the pixel, even over 4 x 4 of them (Bayer), and over eight pictures of one.
+// A threshold by the pixel, even over 4 x 4 of them (Bayer), and over the pictures of one.
 float threshold() {
     ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;
     at &= 1;
     int fine = 2 * (at.x ^ at.y) + at.y, coarse = 2 * (half_at.x ^ half_at.y) + half_at.y;
-    return (float((4 * fine + coarse + 2 * picture_number + number_of_triangle()) & 15) + 0.5) / 16.0;
+    int step = (4 * fine + coarse + 5 * picture_number + number_of_triangle()) & 15;
+    return (float(step) + (float(picture_number) + 0.5) / float(picture_count)) / 16.0;
 }
 
 // Leave out of the pixel's samples what is cut away.

@@ -49,6 +49,7 @@ const float TABLE_F0 = 0.04;         // of the table's means
 uniform vec3 sun_direction;          // towards the sun
 uniform vec3 sun_irradiance;         // on a plane that faces it
 uniform int picture_number;          // of those that a still is the mean of
+uniform int picture_count;
 
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
 centroid in vec3 eye_to_sample;      // inside the triangle, also at its edge
@@ -102,7 +103,9 @@ vec2 uv_of(int layer) {
 //!include cloud_shadow.glsl
 #endif
 
-#ifdef AIR
+#ifdef NEAR_AIR
+//!include near_air.glsl
+#elif defined(AIR)
 //!include air.glsl
 #endif
 

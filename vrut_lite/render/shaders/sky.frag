@@ -10,6 +10,7 @@ uniform vec3 sun_upper;              // across sun_direction, from the horizon u
 uniform vec2 flattening;             // by refraction: see daylight/refraction.py
 uniform vec3 hiding_moon;            // in an eclipse
 uniform float hiding_radius;         // 0: none
+uniform float edge_px;               // width of edges
 uniform vec3 limb_darkening[6];      // polynomial in cos psi, constant first, mean 1
 
 in vec3 ray;
@@ -44,7 +45,7 @@ vec2 about_sun(vec3 d) {
 vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     vec2 at = about_sun(d);
     float angle = length(at);
-    float edge = max(fwidth(angle), 1e-6);
+    float edge = max(edge_px * fwidth(angle), 1e-6);
     float covered = clamp((sun_angular_radius - angle) / edge + 0.5, 0.0, 1.0);
     float ratio = min(angle / sun_angular_radius, 1.0);
     float c = sqrt(max(0.0, 1.0 - ratio * ratio));
@@ -57,14 +58,13 @@ vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     return mean_radiance * max(darkening, 0.0) * covered;
 }
 
-// With OVER_HORIZON the compiler leaves out all that is for `lower` alone.
 void main() {
     vec3 d = normalize(ray);
     float over_horizon = d.y;
 #ifdef AIR
     over_horizon -= air.horizon_height;
 #endif
-    float above = clamp(over_horizon / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
+    float above = clamp(over_horizon / max(edge_px * fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
 #ifdef BACKGROUND
     vec3 upper = background_radiance(d) + sun_disc(d, background_sunlight(d) / sun_solid_angle);
     vec3 lower = upper;
@@ -86,9 +86,5 @@ void main() {
         lower = max(lower - shadowed_light(shaded, d, ground_m), 0.0);
 #endif
 #endif
-#ifdef OVER_HORIZON
-    frag_radiance = vec4(upper, 1.0);
-#else
     frag_radiance = vec4(mix(lower, upper, above), 1.0);
-#endif
 }

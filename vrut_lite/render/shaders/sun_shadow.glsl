@@ -10,7 +10,6 @@ const float INSIDE = 1.0 - 2.0 * 132.0 / SQUARE_TEXELS;
 uniform mat3 shadow_axes;            // of the sun; metres along them from the eye
 uniform vec3 shadow_squares[SQUARES];  // centre, 1 / half width
 uniform vec3 shadow_depths[SQUARES]; // middle, 1 / depth, rounding in it
-uniform int picture_count;           // of which the still is the mean
 #else
 layout(binding = 9) uniform sampler2DShadow shadow_map;
 layout(binding = 29) uniform sampler2D shadow_ranges;

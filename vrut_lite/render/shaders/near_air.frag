@@ -1,0 +1,19 @@
+#version 430 core
+// The air in the direction of each node of a picture, over a distance that stands for all near ones:
+// near_air.glsl looks it up. Nodes lie from edge to edge.
+
+uniform float metres;
+
+in vec3 ray;
+layout(location = 0) out vec4 mean_radiance;   // of a mean along the ray, as `AirVolume` has it
+layout(location = 1) out vec4 mean_extinction; // m^-1
+
+//!include air.glsl
+
+void main() {
+    AirRay seen = air_ray(normalize(ray));
+    float inside_m = metres_in_air(seen, metres), slice = slice_at(seen, inside_m);
+    vec3 light = air_part(0.0, slice, seen) + sunlit_mean(seen, slice);
+    mean_radiance = vec4(light * air.radiance_scale, 1.0);
+    mean_extinction = vec4(optical_depth_of(seen, inside_m) / inside_m, 1.0);
+}
