@@ -10,7 +10,7 @@ from typing import Any
 from vrut_lite.render.passes.full_screen import FullScreen
 
 # Texels along a cell of the first level; sun_shadow.glsl has it and the last level too.
-_FIRST_CELL = 8
+FIRST_CELL = 8
 # Of the coarsest level, 256 texels wide: no penumbra is followed farther than half of it.
 LEVELS = 6
 
@@ -27,7 +27,7 @@ class ShadowRanges:
             FullScreen(context, "shadow_ranges.frag", names)
             for names in (("FIRST",), (), ("CORNERS",))
         )
-        cells = size // _FIRST_CELL
+        cells = size // FIRST_CELL
         self._cells = [_ranges(context, cells >> level, cells >> level) for level in range(LEVELS)]
         self._buffers = [context.framebuffer([texture]) for texture in self._cells]
         # All levels side by side: software renderers are slow at fetching from a level.
@@ -36,15 +36,17 @@ class ShadowRanges:
         # Looked up before the first sun too, whose light of zero no garbage may multiply.
         self._buffer.clear(0.0, 1.0)
 
-    def update(self, depths: Any) -> None:
-        """Follow a depth texture (size, size)."""
+    def update(self, depths: Any, changed: tuple[int, int, int, int]) -> None:
+        """Follow a depth texture (size, size) that has `changed` in these cells: corner and size."""
         context = self._context
         context.disable(context.DEPTH_TEST | context.CULL_FACE | context.BLEND)
         compared = depths.compare_func
         depths.compare_func = ""
         depths.use(location=0)
+        self._buffers[0].scissor = changed
         self._buffers[0].use()
         self._first.draw()
+        self._buffers[0].scissor = None
         depths.compare_func = compared
         left = 0
         for finer, texture, buffer in zip(

@@ -1,12 +1,37 @@
-"""The textures of a shadow map: depth from the sun, its ranges, and what glass leaves of light."""
+"""The textures of a shadow map: depth from the sun, its ranges, and what glass leaves of light.
+
+A map is as wide as the scene from any side. Only texels that the scene covers now, or did before,
+are cleared and read.
+"""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from vrut_lite.render.light import Shadow
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
-from vrut_lite.render.passes.shadow_ranges import ShadowRanges
+from vrut_lite.render.passes.shadow_ranges import FIRST_CELL, ShadowRanges
 from vrut_lite.render.pyrender_scene import PyrenderScene
+
+
+class Box(NamedTuple):
+    """Texels from the left and from below, up to others."""
+
+    left: int
+    lower: int
+    right: int
+    upper: int
+
+    def joined(self, other: "Box") -> "Box":
+        """The smallest that holds both."""
+        low, high = np.minimum(self, other), np.maximum(self, other)
+        return Box(int(low[0]), int(low[1]), int(high[2]), int(high[3]))
+
+    def scissor(self, texels: int = 1) -> tuple[int, int, int, int]:
+        """Corner and size for OpenGL, in cells of so many texels along an edge."""
+        left, lower = (side // texels for side in self[:2])
+        return left, lower, -(-self.right // texels) - left, -(-self.upper // texels) - lower
 
 
 class ShadowTextures:
@@ -23,6 +48,8 @@ class ShadowTextures:
         self._tint: Any = None
         self._tint_buffer: Any = None
         self._tint_alone: Any = None
+        # What may hold anything.
+        self._filled = Box(0, 0, size, size)
 
     @property
     def ranges(self) -> Any:
@@ -51,6 +78,9 @@ class ShadowTextures:
         """Draw shadows into squares of so many texels, each from its lower left corner on."""
         shadows = list(shadows)
         has_tint = self.tint_of(scene) is not None
+        filled = covered(scene, shadows, texels)
+        anew, self._filled = self._filled.joined(filled), filled
+        self._buffer.scissor = anew.scissor()
         self._buffer.viewport = (0, 0, self._size, self._size)
         self._buffer.use()
         self._buffer.clear()
@@ -65,7 +95,8 @@ class ShadowTextures:
                 self._tint_buffer.viewport = (*corner, texels, texels)
                 self._tint_buffer.use()
                 meshes.draw_tint(scene, shadow, texels)
-        self._ranges.update(self.depth)
+        self._buffer.scissor = None
+        self._ranges.update(self.depth, anew.scissor(FIRST_CELL))
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
@@ -73,3 +104,20 @@ class ShadowTextures:
                       self._ranges):  # fmt: skip
             if thing is not None:
                 thing.release()
+
+
+def covered(
+    scene: PyrenderScene, shadows: Iterable[tuple[Shadow, tuple[int, int]]], texels: int
+) -> Box:
+    """Texels of squares, each from its lower left corner on, that a scene may cover."""
+    found: Box | None = None
+    for shadow, corner in shadows:
+        middle = shadow.matrix[:2, :3] @ (scene.centre_m - shadow.centre_m) + shadow.matrix[:2, 3]
+        half = np.abs(shadow.matrix[:2, :3]) @ scene.half_extent_m
+        # A texel more each way, for rounding.
+        low = np.floor((0.5 + 0.5 * (middle - half)) * texels) - 1.0
+        high = np.ceil((0.5 + 0.5 * (middle + half)) * texels) + 1.0
+        low, high = (np.clip(side, 0, texels).astype(int) + corner for side in (low, high))
+        box = Box(*low.tolist(), *high.tolist())
+        found = box if found is None else found.joined(box)
+    return found or Box(0, 0, 0, 0)
