@@ -37,7 +37,7 @@ class ShadowRanges:
         self._buffer.clear(0.0, 1.0)
 
     def update(self, depths: Any, changed: tuple[int, int, int, int]) -> None:
-        """Follow a depth texture (size, size) that has `changed` in these cells: corner and size."""
+        """Follow a depth texture (size, size) that `changed` in these cells: corner and size."""
         context = self._context
         context.disable(context.DEPTH_TEST | context.CULL_FACE | context.BLEND)
         compared = depths.compare_func
