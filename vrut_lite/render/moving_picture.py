@@ -40,7 +40,7 @@ class MovingPictures:
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
-                passes.sky.draw(view, shot.light, shot.disc, True, shot.air.sky)
+                passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.air.sky)
             if blended or passes.clouds.are_drawn:
                 targets.draw_over()
                 with passes.measure("clouds"):

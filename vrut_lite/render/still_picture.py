@@ -139,11 +139,11 @@ class StillPictures:
                 self._draw_meshes(targets, shot, solid, defines)
             return
         if not state.skips.sky:
-            self._draw_sky(shot)
+            self._draw_sky(targets, shot)
         with passes.measure("mesh"):
             self._draw_meshes(targets, shot, solid, defines)
         if state.skips.sky:
-            self._draw_sky(shot)
+            self._draw_sky(targets, shot)
         with passes.measure("night"):
             passes.night.draw(targets.size, shot.view)
         with passes.measure("clouds"):
@@ -180,12 +180,12 @@ class StillPictures:
         if placed:
             self._pieces.draw(targets.size, draw)
 
-    def _draw_sky(self, shot: Shot) -> None:
-        passes = self._passes
+    def _draw_sky(self, targets: Targets, shot: Shot) -> None:
+        passes, skips = self._passes, shot.state.skips
         with passes.measure("sky"):
             pictures = passes.meshes.picture_count
             passes.sky.draw(
-                shot.view, shot.light, shot.disc, shot.state.skips.sky, shot.air.sky, pictures
+                targets.size, shot.view, shot.light, shot.disc, skips.sky, shot.air.sky, pictures
             )
 
 

@@ -42,7 +42,7 @@ class Targets:
 
     def write_resolved(self, radiance: NDArray[np.float32]) -> None:
         """Let this (h, w, 4), row 0 at the top, be the resolved picture."""
-        self.radiance.write(np.ascontiguousarray(radiance[::-1]).tobytes())
+        self.radiance.write(np.ascontiguousarray(radiance[::-1]))
 
     def read_display(self) -> NDArray[np.uint8]:
         """The tone-mapped picture (h, w, 3), row 0 at the top."""

@@ -17,6 +17,8 @@ from vrut_lite.render.shader_files import Defines
 
 # Less of the sun than can be told from none.
 _LEAST_LEFT = 1e-6
+# Sine of the altitude from where on the horizon is surely below: it dips, but never rises.
+_OVER_HORIZON = 0.01
 
 
 class SunDisc:
@@ -64,6 +66,7 @@ class SkyPass:
 
     def draw(
         self,
+        size: tuple[int, int],
         view: View,
         light: Light,
         disc: SunDisc,
@@ -83,10 +86,16 @@ class SkyPass:
         self._context.enable(self._context.DEPTH_TEST)
         self._context.disable(self._context.CULL_FACE | self._context.BLEND)
         self._context.depth_mask = False
-        screen = self._prepared(view, light, disc, defines)
-        screen.set("edge_px", 1.0 / pictures)
+        (width, height), lowest = size, rows_over_horizon(size, view)
+        GL.glEnable(GL.GL_SCISSOR_TEST)
         with self._samples:
-            screen.draw()
+            for lower, upper, also in ((0, lowest, ()), (lowest, height, ("OVER_HORIZON",))):
+                if upper > lower:
+                    screen = self._prepared(view, light, disc, (*defines, *also))
+                    screen.set("edge_px", 1.0 / pictures)
+                    GL.glScissor(0, lower, width, upper - lower)
+                    screen.draw()
+        GL.glDisable(GL.GL_SCISSOR_TEST)
         self._context.depth_mask = True
         GL.glDepthFunc(GL.GL_GREATER)
 
@@ -125,6 +134,22 @@ class SkyPass:
         self._view.release()
         for screen in self._screens.values():
             screen.release()
+
+
+def rows_over_horizon(size: tuple[int, int], view: View) -> int:
+    """The lowest row of a picture from which on all rays look up, counted from below.
+
+    Directions over a level form a cone: where both ends of a row are in it, all of the row is.
+    """
+    height = size[1]
+    y = np.arange(height + 1) / height * 2.0 - 1.0
+    clip = np.stack([np.stack([np.full_like(y, x), y, y**0, y**0], axis=-1) for x in (-1.0, 1.0)])
+    ray = clip @ np.linalg.inv(view.clip_from_eye).T
+    up = ray[..., 1] / ray[..., 3] > _OVER_HORIZON * np.linalg.norm(
+        ray[..., :3] / ray[..., 3:], axis=-1
+    )
+    below = np.flatnonzero(~up.all(axis=0))
+    return int(below[-1] + 1) if len(below) else 0
 
 
 def _set_flattening(

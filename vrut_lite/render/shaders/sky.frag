@@ -58,6 +58,7 @@ vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     return mean_radiance * max(darkening, 0.0) * covered;
 }
 
+// With OVER_HORIZON the compiler leaves out all that is for `lower` alone.
 void main() {
     vec3 d = normalize(ray);
     float over_horizon = d.y;
@@ -86,5 +87,9 @@ void main() {
         lower = max(lower - shadowed_light(shaded, d, ground_m), 0.0);
 #endif
 #endif
+#ifdef OVER_HORIZON
+    frag_radiance = vec4(upper, 1.0);
+#else
     frag_radiance = vec4(mix(lower, upper, above), 1.0);
+#endif
 }
