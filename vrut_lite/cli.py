@@ -22,8 +22,8 @@ from vrut_lite.interrupts import (
 )
 
 GROUP = "vrut_lite.commands"
-# New objects after which garbage in cycles is sought. With Python's 700 it is sought 375 times while
-# a picture is made, for a tenth of the time: nearly all objects are of libraries, and stay.
+# New objects after which garbage in cycles is sought. With Python's 700 it is sought 375 times
+# while a picture is made, in a tenth of its time: nearly all objects are of libraries, and stay.
 _NEW_OBJECTS = 20_000
 NO_HELP = "PYTHONOPTIMIZE=2 leaves out what would be said here: unset it."
 
