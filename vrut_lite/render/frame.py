@@ -65,6 +65,10 @@ class Frame:
         """Enter this around each pass, with its name."""
         self._passes.measure = measure
 
+    def begin(self, scene: PyrenderScene) -> None:
+        """Bring what a scene's meshes are drawn from to the GPU, before their first frame."""
+        self._passes.meshes.update(scene)
+
     def show_view(self, view: ViewShader | None) -> None:
         """Set the background's shader; with None or after an error the cube map is drawn (see
         `SkyPass`)."""
