@@ -16,7 +16,7 @@ def test_a_table_is_made_anew_only_when_its_formula_is_another(monkeypatch, tmp_
 
     for text in ("a", "a", "b"):
         source.write_text(text)
-        found = kept_table(table, str(source))
+        found = kept_table("numbers", table, str(source))
         np.testing.assert_array_equal(found, len(made))
         assert not found.flags.writeable
     assert made == ["a", "b"]

@@ -3,8 +3,8 @@
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.array_cache import ArrayCache
@@ -12,13 +12,13 @@ from vrut_lite.array_cache import ArrayCache
 _LIMIT_BYTES = 1 << 24
 
 
-def kept_table(make: Callable[[], NDArray[np.float32]], *sources: str) -> NDArray[np.float32]:
+def kept_table(name: str, make: Callable[[], NDArray[Any]], *sources: str) -> NDArray[Any]:
     """What `make` makes, or made in another session by the same source files; read-only."""
-    recipe = [hashlib.blake2b(Path(source).read_bytes()).hexdigest() for source in sources]
-    tables = ArrayCache.of_user("tables_of_formulas", _LIMIT_BYTES)
-    kept = tables.get((make.__name__, recipe))
-    table = make() if kept is None else kept["table"]
+    digests = [hashlib.blake2b(Path(source).read_bytes()).hexdigest() for source in sources]
+    tables, recipe = ArrayCache.of_user("tables_of_formulas", _LIMIT_BYTES), (name, digests)
+    kept = tables.get(recipe)
     if kept is None:
-        tables.put((make.__name__, recipe), {"table": table})
-    table.flags.writeable = False
-    return table
+        kept = {"table": make()}
+        tables.put(recipe, kept)
+    kept["table"].flags.writeable = False
+    return kept["table"]

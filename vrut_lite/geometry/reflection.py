@@ -61,7 +61,7 @@ def reflectance_table() -> NDArray[np.float32]:
     f0 a + f90 b by one bounce; a + b is the reflectance of a perfect mirror's facets. The third is
     the reflectance of a dielectric, all bounces, averaged over the hemisphere.
     """
-    return kept_table(_reflectance_table, __file__)
+    return kept_table("reflectance", _reflectance_table, __file__)
 
 
 def _reflectance_table() -> NDArray[np.float32]:

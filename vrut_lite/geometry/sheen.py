@@ -23,7 +23,7 @@ def sheen_table() -> NDArray[np.float32]:
 
     Both axes run as those of `reflection.reflectance_table`.
     """
-    return kept_table(_sheen_table, __file__, reflection.__file__)
+    return kept_table("sheen", _sheen_table, __file__, reflection.__file__)
 
 
 def _sheen_table() -> NDArray[np.float32]:
