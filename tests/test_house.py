@@ -30,9 +30,9 @@ DAYLIGHT = (
 # Which parts of vrut_lite each part may import; all may import the single files beside them that
 # are listed as values.
 VALUES = {
-    "arguments", "array", "checks", "compiled_code", "errors", "foreign_errors", "interrupts",
-    "mailbox", "memory_limit", "njit", "npz_arrays", "numeric_types", "plain_numbers",
-    "sound_environment", "write_atomic",
+    "arguments", "array", "array_cache", "checks", "compiled_code", "errors", "foreign_errors",
+    "interrupts", "mailbox", "memory_limit", "njit", "npz_arrays", "numeric_types",
+    "plain_numbers", "sound_environment", "write_atomic",
 }  # fmt: skip
 BELOW = {
     "kernel": set(),

@@ -77,6 +77,12 @@ class Host:
         self.inject(LoadScene(path=path))
         self.settle()
 
+    def begin_scene(self) -> None:
+        """Deliver all inputs and bring the scene to the GPU while the caller goes on."""
+        self.kernel.pump()
+        if self.state.scene is not None:
+            self._backend.begin(self.state.scene)
+
     def draw(self, still: bool = True) -> Picture:
         """Deliver all inputs and draw a frame.
 

@@ -5,14 +5,25 @@ numba is imported where work begins, so that programs without a light map do not
 
 import itertools
 import os
+from collections.abc import Callable
 from copy import copy
 from functools import lru_cache
+from threading import Lock
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
 
 from light_transport.giving_up import GivenUp, GoOn, unless
+from light_transport.kept_layout import (
+    BakeRecipe,
+    RoundNumbers,
+    keep_layout,
+    keep_round,
+    kept_layout,
+    kept_round,
+    scene_key,
+)
 from light_transport.messages import NAME
 from light_transport.unseen_hours import HourMessages
 from vrut_lite.array import Array
@@ -31,6 +42,7 @@ if TYPE_CHECKING:
     from light_transport.surfaces.surfaces import Surfaces
 
 T = TypeVar("T")
+Cancelled = Callable[[], bool]
 _MOST_THREADS = 4
 # Of a texel, and of all together.
 _FIRST_RAYS, _RAYS_AT_FIRST = 64, 1_250_000
@@ -39,11 +51,34 @@ _FEWEST_FIRST = 16
 _PROBE_RAYS = 32
 
 
-class Unwritten(Generic[T]):
-    """A value that journals record by name only; a replay computes it again."""
+def _never() -> bool:
+    return False
 
-    def __init__(self, value: T):
-        self.value = value
+
+class Unwritten(Generic[T]):
+    """A value that journals record by name only; a replay computes it again.
+
+    It is made when it is first asked for. A bake of a whole layout has a `recipe`.
+    """
+
+    def __init__(self, make: Callable[[], T], recipe: BakeRecipe | None = None):
+        self.recipe = recipe
+        self._make = make
+        self._made: T | None = None
+        self._lock = Lock()
+
+    @property
+    def value(self) -> T:
+        """The value, the same one for all who ask."""
+        with self._lock:
+            if self._made is None:
+                self._made = self._make()
+            return self._made
+
+    @property
+    def is_made(self) -> bool:
+        """Whether it is there already."""
+        return self._made is not None
 
 
 class Plan(NamedTuple):
@@ -118,8 +153,8 @@ def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
     bake.add_rays(_PROBE_RAYS)
     bake.threads = 1
     probes = slice(len(bake.texels.pixel), len(bake.orientation))
-    done = _round(bake) if bake.good[probes].any() else None
-    return LaidProbes(layout.message, done, Unwritten(prepared))
+    done = _round(bake, None) if bake.good[probes].any() else None
+    return LaidProbes(layout.message, done, Unwritten(lambda: prepared))
 
 
 def laid_out(
@@ -127,24 +162,35 @@ def laid_out(
     plan: Plan,
     rays: int,
     prepared: "Unwritten[Prepared] | None",
+    of_still: bool,
     control: JobControl,
 ) -> Laid | None:
     """Lay out a scene and trace the first of so many rays; None if nobody waits for it any more.
 
-    One job: between two the host may draw a first picture for seconds.
+    One job: between two the host may draw a first picture for seconds. For a still, whose light may
+    be kept on disk, what was laid out in another session is laid out when somebody asks for it.
     """
-    from light_transport.kept_rays import add_kept_rays
+    key = scene_key(scene, plan)
 
+    def made(cancelled: Cancelled = _never) -> "tuple[LightMapLaid, Bake]":
+        given = None if prepared is None else prepared.value
+        message, bake = _laid_out(scene, plan, given, unless(cancelled))
+        return message, _grown(bake, min(first_rays(bake.rows), rays), cancelled)
+
+    kept = kept_layout(key) if of_still else None
+    if kept is not None:
+        message, rows = kept
+        count = min(first_rays(rows), rays)
+        done = _kept_round(BakeRecipe(key, count, count), lambda: made()[1])
+        if done is not None:
+            return Laid(message, done)
     try:
-        message, bake = _laid_out(
-            scene, plan, None if prepared is None else prepared.value, unless(control.cancelled)
-        )
+        message, bake = made(control.cancelled)
     except GivenUp:
         return None
-    if not add_kept_rays(bake, min(first_rays(bake.rows), rays), control.cancelled):
-        return None
-    bake.threads = 1
-    return Laid(message, _round(bake))
+    if of_still:
+        keep_layout(key, message, bake.rows)
+    return Laid(message, _round(bake, BakeRecipe(key, bake.rays, bake.rays), of_still))
 
 
 def _laid_out(
@@ -193,32 +239,61 @@ def first_rays(rows: int) -> int:
 
 
 def with_rays(
-    bake: "Unwritten[Bake]", count: int, wanted: int, control: JobControl
+    bake: "Unwritten[Bake]", count: int, wanted: int, of_still: bool, control: JobControl
 ) -> Round | None:
     """A bake with more rays of each texel, of those `wanted` at last; None if it was cancelled."""
-    from light_transport.kept_rays import add_kept_rays
+    assert bake.recipe is not None
+    rays = bake.recipe.rays
+    recipe = bake.recipe._replace(rays=rays + count)
+    if of_still and not bake.is_made:
+        done = _kept_round(recipe, lambda: _grown(bake.value, count))
+        if done is not None:
+            return done
     from light_transport.ray_scene import BLOCK_ROWS
 
-    # Light is made of the rays before, meanwhile.
-    grown = copy(bake.value)
-    grown.threads = _all_threads()
-    done = itertools.count()
+    own, blocks = bake.value, itertools.count()
 
     def is_cancelled() -> bool:
         """Asked before each block of rows."""
-        rays = grown.rays + min(next(done) * BLOCK_ROWS / grown.rows, 1.0) * count
-        control.progress(rays / wanted, f"{rays:.0f} of {wanted} rays")
+        traced = rays + min(next(blocks) * BLOCK_ROWS / own.rows, 1.0) * count
+        control.progress(traced / wanted, f"{traced:.0f} of {wanted} rays")
         return control.cancelled()
 
-    if not add_kept_rays(grown, count, is_cancelled):
+    try:
+        return _round(_grown(own, count, is_cancelled), recipe, of_still)
+    except GivenUp:
         return None
+
+
+def _grown(bake: "Bake", count: int, cancelled: Cancelled = _never) -> "Bake":
+    """The bake with so many more rays of each row; the bake itself stays as it is.
+
+    Raises:
+        GivenUp: `cancelled()` answered yes.
+    """
+    from light_transport.kept_rays import add_kept_rays
+
+    # Light is made of the rays before, meanwhile.
+    grown = copy(bake)
+    grown.threads = _all_threads()
+    if not add_kept_rays(grown, count, cancelled):
+        raise GivenUp
     # Hours follow each other while time plays: they leave the other cores to the frame.
     grown.threads = 1
-    return _round(grown)
+    return grown
 
 
-def _round(bake: "Bake") -> Round:
-    return Round(bake.rays, len(bake.texels.pixel), bake.memory_bytes, Unwritten(bake))
+def _round(bake: "Bake", recipe: BakeRecipe | None, keeps: bool = False) -> Round:
+    numbers = RoundNumbers(len(bake.texels.pixel), bake.memory_bytes)
+    if keeps and recipe is not None:
+        keep_round(recipe, numbers)
+    return Round(bake.rays, *numbers, Unwritten(lambda: bake, recipe))
+
+
+def _kept_round(recipe: BakeRecipe, make: "Callable[[], Bake]") -> Round | None:
+    """A round of another session, whose bake is made when somebody asks for it."""
+    numbers = kept_round(recipe)
+    return None if numbers is None else Round(recipe.rays, *numbers, Unwritten(make, recipe))
 
 
 def _all_threads() -> int:
@@ -229,29 +304,33 @@ def lit(
     bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages, of_still: bool = False
 ) -> SurfaceLightChanged:
     """The light of an hour, by the rays that there are; that of a still is kept on disk."""
-    from light_transport.halves import halves, largest
     from light_transport.kept_light import kept_light
 
-    own, hour = bake.value, hour_of(messages)
-    if of_still:
-        own.threads = _all_threads()
+    hour = hour_of(messages)
 
     def made() -> Arrays:
+        from light_transport.halves import halves, largest
+
+        own = bake.value
+        if of_still:
+            own.threads = _all_threads()
         light = own.light(hour)
         arrays = {"texels": light.texels, "probes": light.probes, "mirrors": light.mirrors}
         known = {name: array for name, array in arrays.items() if array is not None}
         scale = float16_scale(max(map(largest, known.values())))
         encoded = {name: halves(array, 1.0 / scale) for name, array in known.items()}
-        return {**encoded, "visible_sky": light.visible_sky.values, "scale": np.array([scale])}
+        numbers = {"scale": np.array([scale]), "rays": np.array([own.rays])}
+        return {**encoded, "visible_sky": light.visible_sky.values, **numbers}
 
-    found = kept_light(own, layout_key, hour, (), made) if of_still else made()
+    recipe = bake.recipe if of_still else None
+    found = made() if recipe is None else kept_light(recipe, hour, (), made)
     encoded = {name: Array(array) for name, array in found.items()}
     return SurfaceLightChanged(
         layout_key=layout_key,
         texels=encoded["texels"],
         probes=encoded.get("probes"),
         radiance_scale=float(found["scale"][0]),
-        rays=own.rays,
+        rays=int(found["rays"][0]),
         source=NAME,
         mirrors=encoded.get("mirrors"),
         visible_sky=encoded["visible_sky"],
@@ -270,18 +349,21 @@ def view_lit(
 
     None if nobody waits for it any more.
     """
-    from light_transport.halves import halves, largest
-    from light_transport.hour.view_light import edge_for, view_light
     from light_transport.kept_light import kept_light
 
-    edge_px = edge_for(asked.size_px, points)
-    # Hours of the same bake are lit by one thread meanwhile.
-    own = copy(bake.value)
-    own.threads = _all_threads()
-    hour, rays, go_on = hour_of(messages), own.rays, unless(control.cancelled)
+    assert bake.recipe is not None
+    edge_px = _edge_for(asked.size_px, points)
+    hour, rays = hour_of(messages), bake.recipe.rays
     camera, of_picture = asked.camera, (asked.size_px, edge_px)
 
     def made() -> Arrays:
+        from light_transport.halves import halves, largest
+        from light_transport.hour.view_light import view_light
+
+        # Hours of the same bake are lit by one thread meanwhile.
+        own = copy(bake.value)
+        own.threads = _all_threads()
+        go_on = unless(control.cancelled)
         found = view_light(own, hour, camera, *of_picture, rays, own.threads, go_on)
         scale = float16_scale(max(largest(found.light), largest(found.mirrored)))
         return {
@@ -293,7 +375,7 @@ def view_lit(
 
     view = (camera.eye_m, camera.target_m, camera.vertical_field_of_view_rad, *of_picture)
     try:
-        found = kept_light(own, layout_key, hour, view, made)
+        found = kept_light(bake.recipe, hour, view, made)
     except GivenUp:
         return None
     return ViewLightChanged(
@@ -308,6 +390,11 @@ def view_lit(
         rays=rays,
         source=NAME,
     )
+
+
+def _edge_for(size_px: tuple[int, int], points: int) -> int:
+    """Edge of squares such that a picture has about so many."""
+    return max(1, int(np.ceil(np.sqrt(size_px[0] * size_px[1] / points))))
 
 
 @lru_cache(maxsize=1)

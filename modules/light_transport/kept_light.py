@@ -1,36 +1,28 @@
 """Light of stills kept on disk: a picture that is rendered again has its light at once.
 
 So has one with another exposure or in another file, and a window that opens where it was closed.
-Light follows from the map's layout, colours included, from the rays, the hour and the view, and
-from this package's own code: all of them are in its recipe.
+Light follows from the scene, colours included, from the sizes of map and patches, the rays, the
+hour and the view, and from this package's own code: all of them are in its recipe.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 
-from light_transport.bake import Bake
-from light_transport.digests import code_digest, digest_of
+from light_transport.digests import digest_of
 from light_transport.hour.hour import Hour
+from light_transport.kept_layout import BakeRecipe
 from vrut_lite.array_cache import ArrayCache, Arrays
 
 # A map's and a view's together take some 10 MB.
 _LIMIT_BYTES = 1 << 28
-_CODE = ("*.py", "surfaces/*.py", "layout/*.py", "rays/*.py", "hour/*.py")
 
 
 def kept_light(
-    bake: Bake, layout_key: str, hour: Hour, view: tuple[object, ...], make: Callable[[], Arrays]
+    bake: BakeRecipe, hour: Hour, view: tuple[object, ...], make: Callable[[], Arrays]
 ) -> Arrays:
     """What `make` makes of these, or made in another session; `view` is all else that it needs."""
-    recipe = (
-        code_digest(_CODE),
-        layout_key,
-        bake.geometry_digest,
-        (bake.patch_texels, bake.bounces_left, bake.first_rays, bake.rays),
-        digest_of(map(np.asarray, vars(hour).values())),
-        view,
-    )
+    recipe = (*bake, digest_of(map(np.asarray, vars(hour).values())), view)
     cache = ArrayCache.of_user("still_light", _LIMIT_BYTES)
     kept = cache.get(recipe)
     if kept is not None:

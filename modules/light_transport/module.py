@@ -219,8 +219,8 @@ class LightTransport(Module):
             self._lay_out(scene, probes.prepared)
 
     def _lay_out(self, scene: SceneOpened, prepared: "Unwritten[Prepared] | None") -> None:
-        rays = self._quality.rays
-        self.link.start_job(LAYOUT, laid_out, scene, self._planned, rays, prepared)
+        rays, of_still = self._quality.rays, self._least_rays > 0
+        self.link.start_job(LAYOUT, laid_out, scene, self._planned, rays, prepared, of_still)
 
     def _take_layout(self, laid: Laid) -> None:
         self._laid = laid
@@ -253,7 +253,8 @@ class LightTransport(Module):
         count = max(done.rays, self._least_rays - done.rays)
         count = min(count, self._quality.rays - done.rays)
         if count > 0:
-            self.link.start_job(RAYS, with_rays, done.bake, count, self._quality.rays)
+            wanted, of_still = self._quality.rays, self._least_rays > 0
+            self.link.start_job(RAYS, with_rays, done.bake, count, wanted, of_still)
 
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None

@@ -98,7 +98,7 @@ def test_every_place_on_earth_has_a_zone(latitude_deg, longitude_deg):
 )
 def test_a_gap_in_the_map_of_zones_takes_the_nautical_one(monkeypatch, longitude_deg, hours):
     """Nautical zones are 15 degrees wide, centred on the full hours; Etc names flip the sign."""
-    monkeypatch.setattr(place_time.tzfpy, "get_tz", lambda longitude, latitude: "")
+    monkeypatch.setattr(place_time, "zone_name", lambda longitude, latitude: "")
     zone = time_zone_at(Place(0.0, longitude_deg))
     assert datetime(2026, 1, 1, tzinfo=zone).utcoffset() == timedelta(hours=hours)
 

@@ -1,8 +1,9 @@
-"""A still's light and a layout's cut texels kept on disk: the same bytes, sooner."""
+"""A still's light, its layout and that one's cut texels kept on disk: the same bytes, sooner."""
 
 import light_transport.bake
 import light_transport.hour.view_light
 import light_transport.kept_cuts
+import light_transport.layout.layout
 import numpy as np
 import pytest
 from boxes import box, floor, quads
@@ -12,7 +13,7 @@ from light_transport.kept_cuts import kept_cut_texels
 
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.view_light import ViewLightChanged
-from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand
+from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, JobResult
 
 STILL = (
     Demand(consumer="still", message=SurfaceLightChanged.__name__, size=LARGEST_DEMAND),
@@ -39,6 +40,7 @@ def made(monkeypatch):
     note(light_transport.bake, "hour_light")
     note(light_transport.hour.view_light, "view_light")
     note(light_transport.kept_cuts, "cut_texels")
+    note(light_transport.layout.layout, "lay_out")
     return names
 
 
@@ -48,13 +50,19 @@ def scene(tmp_path):
 
 
 def still_of(scene, look=LOOK, hour=NOON):
-    """The light of a map and of a view, by another session."""
+    """The last light of a map and of a view, by another session."""
+    said = told(scene, look, hour)
+    views = [message for message in said if isinstance(message, ViewLightChanged)]
+    return lights(said)[-1], views[-1]
+
+
+def told(scene, look=LOOK, hour=NOON):
+    """All that is told of a still."""
     stage = LightStage()
     said = stage.tell(*COARSE, *STILL, hour, look, scene)
     stage.kernel.close()
     assert stage.kernel.last_fault("light_transport") is None
-    views = [message for message in said if isinstance(message, ViewLightChanged)]
-    return lights(said)[-1], views[-1]
+    return said
 
 
 def kept(tmp_path, name):
@@ -62,11 +70,13 @@ def kept(tmp_path, name):
 
 
 def test_a_still_made_again_computes_no_light(scene, made):
-    """Another session finds the texels' cuts and both lights of the first, to the byte."""
-    first = still_of(scene)
-    assert sorted(made) == ["cut_texels", "hour_light", "view_light"]
+    """Another session finds the layout and both lights of the first, and says the same, to the
+    byte: layout, rounds of rays and light."""
+    first = [message for message in told(scene) if not isinstance(message, JobResult)]
+    assert sorted(made) == ["cut_texels", "hour_light", "lay_out", "view_light"]
     made.clear()
-    assert still_of(scene) == first
+    again = [message for message in told(scene) if not isinstance(message, JobResult)]
+    assert again == first
     assert made == []
 
 
@@ -75,7 +85,7 @@ def test_another_view_hour_or_colour_has_light_of_its_own(scene, made, tmp_path)
     first = still_of(scene)
     made.clear()
     other_view = still_of(scene, look=ELSEWHERE)
-    assert "view_light" in made
+    assert sorted(made) == ["hour_light", "lay_out", "view_light"]
     assert other_view[0] == first[0]
     for other in (
         still_of(scene, hour=LATER),
@@ -95,7 +105,7 @@ def test_damaged_files_are_made_again(scene, made, tmp_path):
         path.write_bytes(path.read_bytes()[:-100])
     made.clear()
     assert still_of(scene) == first
-    assert sorted(made) == ["cut_texels", "hour_light", "view_light"]
+    assert sorted(made) == ["cut_texels", "hour_light", "lay_out", "view_light"]
 
 
 def test_cut_texels_are_the_same_read_as_found(made):

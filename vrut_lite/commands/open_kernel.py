@@ -33,8 +33,9 @@ def open_host() -> "Host":
         begin_probe()
         from vrut_lite.host import Host
 
-        tell_of_compilation()
         host = Host()
+        # numba is imported while the GL thread makes the frame's programs.
+        tell_of_compilation()
     tell(host.failures)
     return host
 

@@ -42,15 +42,19 @@ class ScenePlan:
             UserError: the project has an invalid value.
         """
         # Invalid options are refused before the GPU is opened.
-        inputs = [*daylight_inputs(self.project), *view_inputs(self.project)]
+        of_hour, of_view = daylight_inputs(self.project), view_inputs(self.project)
         setting_inputs(self.project, daylight_kernel()[0])
         host = self._open_host()
         try:
             if self.engine == GL and self.project.shows != "noise":
                 # Nobody sees the light of fewer rays; noise is told by that of half as many.
                 host.inject(_of_surfaces(LARGEST_DEMAND))
-            host.inject(*setting_inputs(self.project, host.kernel), *inputs)
+            host.inject(*setting_inputs(self.project, host.kernel), *of_view)
             with busy_with(f"opening and lighting {self.project.scene}", host.kernel.trace):
+                if not isinstance(host, EngineHost):
+                    # The scene goes to the GPU while its light is worked out.
+                    host.begin_scene()
+                host.inject(*of_hour)
                 host.settle()
         except BaseException:
             host.close()

@@ -11,10 +11,9 @@ from datetime import UTC, datetime, tzinfo
 from typing import NamedTuple
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-import tzfpy
-
 from vrut_lite.arguments import FIRST_YEAR, LAST_YEAR
 from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
+from vrut_lite.daylight.time_zone_names import zone_name
 from vrut_lite.errors import UserError
 from vrut_lite.plain_numbers import plain_float
 
@@ -71,7 +70,7 @@ def time_zone_at(place: Place) -> ZoneInfo:
     Raises:
         UserError: the machine has no time zone data.
     """
-    name = tzfpy.get_tz(place.longitude_deg, place.latitude_deg)
+    name = zone_name(place.longitude_deg, place.latitude_deg)
     name = name or _nautical_zone(place.longitude_deg)
     try:
         return ZoneInfo(name)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
+from vrut_lite.geometry.kept_table import kept_table
 
 # Glass, plastic, stone: glTF 2.0, appendix B.2.
 DIELECTRIC_F0 = 0.04
@@ -60,6 +61,10 @@ def reflectance_table() -> NDArray[np.float32]:
     f0 a + f90 b by one bounce; a + b is the reflectance of a perfect mirror's facets. The third is
     the reflectance of a dielectric, all bounces, averaged over the hemisphere.
     """
+    return kept_table("reflectance", _reflectance_table, __file__)
+
+
+def _reflectance_table() -> NDArray[np.float32]:
     steps = np.linspace(0.0, 1.0, TABLE_SIZE)
     table = np.empty((TABLE_SIZE, TABLE_SIZE, 3), np.float32)
     for row, roughness in enumerate(steps):
@@ -69,7 +74,6 @@ def reflectance_table() -> NDArray[np.float32]:
         weight = steps**3
         table[row, :, 0], table[row, :, 1] = a, b
         table[row, :, 2] = np.trapezoid(dielectric * weight, steps) / np.trapezoid(weight, steps)
-    table.flags.writeable = False
     return table
 
 

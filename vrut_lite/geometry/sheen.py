@@ -9,6 +9,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.geometry import reflection
+from vrut_lite.geometry.kept_table import kept_table
 from vrut_lite.geometry.reflection import TABLE_SIZE
 
 _ANGLES, _TURNS = 96, 48
@@ -21,6 +23,10 @@ def sheen_table() -> NDArray[np.float32]:
 
     Both axes run as those of `reflection.reflectance_table`.
     """
+    return kept_table("sheen", _sheen_table, __file__, reflection.__file__)
+
+
+def _sheen_table() -> NDArray[np.float32]:
     steps = np.linspace(0.0, 1.0, TABLE_SIZE)
     nv = np.maximum(steps**2, 1e-3)[:, None, None]
     nl = ((np.arange(_ANGLES) + 0.5) / _ANGLES)[None, :, None]
@@ -39,5 +45,4 @@ def sheen_table() -> NDArray[np.float32]:
         # Over the half turn and its mirror image, and over the cosine; the two pi cancel.
         table[row] = (spread * weight).mean(axis=(1, 2))
     np.clip(table, 0.0, 1.0, out=table)
-    table.flags.writeable = False
     return table

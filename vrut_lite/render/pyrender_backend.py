@@ -44,7 +44,8 @@ class PyrenderBackend:
 
     def __init__(self, owner: GlOwner):
         self._owner = owner
-        self._frame: Frame = owner.call(lambda context: Frame(context, owner.device.choices))
+        # The GL thread makes it while the caller goes on.
+        self._made = owner.submit(lambda context: Frame(context, owner.device.choices))
         # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
@@ -67,6 +68,14 @@ class PyrenderBackend:
         self._mirrored: Sky | None = None
         self._values = ValueLight()
         self._rays: tuple[SceneOpened, SceneRays] | None = None
+
+    @property
+    def _frame(self) -> Frame:
+        return self._made.result()
+
+    def begin(self, scene: SceneOpened) -> None:
+        """Bring a scene to the GPU while the caller goes on, before its light is there."""
+        self._owner.submit(lambda context: self._begin(context, scene))
 
     def prepare(self, state: SceneState) -> None:
         """Upload the parts of the state that are other objects than before.
@@ -164,6 +173,14 @@ class PyrenderBackend:
             self._uploaded[name] = part
             self.ledger.did("upload")
             upload(context, part)
+
+    def _begin(self, context: Any, scene: SceneOpened) -> None:
+        self._upload_scene(context, scene)
+        assert self._scene is not None
+        self._frame.begin(self._scene)
+        # Noted last: what failed is tried again with the picture, which tells of it.
+        self._uploaded["scene"] = scene
+        self.ledger.did("upload")
 
     def _upload_scene(self, context: Any, scene: SceneOpened) -> None:
         # Its buffers reach the GPU with the next frame.

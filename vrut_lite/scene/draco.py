@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-import DracoPy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +32,8 @@ def decode_draco(
         SceneFileError: if the bytes cannot be unpacked, do not match the glTF's declarations, or
             exceed the budget.
     """
+    import DracoPy
+
     _check_counts(read_draco_counts(packed), len(packed), counts, triangles, budget)
     try:
         mesh = DracoPy.decode(packed)

@@ -42,11 +42,6 @@ class ViewLight(NamedTuple):
     mirrored: Float32Array
 
 
-def edge_for(size_px: tuple[int, int], points: int) -> int:
-    """Edge of squares such that a picture has about so many."""
-    return max(1, int(np.ceil(np.sqrt(size_px[0] * size_px[1] / points))))
-
-
 def view_light(
     bake: Bake,
     hour: Hour,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from light_transport.kernels import kernel
+from vrut_lite.geometry import cube_map
 from vrut_lite.geometry.cube_map import (
     FACE_NORMALS,
     FACE_S_AXES,
@@ -20,6 +21,7 @@ from vrut_lite.geometry.cube_map import (
     texel_directions,
     texel_solid_angles,
 )
+from vrut_lite.geometry.kept_table import kept_table
 from vrut_lite.numeric_types import FloatArray
 
 EDGE, GROUND_EDGE = 24, 6
@@ -87,6 +89,13 @@ def node_directions() -> FloatArray:
 @lru_cache(maxsize=2)
 def _shares(size: int) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray]:
     """Cells, texels of a cube map and weights (K,): a cell's mean is the weighted sum of texels."""
+    name, sources = f"sky nodes {size}", (__file__, cube_map.__file__)
+    table = kept_table(name, lambda: _shares_table(size), *sources)
+    return table[0].astype(np.int64), table[1].astype(np.int64), table[2]
+
+
+def _shares_table(size: int) -> FloatArray:
+    """The three (3, K)."""
     fine = size * _PIECES
     c = (2.0 * np.arange(fine) + 1.0) / fine - 1.0
     a, b = c[None, None, :, None], c[None, :, None, None]
@@ -107,7 +116,7 @@ def _shares(size: int) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray
     weight = np.bincount(where.ravel(), solid_angle)
     node, texel = keys // (6 * size * size), keys % (6 * size * size)
     share = weight / np.bincount(node, weight, GROUND_NODE)[node]
-    return node.astype(np.int64), texel.astype(np.int64), share
+    return np.stack([node, texel, share])
 
 
 @kernel
