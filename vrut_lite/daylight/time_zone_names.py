@@ -3,7 +3,7 @@
 tzfpy's map takes 0.07 s to load, and most sessions ask for one place.
 """
 
-from functools import cache
+from functools import lru_cache
 from importlib.metadata import version
 
 import numpy as np
@@ -15,7 +15,7 @@ from vrut_lite.array_cache import ArrayCache
 _LIMIT_BYTES = 1 << 18
 
 
-@cache
+@lru_cache(maxsize=64)
 def zone_name(longitude_deg: float, latitude_deg: float) -> str:
     """The zone's name, empty where the map has none."""
     # Later ones in a session find the map loaded.
