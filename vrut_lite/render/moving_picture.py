@@ -10,6 +10,7 @@ from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
+from vrut_lite.render.unlocked import read_rgba
 
 
 class MovingPictures:
@@ -19,7 +20,7 @@ class MovingPictures:
         self._passes = passes
         context = passes.context
         self._targets = SizeCache(context, lambda size: MovingTargets(context, size))
-        self._reuse = Reuse(context)
+        self._reuse = Reuse()
 
     def draw(self, shot: Shot) -> Picture:
         """Draw a shot."""
@@ -29,18 +30,19 @@ class MovingPictures:
         passes.meshes.read_finer(shot.scene, 0.0)
         passes.ledger.did("picture")
         defines: Defines = (*shot.air.mesh, *passes.lamps.defines)
-        # For the viewport.
-        targets.multisampled.use()
-        targets.front.bind()
+        reflection = shot.reflection.texture
+        targets.begin()
         with reversed_depth():
             with passes.measure("depth"):
                 passes.meshes.draw_depth_of_solid(solid, view)
             with passes.measure("reuse"):
-                self._reuse.begin(targets, view, state, shot.reflection.texture)
+                self._reuse.begin(targets, view, state, reflection)
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
                 passes.sky.draw_remaining(targets.size, view, shot.light, shot.disc, shot.air.sky)
+            with passes.measure("reading"):
+                radiance = self._reuse.keep(targets, view, state, reflection)
             if blended or passes.clouds.are_drawn:
                 targets.draw_over()
                 with passes.measure("clouds"):
@@ -49,8 +51,9 @@ class MovingPictures:
                     if any(needs_backdrop(placed.primitive.material) for placed in blended):
                         passes.backdrop.take(targets.multisampled, targets.size)
                     passes.draw_meshes(shot, blended, defines, blended=True)
-        with passes.measure("copy and meter"):
-            radiance = targets.read_radiance()
+                radiance = read_rgba(targets.radiance)
+        with passes.measure("meter"):
+            radiance = radiance[::-1, :, :3]
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with passes.measure("tone map"):
             pixel_rad = view.pixel_rad(targets.size)
