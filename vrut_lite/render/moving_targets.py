@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
 
-from vrut_lite.render.halves import run_in_halves
 from vrut_lite.render.reversed_depth import DepthTexture
 from vrut_lite.render.unlocked import read_bytes
 
@@ -82,15 +81,9 @@ class MovingTargets:
         self._over.take(self.now)
         self.now = self._over
 
-    def read_display(self) -> NDArray[np.uint8]:
-        """The picture (h, w, 3) for display, its edges smoothed, row 0 at the top."""
-        # numba, which no other program of this package needs.
-        from vrut_lite.render.edge_kernel import smooth_edges
-
-        toned = read_bytes(self._toned).view("<u4")[..., 0]
-        display = np.empty((*toned.shape, 3), np.uint8)
-        run_in_halves(smooth_edges, len(toned), toned, display)
-        return display
+    def read_toned(self) -> NDArray[np.uint32]:
+        """Red, green, blue and luma (h, w) of what is shown, from the lowest byte on, from below."""
+        return read_bytes(self._toned).view("<u4")[..., 0]
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
