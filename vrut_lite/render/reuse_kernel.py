@@ -15,7 +15,7 @@ _BEFORE_SKY = np.float32(1e-25)
 _BEFORE_SKY_BITS = np.float32(1e-25).view(np.int32)
 # Of the four pixels about a place, what is on its surface.
 _LEAST_WEIGHT = np.float32(0.4)
-_ZERO, _HALF, _ONE, _TWO, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 2.0, 3.0))
+_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 # Of depth: what a surface may be off, by rounding, by its slope, and at most.
 _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(0.01)
 
@@ -71,9 +71,6 @@ def take_over(front, old_radiance, old_depth, old_from_pixel, brighter, seen_tur
             near += _BEFORE_SKY
             near = near if inside else -_ONE
             expected = z - slope_x * sx - slope_y * sy
-            # Steeper than linear: blurs less where a picture is moved again and again.
-            sx *= sx * (_THREE - _TWO * sx)
-            sy *= sy * (_THREE - _TWO * sy)
             rx, ry = _ONE - sx, _ONE - sy
             o0, o1 = old[at], old[at + np.uint32(1)]
             o2, o3 = old[at + stride], old[at + stride + np.uint32(1)]
