@@ -15,7 +15,7 @@ _BEFORE_SKY = np.float32(1e-25)
 _BEFORE_SKY_BITS = np.float32(1e-25).view(np.int32)
 # Of the four pixels about a place, what is on its surface.
 _LEAST_WEIGHT = np.float32(0.4)
-_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+_ZERO, _HALF, _ONE, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 3.0))
 # Of depth: what a surface may be off, by rounding, by its slope, and at most.
 _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(0.01)
 
@@ -28,19 +28,17 @@ def take_over(front, old_radiance, old_depth, old_from_pixel, brighter, seen_tur
     `front` (h, w) is the depth of solid surfaces now, `old_radiance` (oh, ow, 4) and `old_depth`
     (oh, ow) all that was drawn before, `old_from_pixel` (4, 4) makes of a pixel's column, row and
     depth those of before, times the last of its rows. Of radiance, alpha is the angle of view over
-    which it holds. In every other picture the nearest pixel of a surface stands in for what was
-    hidden of it, and the next draws that: mostly a pixel or two along an edge, for which all of a
-    block would be shaded.
+    which it holds.
     """
     height, width = front.shape
     old_height, old_width = old_depth.shape
-    old, depths = old_radiance.reshape(-1), old_depth.reshape(-1)
-    front_bits, depth_bits = front.view(np.int32), depth.view(np.int32)
+    old, front_bits, depth_bits = old_depth.reshape(-1), front.view(np.int32), depth.view(np.int32)
+    old_rgba = old_radiance.reshape(-1)
     across = np.zeros(width + 1, np.float32)
     corner = np.empty(width, np.uint32)
     right, upper = np.empty(width, np.float32), np.empty(width, np.float32)
-    w0, w1, w2, w3 = np.empty((4, width), np.float32)
-    slopes_x, slopes_y, at_corner, within = np.empty((4, width), np.float32)
+    weights = np.empty((4, width), np.float32)
+    w0, w1, w2, w3 = weights
     last_x, last_y = np.float32(old_width - 1), np.float32(old_height - 1)
     most_x, most_y = np.float32(old_width - 1.5), np.float32(old_height - 1.5)
     m = old_from_pixel
@@ -73,86 +71,36 @@ def take_over(front, old_radiance, old_depth, old_from_pixel, brighter, seen_tur
             near += _BEFORE_SKY
             near = near if inside else -_ONE
             expected = z - slope_x * sx - slope_y * sy
+            # Half of the way to steeper than linear: blurs less where pictures are moved again and
+            # again, and moves what is seen less than all of it.
+            sx *= _HALF + sx * (_HALF * _THREE - sx)
+            sy *= _HALF + sy * (_HALF * _THREE - sy)
             rx, ry = _ONE - sx, _ONE - sy
-            o0, o1 = depths[at], depths[at + np.uint32(1)]
-            o2, o3 = depths[at + stride], depths[at + stride + np.uint32(1)]
+            o0, o1 = old[at], old[at + np.uint32(1)]
+            o2, o3 = old[at + stride], old[at + stride + np.uint32(1)]
             w0[x] = rx * ry if abs(o0 - expected) <= near else _ZERO
             w1[x] = sx * ry if abs(o1 - expected - slope_x) <= near else _ZERO
             w2[x] = rx * sy if abs(o2 - expected - slope_y) <= near else _ZERO
             w3[x] = sx * sy if abs(o3 - expected - slope_x - slope_y) <= near else _ZERO
             corner[x] = at
-            slopes_x[x], slopes_y[x], at_corner[x], within[x] = slope_x, slope_y, expected, near
         in_turn = np.int32(3 * (y >> _BLOCK_LOG2) - turn)
         for x in range(width):
-            out, block = radiance[y, x], np.int32(x >> _BLOCK_LOG2) + in_turn
-            a = 4 * np.intp(corner[x])
-            b = a + 4 * old_width
-            k0, k1, k2, k3 = w0[x], w1[x], w2[x], w3[x]
-            holds = min(min(old[a + 3], old[a + 7]), min(old[b + 3], old[b + 7]))
-            if holds <= _ZERO:
-                k0, k1 = _if_drawn(k0, old[a + 3]), _if_drawn(k1, old[a + 7])
-                k2, k3 = _if_drawn(k2, old[b + 3]), _if_drawn(k3, old[b + 7])
-            total = k0 + k1 + k2 + k3
-            taken = False
-            if total >= _LEAST_WEIGHT:
-                share = _ONE / total
-                k0, k1, k2, k3 = k0 * share, k1 * share, k2 * share, k3 * share
-                holds = _mean(old, a + 3, b + 3, k0, k1, k2, k3)
-                if block & _apart(holds, seen_turned * row[x]) & most_apart:
-                    taken = True
-                    for k in range(3):
-                        out[k] = brighter[k] * _mean(old, a + k, b + k, k0, k1, k2, k3)
-                    out[3] = holds
-            elif block & 1 and within[x] > _ZERO:
-                beside = 4 * _beside(
-                    old_depth, corner[x], slopes_x[x], slopes_y[x], at_corner[x], within[x]
-                )
-                if beside >= 0 and old[beside + 3] > _ZERO:
-                    taken = True
-                    for k in range(3):
-                        out[k] = brighter[k] * old[beside + k]
-                    out[3] = _ZERO
-            if taken:
-                just_before = front_bits[y, x] + np.int32(1)
-                depth_bits[y, x] = just_before if row[x] > _ZERO else _BEFORE_SKY_BITS
+            total = w0[x] + w1[x] + w2[x] + w3[x]
+            a = np.intp(corner[x]) * 4
+            b = a + 4 * np.intp(old_width)
+            share = _ONE / max(total, _LEAST_WEIGHT)
+            k0, k1, k2, k3 = w0[x] * share, w1[x] * share, w2[x] * share, w3[x] * share
+            out = radiance[y, x]
+            alpha = (k0 * old_rgba[a + 3] + k1 * old_rgba[a + 7]) + (k2 * old_rgba[b + 3] + k3 * old_rgba[b + 7])
+            turned = seen_turned * row[x]
+            apart = 15 if alpha >= 16 * turned else 7 if alpha >= 8 * turned else 3 if alpha >= 4 * turned else 1 if alpha >= 2 * turned else 0
+            has_turn = ((np.int32(x >> _BLOCK_LOG2) + in_turn) & apart & most_apart) == 0
+            if total >= _LEAST_WEIGHT and not has_turn:
+                for k in range(3):
+                    out[k] = brighter[k] * ((k0 * old_rgba[a + k] + k1 * old_rgba[a + 4 + k]) + (k2 * old_rgba[b + k] + k3 * old_rgba[b + 4 + k]))
+                out[3] = alpha
+                depth_bits[y, x] = front_bits[y, x] + 1 if row[x] > _ZERO else _BEFORE_SKY_BITS
             else:
                 out[0] = out[1] = out[2] = _ZERO
                 out[3] = _ONE
                 depth_bits[y, x] = front_bits[y, x]
-
-
-@njit(inline="always")
-def _mean(old, lower, upper, k0, k1, k2, k3):  # type: ignore[no-untyped-def]
-    """Of one channel of four pixels, by weights."""
-    return k0 * old[lower] + k1 * old[lower + 4] + (k2 * old[upper] + k3 * old[upper + 4])
-
-
-@njit(inline="always")
-def _if_drawn(weight, holds):  # type: ignore[no-untyped-def]
-    """None of what stands in for what was hidden."""
-    return weight if holds > _ZERO else _ZERO
-
-
-@njit(inline="always")
-def _apart(holds, turned):  # type: ignore[no-untyped-def]
-    """Pictures between two turns of a pixel, less one, that its view turns by so much in each."""
-    pictures = np.int32(15)
-    while pictures > 0 and holds <= (pictures + 1) * turned:
-        pictures >>= 1
-    return pictures
-
-
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
-def _beside(depth, corner, slope_x, slope_y, expected, near):  # type: ignore[no-untyped-def]
-    """Index of a pixel on the surface, among or about the four at a corner; -1: there is none."""
-    height, width = depth.shape
-    y0, x0 = int(corner) // width, int(corner) % width
-    for ring in range(2):
-        for dy in range(-ring, 2 + ring):
-            for dx in range(-ring, 2 + ring):
-                x, y = x0 + dx, y0 + dy
-                if 0 <= x < width and 0 <= y < height:
-                    there = expected + slope_x * np.float32(dx) + slope_y * np.float32(dy)
-                    if abs(depth[y, x] - there) <= near:
-                        return y * width + x
-    return -1
