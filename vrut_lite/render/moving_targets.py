@@ -82,7 +82,7 @@ class MovingTargets:
         self.now = self._over
 
     def read_toned(self) -> NDArray[np.uint32]:
-        """Red, green, blue and luma (h, w) of what is shown, from the lowest byte on, from below."""
+        """What is shown (h, w): red, green, blue and luma from the lowest byte on, from below."""
         return read_bytes(self._toned).view("<u4")[..., 0]
 
     def release(self) -> None:

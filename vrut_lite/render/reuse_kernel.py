@@ -1,7 +1,6 @@
 """What of the picture before still holds, where it has moved to: each pixel is found there again.
 
-Only a processor draws such pictures. llvmpipe's look-ups of four pixels each take twice as long,
-and it runs both sides of every condition, so that nothing can be done for a few pixels alone.
+Only a processor draws such pictures. llvmpipe would look up four pixels each at twice the cost.
 """
 
 import numpy as np
@@ -21,24 +20,26 @@ _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(
 
 
 @njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
-def take_over(front, old_radiance, old_depth, old_from_pixel, brighter, seen_turned, turn,
-              most_apart, radiance, depth, first, end):  # type: ignore[no-untyped-def]  # fmt: skip
+def take_over(  # type: ignore[no-untyped-def]
+    front, old_radiance, old_depth, old_from_pixel, brighter, seen_turned, turn, most_apart,
+    radiance, depth, first, end,
+):  # fmt: skip
     """Write rows from `first` to before `end` of what is taken over, and of its depth.
 
     `front` (h, w) is the depth of solid surfaces now, `old_radiance` (oh, ow, 4) and `old_depth`
-    (oh, ow) all that was drawn before, `old_from_pixel` (4, 4) makes of a pixel's column, row and
-    depth those of before, times the last of its rows. Of radiance, alpha is the angle of view over
-    which it holds.
+    (oh, ow) all that was drawn before; alpha is the angle of view over which radiance holds, and a
+    surface of depth 1 has turned by `seen_turned`. `old_from_pixel` (4, 4) makes of a pixel's
+    column, row, depth and 1 those of before, times the last of its rows. Light is `brighter` (3,)
+    than then. A pixel that is drawn anew, such as those in `turn`, keeps its depth, which surfaces
+    pass; all others get one just before it.
     """
     height, width = front.shape
     old_height, old_width = old_depth.shape
-    old, front_bits, depth_bits = old_depth.reshape(-1), front.view(np.int32), depth.view(np.int32)
-    old_rgba = old_radiance.reshape(-1)
+    old, depths = old_radiance.reshape(-1), old_depth.reshape(-1)
+    front_bits, depth_bits = front.view(np.int32), depth.view(np.int32)
     across = np.zeros(width + 1, np.float32)
     corner = np.empty(width, np.uint32)
-    right, upper = np.empty(width, np.float32), np.empty(width, np.float32)
-    weights = np.empty((4, width), np.float32)
-    w0, w1, w2, w3 = weights
+    w0, w1, w2, w3 = np.empty((4, width), np.float32)
     last_x, last_y = np.float32(old_width - 1), np.float32(old_height - 1)
     most_x, most_y = np.float32(old_width - 1.5), np.float32(old_height - 1.5)
     m = old_from_pixel
@@ -76,31 +77,50 @@ def take_over(front, old_radiance, old_depth, old_from_pixel, brighter, seen_tur
             sx *= _HALF + sx * (_HALF * _THREE - sx)
             sy *= _HALF + sy * (_HALF * _THREE - sy)
             rx, ry = _ONE - sx, _ONE - sy
-            o0, o1 = old[at], old[at + np.uint32(1)]
-            o2, o3 = old[at + stride], old[at + stride + np.uint32(1)]
-            w0[x] = rx * ry if abs(o0 - expected) <= near else _ZERO
-            w1[x] = sx * ry if abs(o1 - expected - slope_x) <= near else _ZERO
-            w2[x] = rx * sy if abs(o2 - expected - slope_y) <= near else _ZERO
-            w3[x] = sx * sy if abs(o3 - expected - slope_x - slope_y) <= near else _ZERO
+            d0, d1 = depths[at], depths[at + np.uint32(1)]
+            d2, d3 = depths[at + stride], depths[at + stride + np.uint32(1)]
+            w0[x] = rx * ry if abs(d0 - expected) <= near else _ZERO
+            w1[x] = sx * ry if abs(d1 - expected - slope_x) <= near else _ZERO
+            w2[x] = rx * sy if abs(d2 - expected - slope_y) <= near else _ZERO
+            w3[x] = sx * sy if abs(d3 - expected - slope_x - slope_y) <= near else _ZERO
             corner[x] = at
-        in_turn = np.int32(3 * (y >> _BLOCK_LOG2) - turn)
         for x in range(width):
-            total = w0[x] + w1[x] + w2[x] + w3[x]
-            a = np.intp(corner[x]) * 4
-            b = a + 4 * np.intp(old_width)
+            k0, k1, k2, k3 = w0[x], w1[x], w2[x], w3[x]
+            total = k0 + k1 + k2 + k3
             share = _ONE / max(total, _LEAST_WEIGHT)
-            k0, k1, k2, k3 = w0[x] * share, w1[x] * share, w2[x] * share, w3[x] * share
+            k0, k1, k2, k3 = k0 * share, k1 * share, k2 * share, k3 * share
+            a = 4 * np.intp(corner[x])
+            b = a + 4 * old_width
+            holds = _mean(old, a + 3, b + 3, k0, k1, k2, k3)
+            apart = _apart(holds, seen_turned * row[x]) & most_apart
+            # By a lattice in which neighbours are far apart in time.
+            has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0
             out = radiance[y, x]
-            alpha = (k0 * old_rgba[a + 3] + k1 * old_rgba[a + 7]) + (k2 * old_rgba[b + 3] + k3 * old_rgba[b + 7])
-            turned = seen_turned * row[x]
-            apart = 15 if alpha >= 16 * turned else 7 if alpha >= 8 * turned else 3 if alpha >= 4 * turned else 1 if alpha >= 2 * turned else 0
-            has_turn = ((np.int32(x >> _BLOCK_LOG2) + in_turn) & apart & most_apart) == 0
-            if total >= _LEAST_WEIGHT and not has_turn:
+            if total >= _LEAST_WEIGHT and not has_its_turn:
                 for k in range(3):
-                    out[k] = brighter[k] * ((k0 * old_rgba[a + k] + k1 * old_rgba[a + 4 + k]) + (k2 * old_rgba[b + k] + k3 * old_rgba[b + 4 + k]))
-                out[3] = alpha
-                depth_bits[y, x] = front_bits[y, x] + 1 if row[x] > _ZERO else _BEFORE_SKY_BITS
+                    out[k] = brighter[k] * _mean(old, a + k, b + k, k0, k1, k2, k3)
+                out[3] = holds
+                just_before = front_bits[y, x] + np.int32(1)
+                depth_bits[y, x] = just_before if row[x] > _ZERO else _BEFORE_SKY_BITS
             else:
                 out[0] = out[1] = out[2] = _ZERO
                 out[3] = _ONE
                 depth_bits[y, x] = front_bits[y, x]
+
+
+@njit(inline="always")
+def _mean(old, lower, upper, k0, k1, k2, k3):  # type: ignore[no-untyped-def]
+    """Of one channel of four pixels, by weights."""
+    return (k0 * old[lower] + k1 * old[lower + 4]) + (k2 * old[upper] + k3 * old[upper + 4])
+
+
+@njit(inline="always")
+def _apart(holds, turned):  # type: ignore[no-untyped-def]
+    """Pictures between two turns of a pixel, less one, if its view turns by so much in each."""
+    if holds >= 16 * turned:
+        return 15
+    if holds >= 8 * turned:
+        return 7
+    if holds >= 4 * turned:
+        return 3
+    return 1 if holds >= 2 * turned else 0

@@ -23,7 +23,7 @@ from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defi
 from vrut_lite.render.passes.draw_order import alpha_range
 from vrut_lite.render.passes.occlusion_queries import OcclusionQueries
 from vrut_lite.render.passes.programs import Program
-from vrut_lite.render.passes.shadows_on_mesh import bind_shadows, shadows_on
+from vrut_lite.render.passes.shadows_on_mesh import OnMesh, bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.passes.triangles import (
     PlacedSide,
@@ -235,12 +235,13 @@ class MeshRenderer(CasterRenderer):
         }
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
+        known_shadows: dict[str, OnMesh] = {}
         for placed in placed_in_order:
+            shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view, known_shadows)
             for side in sides(placed, blended):
                 runs = shown.get((placed, side))
                 if runs is not None and not runs:
                     continue
-                shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view)
                 own = (
                     *shadow_defines,
                     *self._cuts(placed),
