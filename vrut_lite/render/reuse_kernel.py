@@ -12,6 +12,16 @@ _BLOCK_LOG2 = 2
 # Of depth, as bits: nearer than infinity, farther than anything.
 _BEFORE_SKY = np.float32(1e-25)
 _BEFORE_SKY_BITS = np.float32(1e-25).view(np.int32)
+# Of clip coordinates: what is less is behind the eye of before.
+_BEFORE_EYE = np.float32(1e-9)
+# Pixels of a row that are handled together, and where each kind of their numbers begins: a compiler
+# makes vectors of such loops.
+_CHUNK = 128
+_DEPTH, _SLOPE_X, _SLOPE_Y, _NEAR, _EXPECTED, _OLD_X, _OLD_Y, _SHARE_X, _SHARE_Y, _OLD_DEPTHS = (
+    kind * _CHUNK for kind in range(10)
+)
+_WEIGHTS = _OLD_DEPTHS + 4 * _CHUNK
+_KINDS = 17
 # Of the four pixels about a place, what is on its surface.
 _LEAST_WEIGHT = np.float32(0.4)
 _ZERO, _HALF, _ONE, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 3.0))
@@ -19,7 +29,7 @@ _ZERO, _HALF, _ONE, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 3
 _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(0.01)
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, error_model="numpy")
 def take_over(  # type: ignore[no-untyped-def]
     front, old_radiance, old_depth, old_from_pixel, brighter, seen_turned, turn, most_apart,
     radiance, depth, first, end,
@@ -37,75 +47,105 @@ def take_over(  # type: ignore[no-untyped-def]
     old_height, old_width = old_depth.shape
     old, depths = old_radiance.reshape(-1), old_depth.reshape(-1)
     front_bits, depth_bits = front.view(np.int32), depth.view(np.int32)
-    across = np.zeros(width + 1, np.float32)
-    corner = np.empty(width, np.uint32)
-    w0, w1, w2, w3 = np.empty((4, width), np.float32)
-    last_x, last_y = np.float32(old_width - 1), np.float32(old_height - 1)
-    most_x, most_y = np.float32(old_width - 1.5), np.float32(old_height - 1.5)
-    m = old_from_pixel
-    stride = np.uint32(old_width)
+    chunk, across = np.zeros(_KINDS * _CHUNK, np.float32), np.zeros(width + 1, np.float32)
     for y in range(first, end):
         row, below, above = front[y], front[max(y - 1, 0)], front[min(y + 1, height - 1)]
         for x in range(1, width):
             across[x] = row[x] - row[x - 1]
-        fy = np.float32(y)
-        x0, y0 = m[0, 1] * fy + m[0, 3], m[1, 1] * fy + m[1, 3]
-        z0, n0 = m[2, 1] * fy + m[2, 3], m[3, 1] * fy + m[3, 3]
-        for x in range(width):
-            d, fx = row[x], np.float32(np.int32(x))
-            scale = n0 + m[3, 0] * fx + m[3, 2] * d
-            inverse = _ONE / scale
-            px = (x0 + m[0, 0] * fx + m[0, 2] * d) * inverse
-            py = (y0 + m[1, 0] * fx + m[1, 2] * d) * inverse
-            z = (z0 + m[2, 0] * fx + m[2, 2] * d) * inverse
-            inside = (scale > _ZERO) & (px > _ZERO) & (py > _ZERO) & (px < last_x) & (py < last_y)
-            px = min(max(px, _ZERO), most_x)
-            py = min(max(py, _ZERO), most_y)
-            ix, iy = np.int32(px), np.int32(py)
-            at = np.uint32(iy) * stride + np.uint32(ix)
-            sx, sy = px - np.float32(ix), py - np.float32(iy)
-            slope_x, other_x = across[x], across[x + 1]
-            slope_x = slope_x if abs(slope_x) < abs(other_x) else other_x
-            slope_y, other_y = d - below[x], above[x] - d
-            slope_y = slope_y if abs(slope_y) < abs(other_y) else other_y
-            near = _ROUNDING * z + min(_OF_SLOPE * (abs(slope_x) + abs(slope_y)), _MOST_OFF * z)
-            near += _BEFORE_SKY
-            near = near if inside else -_ONE
-            expected = z - slope_x * sx - slope_y * sy
-            # Half of the way to steeper than linear: blurs less where pictures are moved again and
-            # again, and moves what is seen less than all of it.
-            sx *= _HALF + sx * (_HALF * _THREE - sx)
-            sy *= _HALF + sy * (_HALF * _THREE - sy)
-            rx, ry = _ONE - sx, _ONE - sy
-            d0, d1 = depths[at], depths[at + np.uint32(1)]
-            d2, d3 = depths[at + stride], depths[at + stride + np.uint32(1)]
-            w0[x] = rx * ry if abs(d0 - expected) <= near else _ZERO
-            w1[x] = sx * ry if abs(d1 - expected - slope_x) <= near else _ZERO
-            w2[x] = rx * sy if abs(d2 - expected - slope_y) <= near else _ZERO
-            w3[x] = sx * sy if abs(d3 - expected - slope_x - slope_y) <= near else _ZERO
-            corner[x] = at
-        for x in range(width):
-            k0, k1, k2, k3 = w0[x], w1[x], w2[x], w3[x]
-            total = k0 + k1 + k2 + k3
-            share = _ONE / max(total, _LEAST_WEIGHT)
-            k0, k1, k2, k3 = k0 * share, k1 * share, k2 * share, k3 * share
-            a = 4 * np.intp(corner[x])
-            b = a + 4 * old_width
-            holds = _mean(old, a + 3, b + 3, k0, k1, k2, k3)
-            apart = _apart(holds, seen_turned * row[x]) & most_apart
-            # By a lattice in which neighbours are far apart in time.
-            has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0
-            out = radiance[y, x]
-            if total >= _LEAST_WEIGHT and not has_its_turn:
-                for k in range(3):
-                    out[k] = brighter[k] * _mean(old, a + k, b + k, k0, k1, k2, k3)
-                out[3] = holds
-                just_before = front_bits[y, x] + np.int32(1)
-                depth_bits[y, x] = just_before if row[x] > _ZERO else _BEFORE_SKY_BITS
-            else:
-                out[0] = out[1] = out[2] = _ZERO
-                out[3] = _ONE
-                depth_bits[y, x] = front_bits[y, x]
+        for start in range(0, width, _CHUNK):
+            count = min(width - start, _CHUNK)
+            for i in range(count):
+                d, x = row[start + i], start + i
+                chunk[_DEPTH + i] = d
+                chunk[_SLOPE_X + i] = _smaller(across[x], across[x + 1])
+                chunk[_SLOPE_Y + i] = _smaller(d - below[x], above[x] - d)
+            _find(chunk, np.float32(start), np.float32(y), old_from_pixel, old_width, old_height)
+            for i in range(count):
+                at = int(chunk[_OLD_Y + i]) * old_width + int(chunk[_OLD_X + i])
+                chunk[_OLD_DEPTHS + i] = depths[at]
+                chunk[_OLD_DEPTHS + _CHUNK + i] = depths[at + 1]
+                chunk[_OLD_DEPTHS + 2 * _CHUNK + i] = depths[at + old_width]
+                chunk[_OLD_DEPTHS + 3 * _CHUNK + i] = depths[at + old_width + 1]
+            _weigh(chunk)
+            for i in range(count):
+                x = start + i
+                at = int(chunk[_OLD_Y + i]) * old_width + int(chunk[_OLD_X + i])
+                a, b = 4 * at, 4 * (at + old_width)
+                k0, k1 = chunk[_WEIGHTS + i], chunk[_WEIGHTS + _CHUNK + i]
+                k2, k3 = chunk[_WEIGHTS + 2 * _CHUNK + i], chunk[_WEIGHTS + 3 * _CHUNK + i]
+                holds = _mean(old, a + 3, b + 3, k0, k1, k2, k3)
+                apart = _apart(holds, seen_turned * row[x]) & most_apart
+                # By a lattice in which neighbours are far apart in time.
+                has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0
+                out = radiance[y, x]
+                if holds > _ZERO and not has_its_turn:
+                    for k in range(3):
+                        out[k] = brighter[k] * _mean(old, a + k, b + k, k0, k1, k2, k3)
+                    out[3] = holds
+                    just_before = front_bits[y, x] + np.int32(1)
+                    depth_bits[y, x] = just_before if row[x] > _ZERO else _BEFORE_SKY_BITS
+                else:
+                    out[0] = out[1] = out[2] = _ZERO
+                    out[3] = _ONE
+                    depth_bits[y, x] = front_bits[y, x]
+
+
+@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, error_model="numpy")
+def _find(chunk, first_x, y, m, old_width, old_height):  # type: ignore[no-untyped-def]
+    """Where pixels of a row were in the picture before, and how deep their surfaces lie there."""
+    last_x, last_y = np.float32(old_width - 1), np.float32(old_height - 1)
+    most_x, most_y = np.float32(old_width - 1.5), np.float32(old_height - 1.5)
+    xx, xd, x0 = m[0, 0], m[0, 2], m[0, 0] * first_x + m[0, 1] * y + m[0, 3]
+    yx, yd, y0 = m[1, 0], m[1, 2], m[1, 0] * first_x + m[1, 1] * y + m[1, 3]
+    zx, zd, z0 = m[2, 0], m[2, 2], m[2, 0] * first_x + m[2, 1] * y + m[2, 3]
+    nx, nd, n0 = m[3, 0], m[3, 2], m[3, 0] * first_x + m[3, 1] * y + m[3, 3]
+    for i in range(_CHUNK):
+        d, x = chunk[_DEPTH + i], np.float32(np.int32(i))
+        slope_x, slope_y = chunk[_SLOPE_X + i], chunk[_SLOPE_Y + i]
+        scale = n0 + nx * x + nd * d
+        before_eye = scale > _BEFORE_EYE
+        inverse = _ONE / (scale if before_eye else _ONE)
+        px = (x0 + xx * x + xd * d) * inverse
+        py = (y0 + yx * x + yd * d) * inverse
+        z = (z0 + zx * x + zd * d) * inverse
+        inside = before_eye & (px > _ZERO) & (py > _ZERO) & (px < last_x) & (py < last_y)
+        px, py = min(max(px, _ZERO), most_x), min(max(py, _ZERO), most_y)
+        old_x, old_y = np.float32(np.int32(px)), np.float32(np.int32(py))
+        share_x, share_y = px - old_x, py - old_y
+        near = _ROUNDING * z + min(_OF_SLOPE * (abs(slope_x) + abs(slope_y)), _MOST_OFF * z)
+        chunk[_NEAR + i] = near + _BEFORE_SKY if inside else -_ONE
+        chunk[_EXPECTED + i] = z - slope_x * share_x - slope_y * share_y
+        chunk[_OLD_X + i], chunk[_OLD_Y + i] = old_x, old_y
+        chunk[_SHARE_X + i], chunk[_SHARE_Y + i] = share_x, share_y
+
+
+@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, error_model="numpy")
+def _weigh(chunk):  # type: ignore[no-untyped-def]
+    """Weights of the four pixels about each place: their sum is 1, or 0 where too few are seen."""
+    for i in range(_CHUNK):
+        slope_x, slope_y = chunk[_SLOPE_X + i], chunk[_SLOPE_Y + i]
+        expected, near = chunk[_EXPECTED + i], chunk[_NEAR + i]
+        sx, sy = chunk[_SHARE_X + i], chunk[_SHARE_Y + i]
+        # Half of the way to steeper than linear: blurs less where pictures are moved again and
+        # again, and moves what is seen less than all of it.
+        sx *= _HALF + sx * (_HALF * _THREE - sx)
+        sy *= _HALF + sy * (_HALF * _THREE - sy)
+        rx, ry = _ONE - sx, _ONE - sy
+        d0, d1 = chunk[_OLD_DEPTHS + i], chunk[_OLD_DEPTHS + _CHUNK + i]
+        d2, d3 = chunk[_OLD_DEPTHS + 2 * _CHUNK + i], chunk[_OLD_DEPTHS + 3 * _CHUNK + i]
+        k0 = rx * ry if abs(d0 - expected) <= near else _ZERO
+        k1 = sx * ry if abs(d1 - expected - slope_x) <= near else _ZERO
+        k2 = rx * sy if abs(d2 - expected - slope_y) <= near else _ZERO
+        k3 = sx * sy if abs(d3 - expected - slope_x - slope_y) <= near else _ZERO
+        total = k0 + k1 + k2 + k3
+        share = _ONE / max(total, _LEAST_WEIGHT) if total >= _LEAST_WEIGHT else _ZERO
+        chunk[_WEIGHTS + i], chunk[_WEIGHTS + _CHUNK + i] = k0 * share, k1 * share
+        chunk[_WEIGHTS + 2 * _CHUNK + i], chunk[_WEIGHTS + 3 * _CHUNK + i] = k2 * share, k3 * share
+
+
+@njit(inline="always")
+def _smaller(one, other):  # type: ignore[no-untyped-def]
+    return one if abs(one) < abs(other) else other
 
 
 @njit(inline="always")

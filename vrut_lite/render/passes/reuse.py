@@ -89,7 +89,9 @@ class Reuse:
         """Let the next picture take over what is drawn now; returns it (h, w, 4), from below."""
         drawn = targets.now
         radiance = read_rgba(drawn.radiance)
-        self._before = _Before(radiance, drawn.depth.read(), view, state, reflection)
+        # Between pixels of a single row or column nothing is looked up.
+        before = _Before(radiance, drawn.depth.read(), view, state, reflection)
+        self._before = before if min(drawn.size) > 1 else None
         return radiance
 
     def release(self) -> None:
