@@ -22,6 +22,8 @@ _FRACTION_BITS = 8
 _DROPPED = 23 - _FRACTION_BITS
 _DARKEST_LOG2, _BRIGHTEST_LOG2 = -14, 5
 _FIRST = (127 + _DARKEST_LOG2) << _FRACTION_BITS
+# Noise is made for the next larger of few sizes, as it takes 20 ms and moving pictures change theirs.
+_TILE_PX = 1024
 _ZERO, _HALF, _ONE, _BYTE = (np.float32(number) for number in (0.0, 0.5, 1.0, 255.0))
 
 
@@ -31,15 +33,18 @@ def _table(curve: ToneMap) -> NDArray[np.float32]:
     count = (_BRIGHTEST_LOG2 - _DARKEST_LOG2) << _FRACTION_BITS
     bits = ((_FIRST + np.arange(count)) << _DROPPED) + (1 << (_DROPPED - 1))
     values = bits.astype(np.int32).view(np.float32).astype(float)
+    # All that is darker is looked up there.
+    values[0] = 0.0
     # Grey: neither of AgX's matrices changes it.
     encoded = tone_map.tone_mapped(np.repeat(values[:, None], 3, axis=1), curve)[:, 1]
     return np.asarray(encoded, np.float32)
 
 
 @lru_cache(maxsize=2)
-def _dither(height: int, width: int) -> NDArray[np.float32]:
-    """What is added to bytes (h, w) before they are rounded, row 0 at the bottom."""
-    return (display.dither(height, width) + 0.5).astype(np.float32)
+def _dither(tiles_down: int, tiles_across: int) -> NDArray[np.float32]:
+    """What is added to bytes before they are rounded, of pictures up to so many tiles."""
+    noise = display.dither(tiles_down * _TILE_PX, tiles_across * _TILE_PX)
+    return (noise + 0.5).astype(np.float32)
 
 
 def tone_mapped(
@@ -56,7 +61,7 @@ def tone_mapped(
         tone,
         height,
         radiance,
-        _dither(height, width),
+        _dither(-(-height // _TILE_PX), -(-width // _TILE_PX)),
         _table(wish.tone_map),
         *(matrix.astype(np.float32) for matrix in matrices),
         toned,
@@ -68,7 +73,7 @@ def tone_mapped(
 def tone(radiance, dither, table, inset, outset, weights, toned, first, end):  # type: ignore[no-untyped-def]
     """Write rows from `first` to before `end` of bytes (h, w): red, green, blue, luma.
 
-    `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
+    `dither` is as large as the picture or larger; `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
     there times `outset` (3, 3) a colour; `weights` (3,) those of luma.
     """
     for y in range(first, end):
