@@ -22,7 +22,7 @@ _FRACTION_BITS = 8
 _DROPPED = 23 - _FRACTION_BITS
 _DARKEST_LOG2, _BRIGHTEST_LOG2 = -14, 5
 _FIRST = (127 + _DARKEST_LOG2) << _FRACTION_BITS
-# Noise is made for the next larger of few sizes, as it takes 20 ms and moving pictures change theirs.
+# Noise takes 20 ms, and moving pictures change their size: it is made for more than they need.
 _TILE_PX = 1024
 _ZERO, _HALF, _ONE, _BYTE = (np.float32(number) for number in (0.0, 0.5, 1.0, 255.0))
 
@@ -73,8 +73,8 @@ def tone_mapped(
 def tone(radiance, dither, table, inset, outset, weights, toned, first, end):  # type: ignore[no-untyped-def]
     """Write rows from `first` to before `end` of bytes (h, w): red, green, blue, luma.
 
-    `dither` is as large as the picture or larger; `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
-    there times `outset` (3, 3) a colour; `weights` (3,) those of luma.
+    `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
+    there times `outset` (3, 3) a colour; `weights` (3,) those of luma. `dither` may be larger.
     """
     for y in range(first, end):
         row, out, noise = radiance[y], toned[y], dither[y]
