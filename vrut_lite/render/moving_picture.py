@@ -46,7 +46,7 @@ class MovingPictures:
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
                 passes.sky.draw_remaining(targets.size, view, shot.light, shot.disc, shot.air.sky)
-            with passes.measure("copy"):
+            with passes.measure("copy and meter"):
                 radiance = self._reuse.keep(targets, view, state, reflection)
             if blended or passes.clouds.are_drawn:
                 targets.draw_over()
@@ -57,7 +57,7 @@ class MovingPictures:
                         passes.backdrop.take(targets.multisampled, targets.size)
                     passes.draw_meshes(shot, blended, defines, blended=True)
                 radiance = read_rgba(targets.radiance)
-        with passes.measure("meter"):
+        with passes.measure("copy and meter"):
             ev100 = exposure.ev100_of(state.exposure, radiance[..., :3])
         pixel_rad = view.pixel_rad(targets.size)
         with passes.measure("tone map"):
