@@ -102,6 +102,21 @@ def test_no_trail_stays_behind_an_edge_that_swings_past(backend, box_file):
         np.testing.assert_allclose(moving[sky], finished[0, 0], rtol=1e-5)
 
 
+@pytest.mark.parametrize("size_px", [(1, 20), (20, 1), (2, 2)])
+def test_a_picture_may_be_as_small_as_a_pixel_across(backend, box_file, size_px):
+    """Where nothing lies between pixels all is drawn anew; other sizes take over."""
+    backend.change(scene=opened(box_file))
+    light(backend, uniform_sky(1.0), **SUN)
+    for angle_deg in range(3):
+        for size in (size_px, (30, 20)):
+            backend.change(size_px=size)
+            moving = look(backend, around(angle_deg), TARGET, still=False).radiance
+            assert moving.shape == (size[1], size[0], 3)
+            assert np.isfinite(moving).all()
+            assert moving.min() > 0.0
+    backend.change(size_px=(160, 120))
+
+
 def test_what_a_coat_mirrors_moves_with_the_eye(backend, tmp_path):
     """The sun's image on glossy ground is where the finished picture has it; it leaves no trace."""
     glossy = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.3}}

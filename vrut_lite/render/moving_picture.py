@@ -1,7 +1,12 @@
 """Pictures while something moves: one sample a pixel, much of it taken over from the one before."""
 
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.halves import run_in_halves
 from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.reuse import Reuse
@@ -10,6 +15,7 @@ from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
+from vrut_lite.render.unlocked import read_rgba
 
 
 class MovingPictures:
@@ -19,7 +25,7 @@ class MovingPictures:
         self._passes = passes
         context = passes.context
         self._targets = SizeCache(context, lambda size: MovingTargets(context, size))
-        self._reuse = Reuse(context)
+        self._reuse = Reuse()
 
     def draw(self, shot: Shot) -> Picture:
         """Draw a shot."""
@@ -29,18 +35,19 @@ class MovingPictures:
         passes.meshes.read_finer(shot.scene, 0.0)
         passes.ledger.did("picture")
         defines: Defines = (*shot.air.mesh, *passes.lamps.defines)
-        # For the viewport.
-        targets.buffer.use()
-        targets.front.bind()
+        reflection = shot.reflection.texture
+        targets.begin()
         with reversed_depth():
             with passes.measure("depth"):
                 passes.meshes.draw_depth_of_solid(solid, view)
             with passes.measure("reuse"):
-                self._reuse.begin(targets, view, state, shot.reflection.texture)
+                self._reuse.begin(targets, view, state, reflection)
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
                 passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.air.sky)
+            with passes.measure("copy and meter"):
+                radiance = self._reuse.keep(targets, view, state, reflection)
             if blended or passes.clouds.are_drawn:
                 targets.draw_over()
                 with passes.measure("clouds"):
@@ -49,17 +56,43 @@ class MovingPictures:
                     if any(needs_backdrop(placed.primitive.material) for placed in blended):
                         passes.backdrop.take(targets.buffer, targets.size)
                     passes.draw_meshes(shot, blended, defines, blended=True)
+                radiance = read_rgba(targets.radiance)
         with passes.measure("copy and meter"):
-            radiance = targets.read_radiance()
-            ev100 = exposure.ev100_of(state.exposure, radiance)
+            ev100 = exposure.ev100_of(state.exposure, radiance[..., :3])
+        pixel_rad = view.pixel_rad(targets.size)
         with passes.measure("tone map"):
-            pixel_rad = view.pixel_rad(targets.size)
-            passes.tone.draw(targets.radiance, targets.toned, ev100, state.exposure, pixel_rad)
+            toned = self._toned(targets, radiance, ev100, state.exposure, pixel_rad)
         with passes.measure("edges"):
-            display = targets.read_display()
-        return Picture(radiance, display, ev100, pixel_rad=pixel_rad)
+            display = _without_steps(toned)
+        return Picture(radiance[::-1, :, :3], display, ev100, pixel_rad=pixel_rad)
+
+    def _toned(
+        self,
+        targets: MovingTargets,
+        radiance: NDArray[np.float32],
+        ev100: float,
+        wish: SetExposure,
+        pixel_rad: float,
+    ) -> NDArray[np.uint32]:
+        """The bytes (h, w) of red, green, blue and luma, row 0 at the bottom."""
+        if wish.tone_map == "eye":
+            self._passes.tone.draw(targets.radiance, targets.toned, ev100, wish, pixel_rad)
+            return targets.read_toned()
+        # numba, which a start without such pictures does not need.
+        from vrut_lite.render.tone_kernel import tone_mapped
+
+        return tone_mapped(radiance, ev100, wish)
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self._targets.release()
         self._reuse.release()
+
+
+def _without_steps(toned: NDArray[np.uint32]) -> NDArray[np.uint8]:
+    """The picture (h, w, 3) for display, its edges smoothed, row 0 at the top."""
+    from vrut_lite.render.edge_kernel import smooth_edges
+
+    display = np.empty((*toned.shape, 3), np.uint8)
+    run_in_halves(smooth_edges, len(toned), toned, display)
+    return display

@@ -1,6 +1,5 @@
 """The framebuffers of a picture while something moves: one sample a pixel."""
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -8,10 +7,7 @@ from numpy.typing import NDArray
 from OpenGL import GL
 
 from vrut_lite.render.reversed_depth import DepthTexture
-from vrut_lite.render.unlocked import read_bytes, read_rgba
-
-# Smooths half of a picture, while the GL thread smooths the other.
-_other_half = ThreadPoolExecutor(1, "edges")
+from vrut_lite.render.unlocked import read_bytes
 
 
 class Drawn:
@@ -42,20 +38,19 @@ class Drawn:
 
 
 class MovingTargets:
-    """What is drawn into in turns, and what is shown.
+    """What is drawn into, and what is shown.
 
-    `front` is the depth of solid surfaces; `drawn` is what is solid and the sky, now and before;
-    `over` has what shows these too, where there is any. `buffer` is that of the pictures that
-    passes draw into just now, by the name that it has in `Targets`.
+    `now` is what is solid and the sky, and then a copy with what shows these too, where there is
+    any. `buffer` is that of the pictures that passes draw into just now, by the name that it
+    has in `Targets`.
     """
 
     def __init__(self, context: Any, size: tuple[int, int]):
         self.size = size
-        self.front = DepthTexture(size)
         self._context = context
-        self._drawn = [Drawn(context, size), Drawn(context, size)]
+        self._solid = Drawn(context, size)
         self._over: Drawn | None = None
-        self.now = self._drawn[0]
+        self.now = self._solid
         self._toned = context.texture(size, 4)
         self.toned = context.framebuffer([self._toned])
 
@@ -74,38 +69,24 @@ class MovingTargets:
         """Samples of all pixels."""
         return self.size[0] * self.size[1]
 
-    def begin(self) -> Drawn:
-        """Draw into the one of the two pictures that was not drawn last; returns it."""
-        self._drawn.reverse()
-        self.now = self._drawn[0]
-        return self.now
+    def begin(self) -> None:
+        """Draw what is solid from now on."""
+        self.now = self._solid
+        self.now.buffer.use()
 
     def draw_over(self) -> None:
-        """Draw into a copy from now on: the next picture takes over what is solid."""
+        """Draw into a copy from now on: what is solid stays as it is."""
         if self._over is None:
             self._over = Drawn(self._context, self.size)
         self._over.take(self.now)
         self.now = self._over
 
-    def read_radiance(self) -> NDArray[np.float32]:
-        """The picture (h, w, 3) before the tone map, row 0 at the top; a view."""
-        return read_rgba(self.radiance)[::-1, :, :3]
-
-    def read_display(self) -> NDArray[np.uint8]:
-        """The picture (h, w, 3) for display, its edges smoothed, row 0 at the top."""
-        # numba, which no other program of this package needs.
-        from vrut_lite.render.edge_kernel import smooth_edges
-
-        toned = read_bytes(self._toned).view("<u4")[..., 0]
-        display = np.empty((*toned.shape, 3), np.uint8)
-        half, end = len(toned) // 2, len(toned)
-        upper = _other_half.submit(smooth_edges, toned, display, half, end)
-        smooth_edges(toned, display, 0, half)
-        upper.result()
-        return display
+    def read_toned(self) -> NDArray[np.uint32]:
+        """What is shown (h, w): red, green, blue and luma from the lowest byte on, from below."""
+        return read_bytes(self._toned).view("<u4")[..., 0]
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         over = () if self._over is None else (self._over,)
-        for thing in (self.front, *self._drawn, *over, self.toned, self._toned):
+        for thing in (self._solid, *over, self.toned, self._toned):
             thing.release()

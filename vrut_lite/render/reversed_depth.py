@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from OpenGL import GL
 from OpenGL.platform import PLATFORM
 
@@ -80,6 +82,19 @@ class DepthTexture:
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self.glo)
         box = (0, 0, *self.size)
         GL.glBlitFramebuffer(*box, *box, GL.GL_DEPTH_BUFFER_BIT, GL.GL_NEAREST)
+
+    def read(self) -> NDArray[np.float32]:
+        """Depth (h, w), row 0 at the bottom."""
+        out = np.empty(self.size[::-1], np.float32)
+        self.use(0)
+        GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, out)
+        return out
+
+    def write(self, depth: NDArray[np.float32]) -> None:
+        """Be this depth (h, w)."""
+        self.use(0)
+        box = (0, 0, *self.size)
+        GL.glTexSubImage2D(GL.GL_TEXTURE_2D, 0, *box, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, depth)
 
     def use(self, location: int) -> None:
         """Bind it to a texture unit."""

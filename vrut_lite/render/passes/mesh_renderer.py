@@ -21,7 +21,7 @@ from vrut_lite.render.near_air import NearAir
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
 from vrut_lite.render.passes.draw_order import alpha_range
 from vrut_lite.render.passes.programs import Program
-from vrut_lite.render.passes.shadows_on_mesh import bind_shadows, shadows_on
+from vrut_lite.render.passes.shadows_on_mesh import OnMesh, bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.passes.triangles import Side, draw_side, sides
 from vrut_lite.render.passes.view import View, normal_matrix
@@ -164,10 +164,11 @@ class MeshRenderer(CasterRenderer):
             of_picture["picture_px"] = np.asarray(near_air.size_px, dtype=float)
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
+        known_shadows: dict[str, OnMesh] = {}
         for placed in placed_in_order:
             near = ("NEAR_AIR",) if near_air is not None and near_air.holds(placed, view) else ()
+            shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view, known_shadows)
             for side in sides(placed, blended):
-                shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view)
                 own = (
                     *shadow_defines,
                     *self._cuts(placed),

@@ -8,81 +8,113 @@ before; all else moves to where the camera sees it now.
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from OpenGL import GL
 
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.change_of_light import change_of_light
+from vrut_lite.render.halves import run_in_halves
 from vrut_lite.render.moving_targets import Drawn, MovingTargets
-from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View, translation
+from vrut_lite.render.unlocked import read_rgba
 
 # Pictures from one turn of a pixel to the next: under the same light, and under another.
 _TURNS, _TURNS_OF_LIGHT, _STEP = 16, 8, 3
+_NOTHING = np.array([0.0, 0.0, 0.0, 1.0], np.float32)
 
 
 class _Before(NamedTuple):
-    drawn: Drawn
+    radiance: NDArray[np.float32]
+    depth: NDArray[np.float32]
     view: View
     state: SceneState
     reflection: Any
 
 
 class Reuse:
-    """Made and used on the GL thread only."""
+    """Used on the GL thread only."""
 
-    def __init__(self, context: Any):
-        self._context = context
-        self._screen: FullScreen | None = None
+    def __init__(self) -> None:
         self._before: _Before | None = None
+        # Written anew for each picture: fresh memory takes a tenth as long as all of the rest.
+        self._filled: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._turn = 0
 
     def begin(self, targets: MovingTargets, view: View, state: SceneState, reflection: Any) -> None:
-        """Fill a target with what is taken over; `front` is drawn already.
+        """Fill a target, in which the depth of solid surfaces is, with what is taken over.
 
         Depth is then such that surfaces and sky are drawn elsewhere alone. Of what is not solid
         nothing is taken over, and nothing at all when another `reflection` has been finished.
         """
-        if self._screen is None:
-            self._screen = FullScreen(self._context, "reuse.frag")
-        before, drawn = self._before, targets.begin()
-        brighter = None
+        before, brighter = self._before, None
         if before is not None and before.reflection is reflection:
             brighter = change_of_light(before.state, state)
         if before is None or brighter is None:
-            before, brighter = _Before(drawn, view, state, reflection), np.ones(3)
-            self._screen.set("turn", -1)
+            GL.glClearBufferfv(GL.GL_COLOR, 0, _NOTHING)
         else:
-            self._turn = (self._turn + _STEP) % _TURNS
-            self._screen.set("turn", self._turn)
-            turns = _TURNS if np.all(brighter == 1.0) else _TURNS_OF_LIGHT
-            self._screen.set("most_apart", turns - 1)
-        self._screen.set("brighter", brighter)
-        self._screen.set("old_from_clip", _old_from_clip(before.view, view).T.ravel())
+            self._take_over(targets.now, before, view, brighter)
+
+    def _take_over(self, drawn: Drawn, before: _Before, view: View, brighter: FloatArray) -> None:
+        # numba, which a start without such pictures does not need.
+        from vrut_lite.render.reuse_kernel import take_over
+
+        self._turn = (self._turn + _STEP) % _TURNS
+        turns = _TURNS if np.all(brighter == 1.0) else _TURNS_OF_LIGHT
         moved_m = float(np.linalg.norm(view.eye_m - before.view.eye_m))
-        self._screen.set("seen_turned", moved_m / float(view.projection[2, 3]))
-        targets.front.use(0)
-        before.drawn.radiance.use(location=1)
-        before.drawn.depth.use(2)
-        for unit, name in enumerate(("front", "old_radiance", "old_depth")):
-            self._screen.program[name].value = unit
-        drawn.buffer.use()
-        self._context.enable(self._context.DEPTH_TEST)
-        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
-        GL.glDepthMask(GL.GL_TRUE)
-        GL.glDepthFunc(GL.GL_ALWAYS)
-        self._screen.draw()
-        GL.glDepthFunc(GL.GL_GREATER)
-        self._before = _Before(drawn, view, state, reflection)
+        front = drawn.depth.read()
+        if self._filled is None or self._filled[1].shape != front.shape:
+            self._filled = np.empty((*front.shape, 4), np.float32), np.empty_like(front)
+        radiance, depth = self._filled
+        run_in_halves(
+            take_over,
+            len(front),
+            front,
+            before.radiance,
+            before.depth,
+            _old_from_pixel(before, view, front.shape).astype(np.float32),
+            brighter.astype(np.float32),
+            np.float32(moved_m / float(view.projection[2, 3])),
+            self._turn,
+            turns - 1,
+            radiance,
+            depth,
+        )
+        drawn.radiance.write(radiance)
+        drawn.depth.write(depth)
+
+    def keep(
+        self, targets: MovingTargets, view: View, state: SceneState, reflection: Any
+    ) -> NDArray[np.float32]:
+        """Let the next picture take over what is drawn now; returns it (h, w, 4), from below."""
+        drawn = targets.now
+        radiance = read_rgba(drawn.radiance)
+        # Between pixels of a single row or column nothing is looked up.
+        before = _Before(radiance, drawn.depth.read(), view, state, reflection)
+        self._before = before if min(drawn.size) > 1 else None
+        return radiance
 
     def release(self) -> None:
-        """Free the GL objects."""
-        self._before = None
-        if self._screen is not None:
-            self._screen.release()
+        """Forget the picture before."""
+        self._before = self._filled = None
 
 
-def _old_from_clip(old: View, now: View) -> FloatArray:
-    """Matrix (4, 4) from the clip coordinates of one view to those of another."""
+def _old_from_pixel(before: _Before, now: View, shape: tuple[int, ...]) -> FloatArray:
+    """Matrix (4, 4) from column, row, depth and 1 to those of before, times the last of them."""
     eye_from_clip = np.linalg.inv(now.clip_from_eye)
-    return np.asarray(old.clip_from_eye @ translation(now.eye_m - old.eye_m) @ eye_from_clip)
+    old_from_clip = before.view.clip_from_eye @ translation(now.eye_m - before.view.eye_m)
+    old_size = before.depth.shape[::-1]
+    return np.asarray(
+        np.linalg.inv(_clip_from_pixel(old_size))
+        @ old_from_clip
+        @ eye_from_clip
+        @ _clip_from_pixel(shape[::-1])
+    )
+
+
+def _clip_from_pixel(size: tuple[int, ...]) -> FloatArray:
+    """Matrix (4, 4) from column, row, depth and 1 to clip coordinates."""
+    width, height = size
+    matrix = np.diag([2.0 / width, 2.0 / height, 1.0, 1.0])
+    matrix[:2, 3] = 1.0 / width - 1.0, 1.0 / height - 1.0
+    return matrix

@@ -4,6 +4,7 @@ A mesh that lies wholly off the near map's rim needs one map alone: on a softwar
 other's look-ups cost as much whether their result is used or not.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -40,29 +41,48 @@ def bind_shadows(shadows: Shadows) -> None:
         nearest.tint.use(location=_GLASS_SHADOW_UNIT)
 
 
+OnMesh = tuple[Defines, dict[str, Any]]
+
+
 def shadows_on(
+    placed: PlacedPrimitive, shadows: Shadows, view: View, known: dict[str, OnMesh]
+) -> OnMesh:
+    """Defines and uniforms of a mesh's program.
+
+    `known` has what was found for other meshes of the same picture: a program that is told the
+    same again need not compare it.
+    """
+    kind, make = _maps_of(placed, shadows, view)
+    if kind not in known:
+        known[kind] = make()
+    return known[kind]
+
+
+def _maps_of(
     placed: PlacedPrimitive, shadows: Shadows, view: View
-) -> tuple[Defines, dict[str, Any]]:
-    """Defines and uniforms of a mesh's program."""
-    if shadows.still is not None:
-        return _squares(shadows.still)
-    near = shadows.near
-    assert shadows.scene is not None
-    if shadows.scene.tint is not None:
-        return _all_maps(shadows.scene, near, view)
+) -> tuple[str, Callable[[], OnMesh]]:
+    """Which maps a mesh needs, by name, and what makes their defines and uniforms."""
+    still = shadows.still
+    if still is not None:
+        return "still", lambda: _squares(still)
+    near, scene = shadows.near, shadows.scene
+    assert scene is not None
+    if scene.tint is not None:
+        return "all", lambda: _all_maps(scene, near, view)
     if near is not None:
         off = near.matrix[:2, :3] @ (placed.centre_m - near.centre_m)
         radius = placed.radius_m * float(np.linalg.norm(near.matrix[0, :3]))
         # The receiver is moved off its surface by a few texels.
         radius += 5.0 * near.texel_m * float(np.linalg.norm(near.matrix[0, :3]))
         if np.max(np.abs(off)) + radius <= 1.0 - NEAR_RIM:
-            return (), _uniforms("shadow", near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
+            units = _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT
+            return "near", lambda: ((), _uniforms("shadow", near, view, *units))
         if np.max(np.abs(off)) - radius <= 1.0:
-            return _all_maps(shadows.scene, near, view)
-    return (), _uniforms("shadow", shadows.scene, view, SHADOW_UNIT, _RANGES_UNIT)
+            return "all", lambda: _all_maps(scene, near, view)
+    return "scene", lambda: ((), _uniforms("shadow", scene, view, SHADOW_UNIT, _RANGES_UNIT))
 
 
-def _all_maps(scene: Shadow, near: Shadow | None, view: View) -> tuple[Defines, dict[str, Any]]:
+def _all_maps(scene: Shadow, near: Shadow | None, view: View) -> OnMesh:
     defines: Defines = ("GLASS_SHADOW",) if scene.tint is not None else ()
     uniforms = _uniforms("shadow", scene, view, SHADOW_UNIT, _RANGES_UNIT)
     if near is None:
@@ -71,7 +91,7 @@ def _all_maps(scene: Shadow, near: Shadow | None, view: View) -> tuple[Defines, 
     return (*defines, "NEAR_SHADOW"), uniforms | of_near
 
 
-def _squares(still: StillShadow) -> tuple[Defines, dict[str, Any]]:
+def _squares(still: StillShadow) -> OnMesh:
     glass: Defines = ("GLASS_SHADOW",) if still.tint is not None else ()
     uniforms = {
         "shadow_axes": still.axes,

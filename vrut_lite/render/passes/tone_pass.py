@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, LUMINANCE_WEIGHTS
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures import exposure, night_eye, tone_map
 from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.render.passes.full_screen import FullScreen
@@ -34,6 +35,22 @@ def _curve_in_one() -> list[float]:
     return [float(number) for number in fit.convert().coef]
 
 
+def from_radiance(ev100: float, wish: SetExposure) -> FloatArray:
+    """Matrix (3, 3) from radiance to what each channel's curve is of."""
+    matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
+    if "AGX" in _CURVES[wish.tone_map]:
+        matrix = tone_map.INSET @ matrix
+    return np.asarray(exposure.scale_of(ev100) * matrix)
+
+
+def outset(curve: ToneMap) -> FloatArray:
+    """Matrix (3, 3) from there to colours: what mixes each with its grey, and the way out."""
+    if "AGX" not in _CURVES[curve]:
+        return np.eye(3)
+    grey = np.outer(np.ones(3), (1.0 - tone_map.SATURATION) * np.asarray(LUMINANCE_WEIGHTS))
+    return np.asarray(tone_map.OUTSET @ (grey + tone_map.SATURATION * np.eye(3)))
+
+
 class TonePass:
     """Made and used on the GL thread only; compiles the curves that are asked for."""
 
@@ -50,10 +67,7 @@ class TonePass:
         screen = self._screens[wish.tone_map]
         display.use()
         radiance.use(location=0)
-        matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-        if "AGX" in _CURVES[wish.tone_map]:
-            matrix = tone_map.INSET @ matrix
-        screen.set("from_radiance", exposure.scale_of(ev100) * matrix.T.ravel())
+        screen.set("from_radiance", from_radiance(ev100, wish).T.ravel())
         blur, reach = night_eye.blur_px(pixel_rad)
         screen.set("blur", blur)
         if "reach" in screen.program:
@@ -63,12 +77,9 @@ class TonePass:
         )
         screen.draw()
 
-    def _screen(self, curve: str) -> FullScreen:
+    def _screen(self, curve: ToneMap) -> FullScreen:
         screen = FullScreen(self._context, "tone_map.frag", _CURVES[curve])
-        # One matrix for what mixes each colour with its grey, and the way out.
-        grey = np.outer(np.ones(3), (1.0 - tone_map.SATURATION) * np.asarray(LUMINANCE_WEIGHTS))
-        outset = tone_map.OUTSET @ (grey + tone_map.SATURATION * np.eye(3))
-        screen.set("outset", outset.T.ravel())
+        screen.set("outset", outset(curve).T.ravel())
         screen.set("darkest", 2.0**tone_map.DARKEST_LOG2)
         screen.set("darkest_log2", tone_map.DARKEST_LOG2)
         screen.set("per_log2", 1.0 / (tone_map.BRIGHTEST_LOG2 - tone_map.DARKEST_LOG2))

@@ -10,19 +10,20 @@ uniform vec4 level_roughness;
 
 // Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
 vec3 reflected_sky(vec3 d, float roughness) {
-#ifndef BLURRED
-    if (roughness < level_roughness.x) {
-        vec3 mirror = sky_on_side(sky, d, d.y > 0.0 ? 1.0 : -1.0) * sky_scale;
-        vec3 blurred = textureLod(reflection, d, 0.0).rgb * reflection_scale;
-        // Near a mirror the light from afar grows with alpha squared, the blur with alpha.
-        return mix(mirror, blurred, pow(roughness / level_roughness.x, 3.0));
-    }
-#endif
     float level = 0.0;
     for (int k = 0; k < 3; ++k)
         level += clamp((roughness - level_roughness[k])
                        / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
-    return textureLod(reflection, d, level).rgb * reflection_scale;
+    vec3 seen = textureLod(reflection, d, level).rgb * reflection_scale;
+#ifndef BLURRED
+    // A loop, as a software renderer runs both sides of an `if`.
+    for (int once = roughness < level_roughness.x ? 1 : 0; once > 0; --once) {
+        vec3 mirror = sky_on_side(sky, d, d.y > 0.0 ? 1.0 : -1.0) * sky_scale;
+        // Near a mirror the light from afar grows with alpha squared, the blur with alpha.
+        seen = mix(mirror, seen, pow(roughness / level_roughness.x, 3.0));
+    }
+#endif
+    return seen;
 }
 
 // What a lobe shows of the sky: by the share of Fresnel's term that is the same from everywhere,

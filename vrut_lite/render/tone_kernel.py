@@ -1,0 +1,113 @@
+"""The tone map of moving pictures, as `passes/tone_pass.py` has it: each channel by a table.
+
+Only a processor draws such pictures. llvmpipe takes three times as long, most of it for looking
+pixels up and for logarithms.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.picture import SetExposure, ToneMap
+from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+from vrut_lite.njit import SUMS_IN_ORDER, njit
+from vrut_lite.pictures import display, tone_map
+from vrut_lite.render.halves import run_in_halves
+from vrut_lite.render.passes.tone_pass import from_radiance, outset
+
+# A table has as many numbers an octave as so many bits of a float's fraction tell apart. One of
+# them is within 0.3 of 255 of its neighbours.
+_FRACTION_BITS = 8
+_DROPPED = 23 - _FRACTION_BITS
+_DARKEST_LOG2, _BRIGHTEST_LOG2 = -14, 5
+_FIRST = (127 + _DARKEST_LOG2) << _FRACTION_BITS
+# Noise takes 20 ms, and moving pictures change their size: it is made for more than they need.
+_TILE_PX = 1024
+_ZERO, _HALF, _ONE, _BYTE = (np.float32(number) for number in (0.0, 0.5, 1.0, 255.0))
+
+
+@lru_cache(maxsize=4)
+def _table(curve: ToneMap) -> NDArray[np.float32]:
+    """Encoded values (n,) of one channel by the first bits of a float."""
+    count = (_BRIGHTEST_LOG2 - _DARKEST_LOG2) << _FRACTION_BITS
+    bits = ((_FIRST + np.arange(count)) << _DROPPED) + (1 << (_DROPPED - 1))
+    values = bits.astype(np.int32).view(np.float32).astype(float)
+    # All that is darker is looked up there.
+    values[0] = 0.0
+    # Grey: neither of AgX's matrices changes it.
+    encoded = tone_map.tone_mapped(np.repeat(values[:, None], 3, axis=1), curve)[:, 1]
+    return np.asarray(encoded, np.float32)
+
+
+@lru_cache(maxsize=2)
+def _dither(tiles_down: int, tiles_across: int) -> NDArray[np.float32]:
+    """What is added to bytes before they are rounded, of pictures up to so many tiles."""
+    noise = display.dither(tiles_down * _TILE_PX, tiles_across * _TILE_PX)
+    return (noise + 0.5).astype(np.float32)
+
+
+def tone_mapped(
+    radiance: NDArray[np.float32], ev100: float, wish: SetExposure
+) -> NDArray[np.uint32]:
+    """Bytes (h, w) as `smooth_edges` takes them of radiance (h, w, 4), row 0 at the bottom.
+
+    The curve "eye" is none of these: it asks for a pixel's neighbours.
+    """
+    height, width = radiance.shape[:2]
+    toned = np.empty((height, width), np.uint32)
+    matrices = (from_radiance(ev100, wish), outset(wish.tone_map), np.array(LUMINANCE_WEIGHTS))
+    run_in_halves(
+        tone,
+        height,
+        radiance,
+        _dither(-(-height // _TILE_PX), -(-width // _TILE_PX)),
+        _table(wish.tone_map),
+        *(matrix.astype(np.float32) for matrix in matrices),
+        toned,
+    )
+    return toned
+
+
+@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+def tone(radiance, dither, table, inset, outset, weights, toned, first, end):  # type: ignore[no-untyped-def]
+    """Write rows from `first` to before `end` of bytes (h, w): red, green, blue, luma.
+
+    `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
+    there times `outset` (3, 3) a colour; `weights` (3,) those of luma. `dither` may be larger.
+    """
+    for y in range(first, end):
+        row, out, noise = radiance[y], toned[y], dither[y]
+        for x in range(len(out)):
+            r, g, b = row[x, 0], row[x, 1], row[x, 2]
+            u = _encoded(table, inset[0, 0] * r + inset[0, 1] * g + inset[0, 2] * b)
+            v = _encoded(table, inset[1, 0] * r + inset[1, 1] * g + inset[1, 2] * b)
+            w = _encoded(table, inset[2, 0] * r + inset[2, 1] * g + inset[2, 2] * b)
+            red = _within_one(outset[0, 0] * u + outset[0, 1] * v + outset[0, 2] * w)
+            green = _within_one(outset[1, 0] * u + outset[1, 1] * v + outset[1, 2] * w)
+            blue = _within_one(outset[2, 0] * u + outset[2, 1] * v + outset[2, 2] * w)
+            luma = weights[0] * red + weights[1] * green + weights[2] * blue
+            out[x] = (
+                _byte(red, noise[x])
+                | _byte(green, noise[x]) << np.uint32(8)
+                | _byte(blue, noise[x]) << np.uint32(16)
+                | _byte(luma, _HALF) << np.uint32(24)
+            )
+
+
+@njit(inline="always")
+def _encoded(table, value):  # type: ignore[no-untyped-def]
+    """A channel's value by its first bits."""
+    bits = np.float32(max(value, _ZERO)).view(np.int32)
+    last = np.int32(len(table) - 1)
+    return table[np.uint32(min(max((bits >> _DROPPED) - _FIRST, 0), last))]
+
+
+@njit(inline="always")
+def _within_one(number):  # type: ignore[no-untyped-def]
+    return min(max(number, _ZERO), _ONE)
+
+
+@njit(inline="always")
+def _byte(number, added):  # type: ignore[no-untyped-def]
+    return np.uint32(np.int32(min(max(_BYTE * number + added, _ZERO), _BYTE)))
