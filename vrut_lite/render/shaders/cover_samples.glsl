@@ -5,7 +5,8 @@ float threshold() {
     ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;
     at &= 1;
     int fine = 2 * (at.x ^ at.y) + at.y, coarse = 2 * (half_at.x ^ half_at.y) + half_at.y;
-    int step = (4 * fine + coarse + 5 * picture_number + number_of_triangle()) & 15;
+    int turn = 16 * picture_number / picture_count;
+    int step = (4 * fine + coarse + turn + number_of_triangle()) & 15;
     return (float(step) + (float(picture_number) + 0.5) / float(picture_count)) / 16.0;
 }
 
