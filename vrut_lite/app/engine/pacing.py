@@ -11,12 +11,15 @@ SCALES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)
 REST_S = 0.15
 _MEMORY = 0.5
 _SLOWER = 2.0
-# Share of the time that triangles and calls take, whatever the size. Without it a small picture
-# would count as slow, and stay small.
-_WITHOUT_PIXELS = 0.2
+# A larger size must leave so much of the time: the first picture of each takes longer.
+_ROOM = 0.9
 
 # A finished picture, one that is drawn anew, and one that takes much over from the one before.
 Kind = Literal["still", "anew", "taken over"]
+# Share of the time that triangles and calls take, whatever the size, and the power of the scale
+# that the rest grows by: pixels, or where all but edges is taken over the length of edges. Without
+# the former a small picture would count as slow, and stay small.
+_TIME: dict[Kind, tuple[float, int]] = {"still": (0.2, 2), "anew": (0.2, 2), "taken over": (0.1, 1)}
 
 
 class Pacing:
@@ -25,6 +28,8 @@ class Pacing:
     def __init__(self) -> None:
         self._full_s: dict[Kind, float] = {}
         self._expected_s = 0.0
+        # Of the last picture of each kind.
+        self._scale: dict[Kind, float] = {}
 
     def expect(self, seconds: float) -> None:
         """Guess the time of a full picture of a kind that was not drawn yet."""
@@ -33,19 +38,29 @@ class Pacing:
     def quick_scale(self, kind: Kind = "anew") -> float:
         """The largest scale at which a picture is expected in time, or the smallest that is."""
         full_s = self._full_s.get(kind, self._expected_s)
-        return next((s for s in SCALES if full_s * _share_of_time(s) <= QUICK_S), SCALES[-1])
+        now = self._scale.get(kind, 1.0)
+
+        def in_time(scale: float) -> bool:
+            return full_s * _share_of_time(scale, kind) <= QUICK_S * (_ROOM if scale > now else 1.0)
+
+        return next(filter(in_time, SCALES), SCALES[-1])
 
     def drew(self, scale: float, seconds: float, kind: Kind = "anew") -> None:
         """Learn from the time of a picture of this scale."""
-        full_s = seconds / _share_of_time(scale)
+        before, self._scale[kind] = self._scale.get(kind, scale), scale
+        # The first one of another size takes less over than the next will.
+        if kind == "taken over" and scale != before:
+            return
+        full_s = seconds / _share_of_time(scale, kind)
         # A far quicker picture is believed: the one before compiled shaders.
         known_s = min(self._full_s.get(kind, full_s), _SLOWER * full_s)
         self._full_s[kind] = (1.0 - _MEMORY) * known_s + _MEMORY * full_s
 
 
-def _share_of_time(scale: float) -> float:
+def _share_of_time(scale: float, kind: Kind) -> float:
     """The time of a picture of this scale, of one of full size."""
-    return _WITHOUT_PIXELS + (1.0 - _WITHOUT_PIXELS) * scale**2
+    fixed, power = _TIME[kind]
+    return float(fixed + (1.0 - fixed) * scale**power)
 
 
 def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:
