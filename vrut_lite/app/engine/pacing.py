@@ -3,9 +3,9 @@
 from typing import Literal
 
 # At twenty pictures a second motion is smooth; the window's own work goes on beside.
-QUICK_S = 0.055
+QUICK_S = 0.05
 # Few sizes: each needs framebuffers of its own.
-SCALES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)
+SCALES = (1.0, 0.85, 0.7, 0.6, 0.5, 0.35, 0.25)
 # Seconds without a change before the finished picture begins: an interruption costs the piece that
 # is being drawn, which takes about as long.
 REST_S = 0.15
