@@ -6,7 +6,7 @@ import trimesh
 from half_shadow import DISC_WIDTH, half_shadow
 from scene_stage import light, look, look_finished, square
 from scipy.integrate import quad
-from stateful_backend import opened
+from stateful_backend import StatefulBackend, opened
 from sun_stage import BLACK, IRRADIANCE, RADIUS_RAD, SUN, box, show
 
 from vrut_lite.daylight.camera import pixel_rays
@@ -19,8 +19,6 @@ LOW, HIGH = np.array([0.0, 1.8, -8.0]), np.array([0.0, 10.2, 8.0])
 
 @pytest.fixture(scope="module")
 def backend(gl_owner):
-    from stateful_backend import StatefulBackend
-
     from vrut_lite.render.pyrender_backend import PyrenderBackend
 
     made = PyrenderBackend(gl_owner)
@@ -155,3 +153,22 @@ def test_a_darker_limb_narrows_penumbras():
     even = np.sqrt(2.0 * mean(np.square) / mean(np.ones_like))
     assert even < 1.0
     assert sun.even_radius_rad == pytest.approx(RADIUS_RAD * even)
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("shot", [look, look_finished])
+def test_nothing_is_left_of_the_shadows_of_another_sun(backend, gl_owner, tmp_path, shot):
+    """A long, low wall covers other texels by each sun: the last picture is that of a new map."""
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    suns = [(0.1, 0.3, -0.9), (0.9, 0.2, 0.1), (0.0, 1.0, 1e-3)]
+    meshes = [ground(), box((-0.1, 0.0, -7.0), (0.1, 0.8, 7.0))]
+    view = (4.0, 6.0, 3.0), (0.0, 0.0, 0.0), 1.2
+    for sun in suns:
+        show(backend, tmp_path, *meshes, sun=sun)
+        moved = shot(backend, *view).radiance
+    fresh = PyrenderBackend(gl_owner)
+    alone = StatefulBackend(fresh, size_px=SIZE)
+    show(alone, tmp_path, *meshes, sun=suns[-1])
+    np.testing.assert_array_equal(moved, shot(alone, *view).radiance)
+    fresh.close()

@@ -234,6 +234,10 @@ def test_while_moving_pictures_are_smaller_where_they_take_long(driver, qtbot):
         scale = pacing.quick_scale()
         assert scale == SCALES[-1] or seconds * scale**2 <= QUICK_S
     assert scale == SCALES[-1]
+    # The first picture of another size takes less over: it tells nothing of the next.
+    for seconds in (1e-4, 30.0):
+        pacing.drew(1.0 if seconds < 1.0 else 0.5, seconds, "taken over")
+    assert pacing.quick_scale("taken over") == 1.0
     driver.until(lambda: driver.session.shown.still)
     width, height = driver.window.desk.viewport.pixels
     assert driver.session.shown.picture.display.shape == (height, width, 3)
