@@ -34,18 +34,22 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 class ArrayCache:
-    """Arrays by recipe in a folder, the least recently used dropped above `limit_bytes`."""
+    """Arrays by recipe in a folder, the least recently used dropped above `limit_bytes`.
 
-    def __init__(self, folder: Path, limit_bytes: int = 1 << 30):
+    `warns`: a folder that cannot be written is told; for what is quickly made again it is not.
+    """
+
+    def __init__(self, folder: Path, limit_bytes: int = 1 << 30, warns: bool = True):
         self.folder = folder
         self.limit_bytes = limit_bytes
+        self._warns = warns
 
     @classmethod
-    def of_user(cls, name: str, limit_bytes: int = 1 << 30) -> "ArrayCache":
+    def of_user(cls, name: str, limit_bytes: int = 1 << 30, warns: bool = True) -> "ArrayCache":
         """A cache of this name in the user's own cache folder."""
         from platformdirs import user_cache_path
 
-        return cls(user_cache_path("vrut_lite") / name, limit_bytes)
+        return cls(user_cache_path("vrut_lite") / name, limit_bytes, warns)
 
     def get(self, recipe: object) -> dict[str, NDArray[Any]] | None:
         """The arrays made from a recipe; None if there is no file or it is damaged.
@@ -80,6 +84,8 @@ class ArrayCache:
             self._write(path, _MAGIC + _digest(payload) + payload)
             self._drop_oldest(path)
         except OSError as error:
+            if not self._warns:
+                return
             _log.warning("arrays are not kept in %s: %s", self.folder, error.strerror or error)
 
     def _path(self, recipe: object) -> Path:

@@ -22,7 +22,7 @@ def zone_name(longitude_deg: float, latitude_deg: float) -> str:
     if zone_name.cache_info().currsize:
         return tzfpy.get_tz(longitude_deg, latitude_deg)
     recipe = version("tzfpy"), longitude_deg, latitude_deg
-    names = ArrayCache.of_user("time_zones", _LIMIT_BYTES)
+    names = ArrayCache.of_user("time_zones", _LIMIT_BYTES, warns=False)
     kept = names.get(recipe)
     if kept is not None:
         return kept["name"].tobytes().decode()

@@ -15,7 +15,8 @@ _LIMIT_BYTES = 1 << 24
 def kept_table(name: str, make: Callable[[], NDArray[Any]], *sources: str) -> NDArray[Any]:
     """What `make` makes, or made in another session by the same source files; read-only."""
     digests = [hashlib.blake2b(Path(source).read_bytes()).hexdigest() for source in sources]
-    tables, recipe = ArrayCache.of_user("tables_of_formulas", _LIMIT_BYTES), (name, digests)
+    tables = ArrayCache.of_user("tables_of_formulas", _LIMIT_BYTES, warns=False)
+    recipe = name, digests
     kept = tables.get(recipe)
     if kept is None:
         kept = {"table": make()}

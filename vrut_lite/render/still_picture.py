@@ -20,9 +20,9 @@ from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import SAMPLES, Targets
 from vrut_lite.render.value_light import in_false_colours
 
-# A still is the mean of pictures with one sample a pixel, which are shifted so, right and up, in
-# pixels. Software renderers shade hidden samples too where there are several: three such pictures
-# cost at most what one of four samples does, and come nearer to 64; eight less than half of four.
+# A still is the mean of pictures with one sample a pixel, which show what lies so far to the right
+# and up, in pixels. Software renderers shade hidden samples too where there are several: three such
+# pictures cost about what one of four samples does, and come nearer to 64; eight half of four.
 SHIFTS_PX = tuple(
     ((2 * i - 7) / 16, (2 * j - 7) / 16) for i, j in enumerate((2, 5, 0, 7, 3, 6, 1, 4))
 )
