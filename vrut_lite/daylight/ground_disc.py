@@ -45,6 +45,25 @@ def fall_m(across_m: ArrayLike) -> NDArray[np.float64]:
     return np.square(np.asarray(across_m, dtype=float)) / (2.0 * PLANET_RADIUS_M)
 
 
+# Of the rings these are the inner ones, up to a 27th of the radius.
+_INNER_RINGS = 3
+
+
+def inner_and_outer(
+    disc: GroundDisc,
+) -> tuple[tuple[NDArray[np.float32], NDArray[np.uint32]], ...]:
+    """The disc in two parts with a common edge, each as `triangulate` gives all of it.
+
+    The inner one is near an eye in the scene: what is far away need not be asked of it.
+    """
+    vertices, triangles = triangulate(disc)
+    # The middle's fan, and two triangles a segment of each further ring.
+    end = _SEGMENTS * (2 * _INNER_RINGS - 1)
+    first = 1 + (_INNER_RINGS - 1) * _SEGMENTS
+    inner = vertices[: first + _SEGMENTS], triangles[:end]
+    return inner, (vertices[first:], triangles[end:] - np.uint32(first))
+
+
 def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """Vertices (n, 3), from the disc's middle, and triangles (m, 3), seen from above.
 

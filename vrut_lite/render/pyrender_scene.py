@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
+from vrut_lite.daylight.ground_disc import GroundDisc, inner_and_outer
 from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, Shape
 from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.daylight.scene import SceneOpened
@@ -98,7 +98,7 @@ class PyrenderScene:
             surface.terms.transmits or surface.alphaMode == "BLEND" for surface in self._surfaces
         )
         self._strokes = _strokes(opened.points_and_lines)
-        self._ground = None if ground is None else _ground(ground)
+        self._ground = () if ground is None else _ground(ground)
         # By the number of the mesh and of its shape in the light map.
         self._cuts: dict[tuple[int, int], _Cut] = {}
         self.lay_out(None)
@@ -133,15 +133,15 @@ class PyrenderScene:
         for stroke in self._strokes:
             self.uploads.meshes.add(stroke)
             self.placed.append(_placed(stroke.primitive, stroke.model_from_centred, casts=False))
-        if self._ground is not None:
-            self.uploads.meshes.add(self._ground)
-            ground = self._ground.primitive, self._ground.model_from_centred
+        for cut in self._ground:
+            self.uploads.meshes.add(cut)
+            ground = cut.primitive, cut.model_from_centred
             self.placed.append(_placed(*ground, is_ground=True, casts=False))
 
     def paint_ground(self, albedo_rgb: Vector) -> None:
         """Give the ground disc an albedo, linear RGB in [0, 1]."""
-        if self._ground is not None:
-            self._ground.primitive.material.baseColorFactor = [*albedo_rgb, 1.0]
+        for cut in self._ground:
+            cut.primitive.material.baseColorFactor = [*albedo_rgb, 1.0]
 
     def _cut(self, number: int, shape: int, light_map: LightMapLaid | None) -> _Cut:
         mesh = self._opened.geometry.mesh(number)
@@ -183,23 +183,25 @@ def _strokes(found: PointsAndLines | None) -> list[_Cut]:
     return made
 
 
-def _ground(ground: GroundDisc) -> _Cut:
-    vertices, triangles = triangulate(ground)
+def _ground(ground: GroundDisc) -> tuple[_Cut, ...]:
     # Matte, without the reflection of a dielectric: the disc then has the radiance
     # albedo * E / pi of the sky's own lower half, and its rim does not show.
     material = Surface(
         baseColorFactor=[0.1, 0.1, 0.1, 1.0], metallicFactor=0.0, roughnessFactor=1.0
     )
     material.matte = True
-    primitive = pyrender.Primitive(
-        positions=vertices,
-        normals=np.tile(np.array([0, 1, 0], np.float32), (len(vertices), 1)),
-        indices=triangles,
-        material=material,
-    )
     middle = np.eye(4)
     middle[:3, 3] = [ground.centre_xz_m[0], ground.height_m, ground.centre_xz_m[1]]
-    return _Cut(primitive, middle)
+    primitives = (
+        pyrender.Primitive(
+            positions=vertices,
+            normals=np.tile(np.array([0, 1, 0], np.float32), (len(vertices), 1)),
+            indices=triangles,
+            material=material,
+        )
+        for vertices, triangles in inner_and_outer(ground)
+    )
+    return tuple(_Cut(primitive, middle) for primitive in primitives)
 
 
 def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:

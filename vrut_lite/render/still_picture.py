@@ -75,7 +75,7 @@ class StillPictures:
         resolved = self._mean(shot, targets, shifts, still)
         if state.shows != "picture":
             return in_false_colours(resolved, state.shows)
-        radiance = np.ascontiguousarray(resolved[..., :3])
+        radiance = resolved[..., :3]
         if len(shifts) > 1:
             with passes.measure("copy and meter"):
                 targets.write_resolved(resolved)
