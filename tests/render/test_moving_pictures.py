@@ -44,6 +44,19 @@ def test_a_camera_that_went_on_for_a_while_sees_the_finished_picture(backend, bo
     np.testing.assert_allclose(moving.mean((0, 1)), finished.mean((0, 1)), rtol=5e-3)
 
 
+@pytest.mark.parametrize("far_m", [1e12, 1e30, 1e150, 1e300])
+def test_a_camera_may_come_from_anywhere(backend, box_file, far_m):
+    """Where the picture before was taken too far away, the next is drawn whole."""
+    backend.change(scene=opened(box_file))
+    light(backend, uniform_sky(1.0), **SUN)
+    wanted = look(backend, around(20), TARGET, still=False).radiance
+    for eye in ((far_m, 1.0, 0.0), (far_m, -far_m, far_m)):
+        away = look(backend, eye, np.add(eye, (-far_m, 0.0, 0.0)), still=False)
+        assert np.all(np.isfinite(away.radiance))
+        found = look(backend, around(20), TARGET, still=False).radiance
+        np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-3)
+
+
 def test_another_exposure_of_a_finished_picture_draws_nothing_anew(backend, box_file):
     """It is the same to the bit; after other light, or of another view, all is drawn."""
     backend.change(scene=opened(box_file))

@@ -7,6 +7,8 @@ import numpy as np
 
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 
+# Of a camera that comes from too far away places are no numbers: comparisons must hold for them.
+_WITH_NAN = SUMS_IN_ORDER - {"nnan", "ninf"}
 # Pixels along a side that a software renderer shades at once.
 _BLOCK_LOG2 = 2
 # Of depth, as bits: nearer than infinity, farther than anything.
@@ -29,7 +31,7 @@ _ZERO, _HALF, _ONE, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 3
 _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(0.01)
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, error_model="numpy")
+@njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
 def take_over(  # type: ignore[no-untyped-def]
     front, old_radiance, old_depth, old_from_pixel, brighter, seen_turned, turn, most_apart,
     radiance, depth, first, end,
@@ -90,7 +92,7 @@ def take_over(  # type: ignore[no-untyped-def]
                     depth_bits[y, x] = front_bits[y, x]
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, error_model="numpy")
+@njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
 def _find(chunk, first_x, y, m, old_width, old_height):  # type: ignore[no-untyped-def]
     """Where pixels of a row were in the picture before, and how deep their surfaces lie there."""
     last_x, last_y = np.float32(old_width - 1), np.float32(old_height - 1)
@@ -109,7 +111,7 @@ def _find(chunk, first_x, y, m, old_width, old_height):  # type: ignore[no-untyp
         py = (y0 + yx * x + yd * d) * inverse
         z = (z0 + zx * x + zd * d) * inverse
         inside = before_eye & (px > _ZERO) & (py > _ZERO) & (px < last_x) & (py < last_y)
-        px, py = min(max(px, _ZERO), most_x), min(max(py, _ZERO), most_y)
+        px, py = (min(px, most_x), min(py, most_y)) if inside else (_ZERO, _ZERO)
         old_x, old_y = np.float32(np.int32(px)), np.float32(np.int32(py))
         share_x, share_y = px - old_x, py - old_y
         near = _ROUNDING * z + min(_OF_SLOPE * (abs(slope_x) + abs(slope_y)), _MOST_OFF * z)
@@ -119,7 +121,7 @@ def _find(chunk, first_x, y, m, old_width, old_height):  # type: ignore[no-untyp
         chunk[_SHARE_X + i], chunk[_SHARE_Y + i] = share_x, share_y
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, error_model="numpy")
+@njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
 def _weigh(chunk):  # type: ignore[no-untyped-def]
     """Weights of the four pixels about each place: their sum is 1, or 0 where too few are seen."""
     for i in range(_CHUNK):
