@@ -48,11 +48,11 @@ def share_of_disc(t):
     return 0.5 + (np.arcsin(t) + t * np.sqrt(1.0 - t * t)) / np.pi
 
 
-@pytest.fixture(scope="module")
-def climb(backend, tmp_path_factory):
-    """The sheet above the ground."""
+@pytest.fixture
+def climb(backend, tmp_path):
+    """The sheet above the ground, whatever the test before has shown."""
     corners = LOW, HIGH, np.add(HIGH, (-6.0, 0.0, 0.0)), np.add(LOW, (-6.0, 0.0, 0.0))
-    show(backend, tmp_path_factory.mktemp("climb"), ground(), sheet(*corners))
+    show(backend, tmp_path, ground(), sheet(*corners))
     return backend
 
 
