@@ -50,11 +50,13 @@ class NearAirTable:
         self._buffer = context.framebuffer(self._textures)
         self._reach_m: tuple[AirVolume | None, float] = None, 0.0
 
-    def draw(self, volume: AirVolume, view: View, size_px: tuple[int, int]) -> NearAir:
-        """Fill the table for a view in air that is bound, and bind it."""
+    def draw(self, volume: AirVolume, view: View, size_px: tuple[int, int]) -> NearAir | None:
+        """Fill the table for a view in air that is bound, and bind it; None where none is near."""
         if self._reach_m[0] is not volume:
             self._reach_m = volume, reach_m(volume)
         near = NearAir(self._reach_m[1], size_px)
+        if near.reach_m <= 0.0:
+            return None
         # From a picture's edge to its edge, where pixels lie between these.
         to_edges = np.diag([*(n / (n - 1.0) for n in _NODES), 1.0, 1.0])
         ray_from_clip = np.linalg.inv(view.clip_from_eye) @ to_edges
@@ -76,7 +78,7 @@ class NearAirTable:
 
 
 def reach_m(volume: AirVolume) -> float:
-    """How far from the eye all air is thin and alike; 0 for an eye above the air."""
+    """How far from the eye all air is thin and alike, in m; 0 for an eye above the air."""
     if volume.observer_altitude_m > volume.top_altitude_m:
         return 0.0
     mean_per_m = np.maximum(volume.extinction.values[:2].astype(float), _LEAST_EXTINCTION_PER_M)
