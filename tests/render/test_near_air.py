@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from air_phases import lobe
 from air_stage import volume_of
-from scene_stage import look
+from scene_stage import look, square
 from stateful_backend import opened
+from term_stage import material
 from test_air_frame import EYE, scene_of, show_light, uniform_sky, wall
 
 from vrut_lite.daylight.air_volume import node_rays, slice_shares
@@ -61,6 +62,18 @@ def test_before_near_walls_the_small_table_is_all_of_the_air(
     whole = look(backend, *view).radiance
     np.testing.assert_allclose(near, whole, rtol=1e-3, atol=4e-4)
     assert np.any(near != whole)
+
+
+def test_glass_in_air_is_drawn_again(gl_backend, tmp_path):
+    """The blending of glass does not outlast it: the small table has two targets, which cannot be
+    blended so. The second picture is the first."""
+    backend = gl_backend(size_px=(32, 32))
+    pane = material(transmission={"transmissionFactor": 1.0})
+    backend.change(scene=opened(square(tmp_path, pane)), air=planet_air())
+    show_light(backend, uniform_sky(4.0))
+    view = (0.0, 2.0, 0.5), (0.0, 0.0, 0.0), 0.3
+    first, second = (look(backend, *view).radiance for _ in range(2))
+    np.testing.assert_array_equal(first, second)
 
 
 def test_near_is_where_air_is_thin_and_alike():

@@ -191,6 +191,9 @@ class MeshRenderer(CasterRenderer):
                 direct_gl.disable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
+        # Glass takes its factor from a shader's second output. While that is set, Mesa draws into
+        # no two targets, blending or not.
+        direct_gl.blend_function(GL.GL_ONE, GL.GL_ZERO)
         GL.glDepthMask(GL.GL_TRUE)
         GL.glDepthFunc(GL.GL_GREATER)
 
