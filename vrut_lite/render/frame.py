@@ -26,7 +26,7 @@ from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow
 from vrut_lite.render.moving_picture import MovingPictures
 from vrut_lite.render.near_air import NearAirTable
-from vrut_lite.render.passes.shadow_map import ShadowMaps
+from vrut_lite.render.passes.shadow_map import SHADOW_SIZE, ShadowMaps, quick_size
 from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
@@ -144,7 +144,8 @@ class Frame:
                     passes.meshes, scene, seen, light, view, state.size_px, always, shafts
                 )
             else:
-                shadows = self._shadow.update(passes.meshes, scene, light, view, always, quick)
+                size = quick_size(state.size_px[0]) if quick else SHADOW_SIZE
+                shadows = self._shadow.update(passes.meshes, scene, light, view, always, size)
         with passes.measure("lamps"):
             passes.lamps.update(passes.meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state)

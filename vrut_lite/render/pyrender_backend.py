@@ -285,7 +285,9 @@ class _OwnCube:
             self._texture = context.texture_cube((size, size), 4, dtype="f2")
         rgba = np.ones((size, size, 4), np.float16)
         for index, face in enumerate(cube.values):
-            rgba[..., :3] = face
+            # By channel: numpy is slow at rows of three.
+            for channel in range(3):
+                rgba[..., channel] = face[..., channel]
             self._texture.write(index, rgba.tobytes())
         return self._texture
 

@@ -4,7 +4,7 @@ Each holds all the scene's depth, so that penumbras are as wide as their casters
 
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
 A second map then covers the eye's surroundings. Each is drawn when scene, sun or place have
-changed, in quick pictures with a quarter of the texels and when the sun has moved by its own
+changed, in quick pictures with fewer texels and when the sun has moved by its own
 width. Finished stills have a map of their own.
 """
 
@@ -24,7 +24,9 @@ from vrut_lite.render.passes.still_shadow import StillShadowMap
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 
-SHADOW_SIZE, QUICK_SIZE = 4096, 2048
+# Of stills, of quick pictures, and of those of few pixels across.
+_SIZES, _FEW_PX = (4096, 2048, 1024), 512
+SHADOW_SIZE = _SIZES[0]
 # Half the width of the near map: its texels are then a hand's breadth.
 NEAR_RADIUS_M = 400.0
 # One map is enough for a scene that is not many times larger.
@@ -115,22 +117,20 @@ class ShadowMaps:
         light: Light,
         view: View,
         always: bool,
-        quick: bool = False,
+        size: int = SHADOW_SIZE,
     ) -> Shadows:
         """The shadows that a view shows; `always` draws them also when nothing changed."""
         moved = math.dist(light.sun_direction, self._direction)
-        if quick and moved < 2.0 * light.sun_radius_rad:
+        if size < SHADOW_SIZE and moved < 2.0 * light.sun_radius_rad:
             light = replace(light, sun_direction=self._direction)
         self._direction = light.sun_direction
 
         def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
-            # A fine map is not made only to be asked: the first picture would wait for it.
-            fine = self._maps.get((name, SHADOW_SIZE))
-            is_fine = not quick or (
-                fine is not None and fine.shows(scene, light, centre_m, radius_m)
-            )
-            size = SHADOW_SIZE if is_fine else QUICK_SIZE
-            return self._map(name, size).update(meshes, scene, light, centre_m, radius_m, always)
+            # A finer map is not made only to be asked: the first picture would wait for it.
+            finer = (self._maps.get((name, other)) for other in _SIZES if other > size)
+            shows = (each for each in finer if each and each.shows(scene, light, centre_m, radius_m))
+            shown = next(shows, None) or self._map(name, size)
+            return shown.update(meshes, scene, light, centre_m, radius_m, always)
 
         bounds = scene.centre_m, scene.radius_m
         whole = shadow("shadow map", *bounds)
@@ -172,6 +172,11 @@ class ShadowMaps:
         if (name, size) not in self._maps:
             self._maps[name, size] = ShadowMap(self._context, self._ledger, name, size)
         return self._maps[name, size]
+
+
+def quick_size(width_px: int) -> int:
+    """Texels along an edge of a quick picture's map."""
+    return _SIZES[1 if width_px > _FEW_PX else 2]
 
 
 def _content(
