@@ -26,6 +26,8 @@ _WEIGHTS = _OLD_DEPTHS + 4 * _CHUNK
 _KINDS = 17
 # Of the four pixels about a place, what is on its surface.
 _LEAST_WEIGHT = np.float32(0.4)
+_0, _1, _2, _3, _CHANNELS = (np.uint32(number) for number in range(5))
+_NEXT = _1
 _ZERO, _HALF, _ONE, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 3.0))
 # Of depth: what a surface may be off, by rounding, by its slope, and at most.
 _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(0.01)
@@ -47,6 +49,8 @@ def take_over(  # type: ignore[no-untyped-def]
     """
     height, width = front.shape
     old_height, old_width = old_depth.shape
+    # Counted without a sign: numba takes an index below zero for one from the end, and asks.
+    old_row = np.uint32(old_width)
     old, depths = old_radiance.reshape(-1), old_depth.reshape(-1)
     front_bits, depth_bits = front.view(np.int32), depth.view(np.int32)
     chunk, across = np.zeros(_KINDS * _CHUNK, np.float32), np.zeros(width + 1, np.float32)
@@ -63,27 +67,27 @@ def take_over(  # type: ignore[no-untyped-def]
                 chunk[_SLOPE_Y + i] = _smaller(d - below[x], above[x] - d)
             _find(chunk, np.float32(start), np.float32(y), old_from_pixel, old_width, old_height)
             for i in range(count):
-                at = int(chunk[_OLD_Y + i]) * old_width + int(chunk[_OLD_X + i])
+                at = _index(chunk, i, old_row)
                 chunk[_OLD_DEPTHS + i] = depths[at]
-                chunk[_OLD_DEPTHS + _CHUNK + i] = depths[at + 1]
-                chunk[_OLD_DEPTHS + 2 * _CHUNK + i] = depths[at + old_width]
-                chunk[_OLD_DEPTHS + 3 * _CHUNK + i] = depths[at + old_width + 1]
+                chunk[_OLD_DEPTHS + _CHUNK + i] = depths[at + _NEXT]
+                chunk[_OLD_DEPTHS + 2 * _CHUNK + i] = depths[at + old_row]
+                chunk[_OLD_DEPTHS + 3 * _CHUNK + i] = depths[at + old_row + _NEXT]
             _weigh(chunk)
             for i in range(count):
                 x = start + i
-                at = int(chunk[_OLD_Y + i]) * old_width + int(chunk[_OLD_X + i])
-                a, b = 4 * at, 4 * (at + old_width)
+                at = _index(chunk, i, old_row)
+                a, b = _CHANNELS * at, _CHANNELS * (at + old_row)
                 k0, k1 = chunk[_WEIGHTS + i], chunk[_WEIGHTS + _CHUNK + i]
                 k2, k3 = chunk[_WEIGHTS + 2 * _CHUNK + i], chunk[_WEIGHTS + 3 * _CHUNK + i]
-                holds = _mean(old, a + 3, b + 3, k0, k1, k2, k3)
+                red, green = _mean(old, a, b, _0, k0, k1, k2, k3), _mean(old, a, b, _1, k0, k1, k2, k3)
+                blue, holds = _mean(old, a, b, _2, k0, k1, k2, k3), _mean(old, a, b, _3, k0, k1, k2, k3)
                 apart = _apart(holds, seen_turned * row[x]) & most_apart
                 # By a lattice in which neighbours are far apart in time.
                 has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0
                 out = radiance[y, x]
                 if holds > _ZERO and not has_its_turn:
-                    for k in range(3):
-                        out[k] = brighter[k] * _mean(old, a + k, b + k, k0, k1, k2, k3)
-                    out[3] = holds
+                    out[0], out[1] = brighter[0] * red, brighter[1] * green
+                    out[2], out[3] = brighter[2] * blue, holds
                     just_before = front_bits[y, x] + np.int32(1)
                     depth_bits[y, x] = just_before if row[x] > _ZERO else _BEFORE_SKY_BITS
                 else:
@@ -151,9 +155,17 @@ def _smaller(one, other):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _mean(old, lower, upper, k0, k1, k2, k3):  # type: ignore[no-untyped-def]
+def _index(chunk, i, old_row):  # type: ignore[no-untyped-def]
+    """Where the lower left of the four pixels about a place is."""
+    return np.uint32(np.int32(chunk[_OLD_Y + i])) * old_row + np.uint32(np.int32(chunk[_OLD_X + i]))
+
+
+@njit(inline="always")
+def _mean(old, lower, upper, k, k0, k1, k2, k3):  # type: ignore[no-untyped-def]
     """Of one channel of four pixels, by weights."""
-    return (k0 * old[lower] + k1 * old[lower + 4]) + (k2 * old[upper] + k3 * old[upper + 4])
+    return (k0 * old[lower + k] + k1 * old[lower + _CHANNELS + k]) + (
+        k2 * old[upper + k] + k3 * old[upper + _CHANNELS + k]
+    )
 
 
 @njit(inline="always")
