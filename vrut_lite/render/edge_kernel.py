@@ -103,6 +103,8 @@ def _at(toned, x, y):  # type: ignore[no-untyped-def]
     x0, x1 = min(max(left, 0), width - 1), min(max(left + 1, 0), width - 1)
     y0, y1 = min(max(lower, 0), height - 1), min(max(lower + 1, 0), height - 1)
     both = (right * upper + 128) >> 8
+    # Counted without a sign: numba takes an index below zero for one from the end, and asks.
+    x0, x1, y0, y1 = np.uint32(x0), np.uint32(x1), np.uint32(y0), np.uint32(y1)
     total = _spread(toned[y0, x0]) * np.uint64(256 - right - upper + both)
     total += _spread(toned[y0, x1]) * np.uint64(right - both)
     total += _spread(toned[y1, x0]) * np.uint64(upper - both)
