@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 def open_kernel() -> Kernel:
     """A kernel with all installed modules; one line on standard error for each that is broken."""
-    with interrupts_held():
-        tell_of_compilation()
+    tell_of_compilation()
     kernel, failures = daylight_kernel()
     tell(failures)
     return kernel
@@ -27,6 +26,7 @@ def open_kernel() -> Kernel:
 
 def open_host() -> "Host":
     """A host, and one line on standard error for each module that is broken."""
+    tell_of_compilation()
     with interrupts_held():
         from vrut_lite.render.gl_environment import begin_probe
 
@@ -34,8 +34,6 @@ def open_host() -> "Host":
         from vrut_lite.host import Host
 
         host = Host()
-        # numba is imported while the GL thread makes the frame's programs.
-        tell_of_compilation()
     tell(host.failures)
     return host
 
