@@ -14,6 +14,7 @@ from vrut_lite.kernel.bus import Kernel
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host
+    from vrut_lite.render.gl_owner import GlOwner
 
 
 def open_kernel() -> Kernel:
@@ -24,18 +25,24 @@ def open_kernel() -> Kernel:
     return kernel
 
 
-def open_host() -> "Host":
+def open_host(gl: "GlOwner | None" = None) -> "Host":
     """A host, and one line on standard error for each module that is broken."""
     tell_of_compilation()
+    gl = gl or open_gl()
     with interrupts_held():
-        from vrut_lite.render.gl_environment import begin_probe
-
-        begin_probe()
         from vrut_lite.host import Host
 
-        host = Host()
+        host = Host(gl=gl)
     tell(host.failures)
     return host
+
+
+def open_gl() -> "GlOwner":
+    """OpenGL, opened while the caller goes on; for `open_host`, or to be closed."""
+    with interrupts_held():
+        from vrut_lite.render.gl_owner import GlOwner
+
+        return GlOwner()
 
 
 def tell(failures: list[str]) -> None:

@@ -45,7 +45,7 @@ class PyrenderBackend:
     def __init__(self, owner: GlOwner):
         self._owner = owner
         # The GL thread makes it while the caller goes on.
-        self._made = owner.submit(lambda context: Frame(context, owner.device.choices))
+        self._made = owner.submit(lambda context: Frame(context, owner.opened.device.choices))
         # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
