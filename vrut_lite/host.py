@@ -45,7 +45,6 @@ class Host:
         self.faults = FaultCollector(self.kernel)
         self.gl = gl or GlOwner()
         try:
-            _ = self.gl.opened
             self._backend = PyrenderBackend(self.gl)
         except BaseException:
             self.gl.close()
