@@ -79,8 +79,8 @@ class GlStage:
         self._host = Host(runner=WindowJobs())
         self._measures_next = False
         self.pass_seconds: dict[str, float] = {}
-        self.renderer: str = self._host.gl.renderer
-        self.device: Device | None = self._host.gl.device
+        self.renderer: str = self._host.gl.opened.renderer
+        self.device: Device | None = self._host.gl.opened.device
         self.failures: list[str] = self._host.failures
 
     @property
