@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import msgspec
 import numpy as np
+from lamp_maker import lamps_of
 from light_messages import light_messages
 from light_transport.module import LightTransport
 
@@ -57,6 +58,7 @@ class Show(Input, frozen=True, kw_only=True):
     path: str
     with_ground: bool = False
     with_parts: bool = True
+    with_lamp: bool = False
 
     def key(self) -> None:
         return None
@@ -88,6 +90,8 @@ class Player(Module):
         scene = packed(load_scene(message.path))
         if not message.with_ground:
             scene = msgspec.structs.replace(scene, ground=None)
+        if message.with_lamp:
+            scene = msgspec.structs.replace(scene, lamps=lamps_of({"position_m": (0.0, 3.0, 0.0)}))
         if not message.with_parts:
             geometry = msgspec.structs.replace(
                 scene.geometry,

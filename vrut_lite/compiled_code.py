@@ -1,4 +1,4 @@
-"""Gives numba a writable folder for compiled code.
+"""Gives numba a writable folder for compiled code, and says who is told that it compiles.
 
 numba tries NUMBA_CACHE_DIR, the package's own folder and the user's cache. If none is writable (a
 system-wide installation, an unreadable home) it refuses to compile. A temporary folder for this
@@ -9,11 +9,14 @@ import atexit
 import os
 import shutil
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import platformdirs
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+# Called when numba first compiles; set here, it need not be imported for that.
+on_compilation: Callable[[], None] | None = None
 
 
 def find_room(package: Path) -> None:

@@ -26,17 +26,24 @@ from vrut_lite.scene.manager import SceneManager
 class Host:
     """A kernel with all modules and a GL backend, headless; `close` frees the GPU.
 
-    Without a `cube_size` (texels) the sky's module chooses one by the tolerance. `frame_skips`
-    selects the work that frames leave out. Callers that pump the kernel on a thread of their own
-    use
-    `draw_now` and `light_at_pixel`, on that thread.
+    Without a `cube_size` (texels) the sky's module chooses one by the tolerance; `gl` is the host's
+    from now on. `frame_skips` selects the work that frames leave out. Callers that pump the kernel
+    on a thread of their own use `draw_now` and `light_at_pixel`, on that thread.
+
+    Raises:
+        UserError: there is no OpenGL here.
     """
 
-    def __init__(self, cube_size: int | None = None, runner: JobRunner | None = None):
+    def __init__(
+        self,
+        cube_size: int | None = None,
+        runner: JobRunner | None = None,
+        gl: GlOwner | None = None,
+    ):
         self.frame_skips = FrameSkips()
         self.kernel, self.failures = daylight_kernel(runner)
         self.faults = FaultCollector(self.kernel)
-        self.gl = GlOwner()
+        self.gl = gl or GlOwner()
         try:
             self._backend = PyrenderBackend(self.gl)
         except BaseException:

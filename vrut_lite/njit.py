@@ -19,9 +19,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import njit
-from numba.core import caching
-from numba.np import linalg
+from vrut_lite import compiled_code
+from vrut_lite.interrupts import interrupts_held
+
+with interrupts_held():
+    from numba import njit
+    from numba.core import caching, event
+    from numba.np import linalg
 
 __all__ = ["SUMS_IN_ORDER", "njit"]
 # For `fastmath`: there is no NaN, infinity or signed zero, and a product and its sum may be rounded
@@ -119,6 +123,20 @@ def _read(file: Path) -> tuple[bytes, tuple[str, ...]]:
     return _digest(content), tuple(name.decode() for name in _IMPORTED.findall(content))
 
 
+class _Teller(event.Listener):
+    """Tells that numba compiles, once."""
+
+    told = False
+
+    def on_start(self, event: event.Event) -> None:
+        if compiled_code.on_compilation is not None and not self.told:
+            self.told = True
+            compiled_code.on_compilation()
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing to say."""
+
+
 def _import_without_blas() -> None:
     """Import numba's functions on arrays, which would import scipy.linalg for 0.2 s.
 
@@ -132,7 +150,9 @@ def _import_without_blas() -> None:
         linalg.ensure_blas = asked
 
 
-_import_without_blas()
+with interrupts_held():
+    _import_without_blas()
+event.register("numba:compile", _Teller())
 _stamp_of_file = caching._SourceFileBackedLocatorMixin.get_source_stamp
 setattr(caching._SourceFileBackedLocatorMixin, "get_source_stamp", _stamp)  # noqa: B010
 # Cached functions use the class that has this name in numba's module.

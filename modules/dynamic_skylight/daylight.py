@@ -1,7 +1,9 @@
 """All the light of one hour, each part computed on first use."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 from dynamic_skylight.background import fill_ground, ground_radiance, sphere
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky, half_scale
+from dynamic_skylight.kept_cubes import kept_cube
 from dynamic_skylight.sun_light import SunColour, SunLight, sun_behind_air, sun_light
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, HourSky, sky_of_hour
 from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
@@ -92,7 +95,7 @@ class Daylight:
         """The background in half precision, and the power of two that brings it back."""
         if self.model is None:
             return encode_float16(self.background(size))
-        cube = self.model.cube_map_float16(size, self.sun_azimuth_rad, self.half_scale)
+        cube = self._kept("half", self.model.cube_map_float16, size, self.half_scale)
         fill_ground(cube, self.ground_rgb / self.half_scale)
         return cube, self.half_scale
 
@@ -110,4 +113,16 @@ class Daylight:
 
     @cached_property
     def _sky_cube(self) -> NDArray[np.float32]:
-        return self.sky.cube_map(self.light_size, self.sun_azimuth_rad)
+        if self.model is None:
+            return self.sky.cube_map(self.light_size, self.sun_azimuth_rad)
+        return self._kept("single", self.model.cube_map, self.light_size)
+
+    def _kept(
+        self, kind: str, make: Callable[..., NDArray[Any]], size: int, *more: float
+    ) -> NDArray[Any]:
+        """A cube map of the exact model."""
+        assert self.model is not None
+        azimuth_rad, elevation_rad = self.sun_azimuth_rad, self.apparent_elevation_rad
+        numbers = self.model.rgb_distribution, self.model.rgb_mean_radiance
+        cube = partial(make, size, azimuth_rad, *more)
+        return kept_cube(cube, kind, size, azimuth_rad, elevation_rad, *more, *numbers)

@@ -58,6 +58,16 @@ def test_nothing_is_made_that_nobody_wants(stage):
     assert not views(stage.tell(NO_VIEW, Look(eye_m=(0.0, 1.0, 6.0)), Shine(radiance=2.0)))
 
 
+def test_a_view_with_lamps_is_finished_by_its_map(stage, tmp_path):
+    """Its points are told to be known by the map alone, so that all else is finished."""
+    show = Show(path=str(box_file(tmp_path, "lit.obj")), with_lamp=True)
+    found = views(stage.tell(show, LOOK, WANT_VIEW))
+    assert found
+    found[-1].check()
+    found[-1].check_arrays()
+    assert not found[-1].plane.values.any()
+
+
 def test_another_view_and_another_hour_have_light_of_their_own(stage):
     """Each once, of the present light."""
     (first,) = views(stage.tell(LOOK, WANT_VIEW))

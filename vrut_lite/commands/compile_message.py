@@ -2,20 +2,10 @@
 
 import click
 
+from vrut_lite import compiled_code
+
 
 def tell_of_compilation() -> None:
     """Print one line on standard error when numba begins to compile."""
-    from numba.core import event
-
-    class Teller(event.Listener):
-        def on_start(self, _event: event.Event) -> None:
-            if not self.told:
-                click.echo("vrut-lite: compiling the numerical kernels, once ...", err=True)
-                self.told = True
-
-        def on_end(self, _event: event.Event) -> None:
-            """Nothing to say."""
-
-        told = False
-
-    event.register("numba:compile", Teller())
+    message = "vrut-lite: compiling the numerical kernels, once ..."
+    compiled_code.on_compilation = lambda: click.echo(message, err=True)

@@ -20,7 +20,6 @@ from vrut_lite.daylight.sky import SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
-from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.messages import Demand, Input, SetSetting
 from vrut_lite.kernel.module import Module
 from vrut_lite.pictures.picture import Picture
@@ -72,8 +71,7 @@ class EngineHost:
     """A kernel and a scene manager whose `backend` is an engine's: no OpenGL anywhere."""
 
     def __init__(self, engine: str, project: Project):
-        with interrupts_held():
-            tell_of_compilation()
+        tell_of_compilation()
         self.kernel, failures = daylight_kernel()
         tell(failures)
         self._faults = FaultCollector(self.kernel)

@@ -14,30 +14,35 @@ from vrut_lite.kernel.bus import Kernel
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host
+    from vrut_lite.render.gl_owner import GlOwner
 
 
 def open_kernel() -> Kernel:
     """A kernel with all installed modules; one line on standard error for each that is broken."""
-    with interrupts_held():
-        tell_of_compilation()
+    tell_of_compilation()
     kernel, failures = daylight_kernel()
     tell(failures)
     return kernel
 
 
-def open_host() -> "Host":
+def open_host(gl: "GlOwner | None" = None) -> "Host":
     """A host, and one line on standard error for each module that is broken."""
+    tell_of_compilation()
+    gl = gl or open_gl()
     with interrupts_held():
-        from vrut_lite.render.gl_environment import begin_probe
-
-        begin_probe()
         from vrut_lite.host import Host
 
-        host = Host()
-        # numba is imported while the GL thread makes the frame's programs.
-        tell_of_compilation()
+        host = Host(gl=gl)
     tell(host.failures)
     return host
+
+
+def open_gl() -> "GlOwner":
+    """OpenGL, opened while the caller goes on; for `open_host`, or to be closed."""
+    with interrupts_held():
+        from vrut_lite.render.gl_owner import GlOwner
+
+        return GlOwner()
 
 
 def tell(failures: list[str]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.commands.engines import GL, EngineHost
-from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
+from vrut_lite.commands.open_kernel import open_gl, open_host, require_sky, require_sun
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import busy_with
 from vrut_lite.commands.time_span import at_instant, other_side
@@ -25,6 +25,7 @@ from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inp
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host
+    from vrut_lite.render.gl_owner import GlOwner
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,16 @@ class ScenePlan:
         Raises:
             UserError: the project has an invalid value.
         """
-        # Invalid options are refused before the GPU is opened.
-        of_hour, of_view = daylight_inputs(self.project), view_inputs(self.project)
-        setting_inputs(self.project, daylight_kernel()[0])
-        host = self._open_host()
+        # OpenGL is opened while libraries are imported.
+        gl = open_gl() if self.engine == GL else None
+        try:
+            of_hour, of_view = daylight_inputs(self.project), view_inputs(self.project)
+            setting_inputs(self.project, daylight_kernel()[0])
+        except BaseException:
+            if gl is not None:
+                gl.close()
+            raise
+        host = self._open_host(gl)
         try:
             if self.engine == GL and self.project.shows != "noise":
                 # Nobody sees the light of fewer rays; noise is told by that of half as many.
@@ -61,10 +68,10 @@ class ScenePlan:
             raise
         return SceneStudio(self, host)
 
-    def _open_host(self) -> "Host | EngineHost":
-        if self.engine != GL:
+    def _open_host(self, gl: "GlOwner | None") -> "Host | EngineHost":
+        if gl is None:
             return EngineHost(self.engine, self.project)
-        host = open_host()
+        host = open_host(gl)
         # A reflection that lags invisibly behind the sky would depend on the picture before.
         host.frame_skips = replace(host.frame_skips, reflection=False)
         return host

@@ -42,7 +42,7 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
             W m^-2, without the key light's direct part; alpha is the share of the open sky's.
         plane: (rows, columns, 4) float32, the triangle's unit normal towards the eye, world axes,
             and the plane's distance from the eye along it, in metres, 0 or less; all 0 where
-            nothing is seen.
+            nothing is seen, or nothing known but by the map.
         mirrored: (2, rows, columns, 4) float16. RGB times `radiance_scale` is the mean radiance
             that a coat or metal mirrors there, W m^-2 sr^-1, without the key light's own: by the
             part of Schlick's term that is the same from everywhere, and by that of grazing angles.

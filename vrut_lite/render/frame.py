@@ -35,7 +35,6 @@ from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.staleness import sky_level
 from vrut_lite.render.still_picture import StillPictures
-from vrut_lite.render.unlocked import build_mipmaps
 from vrut_lite.scene.backend import IsGivenUp
 
 _CUBE_MAP_SEAMLESS = 0x884F
@@ -63,7 +62,6 @@ class Frame:
         self._air = AirOnGpu(context)
         self._near_air = NearAirTable(context)
         self._reflectance = _table_texture(context)
-        _begin_mipmaps(context)
 
     def measure_passes(self, measure: Measure) -> None:
         """Enter this around each pass, with its name."""
@@ -231,16 +229,6 @@ class Frame:
             # A texture must be bound; no shader reads it.
             return Reflection(light.mirrored.texture, light.mirrored.scale, self._reflectance)
         return Reflection(filtered, self._filter.scale, self._reflectance)
-
-
-def _begin_mipmaps(context: Any) -> None:
-    """Make some of a cube map: for its first ones llvmpipe compiles for 0.08 s, here while other
-    threads import libraries."""
-    from OpenGL import GL
-
-    cube = context.texture_cube((16, 16), 4, dtype="f2")
-    build_mipmaps(GL.GL_TEXTURE_CUBE_MAP, cube)
-    cube.release()
 
 
 def _table_texture(context: Any) -> Any:

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.render.gl_record import take_record
+
 _PROBE = (
     "import moderngl;"
     "c = moderngl.create_context(standalone=True, backend='egl', require=430);"
@@ -37,10 +39,10 @@ def prepare_environment() -> None:
 
 
 @lru_cache(maxsize=1)
-def begin_probe() -> "subprocess.Popen[str]":
-    """Start the process of `probe_gl`, so that it works while libraries are imported."""
+def begin_probe() -> "str | subprocess.Popen[str]":
+    """The renderer on record, or the process of `probe_gl`, at work while others import."""
     prepare_environment()
-    return subprocess.Popen(
+    return take_record() or subprocess.Popen(
         [sys.executable, "-c", _PROBE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
 
@@ -52,6 +54,8 @@ def probe_gl() -> tuple[str, str]:
     Found by a separate process: a broken driver aborts instead of raising.
     """
     probe = begin_probe()
+    if isinstance(probe, str):
+        return probe, ""
     try:
         said, complaint = probe.communicate(timeout=_PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:

@@ -2,13 +2,23 @@
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.errors import UserError
 from vrut_lite.render.device import Device, device_of
+from vrut_lite.render.first_mipmaps import make_first_mipmaps
 from vrut_lite.render.gl_environment import prepare_environment, probe_gl
+from vrut_lite.render.gl_record import keep_record
 
 T = TypeVar("T")
+
+
+class Opened(NamedTuple):
+    """What the GL thread has opened: the renderer's name, the context, and the device."""
+
+    renderer: str
+    context: Any
+    device: Device
 
 
 class GlOwner:
@@ -17,25 +27,26 @@ class GlOwner:
     Work is a callable that gets the moderngl context; it must not keep it. Everything that
     touches OpenGL in this process goes through here, so that no two threads ever share it.
 
-    Raises:
-        UserError: there is no OpenGL 4.3 through EGL on this machine.
+    OpenGL is opened while the caller goes on, as by importing libraries: `opened` waits for it.
     """
 
     def __init__(self) -> None:
-        renderer, reason = probe_gl()
-        if not renderer:
-            raise UserError(
-                f"no OpenGL 4.3 through EGL here ({reason}): install the packages libegl1 and "
-                "libgl1, or their like"
-            )
-        self.renderer = renderer
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gl-owner")
-        self._context: Any = self._thread.submit(_create_context).result()
-        self.device: Device = self.call(device_of)
+        self._opened = self._thread.submit(_open)
+        self._thread.submit(lambda: make_first_mipmaps(self.opened.context))
+
+    @property
+    def opened(self) -> Opened:
+        """What was opened.
+
+        Raises:
+            UserError: there is no OpenGL 4.3 through EGL on this machine.
+        """
+        return self._opened.result()
 
     def submit(self, work: Callable[[Any], T]) -> "Future[T]":
         """Queue work for the GL thread."""
-        return self._thread.submit(work, self._context)
+        return self._thread.submit(lambda: work(self.opened.context))
 
     def call(self, work: Callable[[Any], T]) -> T:
         """Do work on the GL thread and wait for its result.
@@ -58,8 +69,18 @@ class GlOwner:
 
     def close(self) -> None:
         """Finish queued work and release the context with all its objects."""
-        self._thread.submit(_release, self._context).result()
+        if self._opened.exception() is None:
+            self.submit(_release).result()
         self._thread.shutdown()
+
+
+def _open() -> Opened:
+    renderer, reason = probe_gl()
+    if not renderer:
+        raise _missing(reason)
+    context = _create_context()
+    keep_record(renderer)
+    return Opened(renderer, context, device_of(context))
 
 
 def _release(context: Any) -> None:
@@ -77,12 +98,22 @@ def _create_context() -> Any:
     import moderngl
 
     # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
-    context = moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
+    try:
+        context = moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
+    except Exception as error:  # moderngl raises plain ones.
+        raise _missing(str(error)) from error
     if context.version_code < 450 and "GL_ARB_clip_control" not in context.extensions:
         context.release()
         raise UserError("this OpenGL has no clip control: version 4.5 or newer is needed")
     context.extra = context.simple_framebuffer((1, 1))
     return context
+
+
+def _missing(reason: str) -> UserError:
+    return UserError(
+        f"no OpenGL 4.3 through EGL here ({reason}): install the packages libegl1 and libgl1, or "
+        "their like"
+    )
 
 
 def bind_permanent_framebuffer(context: Any) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from vrut_lite.daylight.scene_state import SceneState
@@ -23,6 +23,11 @@ from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
 
 Measure = Callable[[str], AbstractContextManager[Any]]
+
+
+def unmeasured(name: str) -> AbstractContextManager[None]:
+    """A pass that nobody measures."""
+    return nullcontext()
 
 
 class Shot(NamedTuple):
@@ -58,7 +63,7 @@ class PicturePasses:
     lamps: LampsOnGpu
     backdrop: Backdrop
     clouds: FrameClouds
-    measure: Measure = field(default=lambda name: nullcontext())
+    measure: Measure = unmeasured
 
     @staticmethod
     def made(context: Any, ledger: Ledger) -> "PicturePasses":

@@ -37,15 +37,16 @@ _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 
 
 class PyrenderBackend:
-    """A `SceneBackend`; GL work goes to the owner's thread.
+    """A `SceneBackend`; GL work goes to the owner's thread. UserError without OpenGL.
 
     The ledger counts "upload" of a part of the state, and skips "upload: unchanged".
     """
 
     def __init__(self, owner: GlOwner):
         self._owner = owner
+        choices = owner.opened.device.choices
         # The GL thread makes it while the caller goes on.
-        self._made = owner.submit(lambda context: Frame(context, owner.device.choices))
+        self._made = owner.submit(lambda context: Frame(context, choices))
         # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,

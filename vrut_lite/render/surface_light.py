@@ -72,11 +72,11 @@ class SurfaceLightOnGpu:
             self._probes = self._written(self._probes, faces, (columns, rows, layers))
 
     def show_view(self, light: ViewLightChanged | None) -> None:
-        """Light what the next picture shows by points of its own; None: by the map alone."""
+        """Light what the next picture shows by points of its own; None or no points: by the map."""
         if light is None or light is not self._view_is:
             self._release(self._view)
             self._view = None
-        if light is not None and self._view is None:
+        if light is not None and self._view is None and light.plane.values.any():
             layers = np.stack([light.light.values, light.plane.values, *light.mirrored.values])
             # Row 0 at the bottom, as fragments count.
             values = layers[:, ::-1].astype(np.float32)

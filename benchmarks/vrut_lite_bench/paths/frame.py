@@ -8,7 +8,6 @@ from a camera that stands still.
 """
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import fields
 from datetime import timedelta
 from functools import lru_cache
@@ -23,6 +22,7 @@ from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetClock, SetSetting
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
+from vrut_lite.render.picture_passes import unmeasured
 from vrut_lite_bench.bench_path import (
     CPU_TIME,
     WALL_TIME,
@@ -121,7 +121,7 @@ class Stage:
             self.host.measure_passes(self._timer)
             self._timer.spent.clear()
             whole = cpu_spent(self._frame)
-            self.host.measure_passes(_untimed)
+            self.host.measure_passes(unmeasured)
             for each, seconds in self._timer.spent.items():
                 spent = Spent(None, seconds, whole.wall_s)
                 self._timed.setdefault((settings, each), []).append(spent)
@@ -155,10 +155,6 @@ def _project(scene: str, size: Size) -> Project:
         return Project(scene=str(SCENES / scene), at="2026-06-21T11:00", size=size)
     project, sky = load_project(SCENES / scene), {"sky": "bruneton_sky"}
     return msgspec.structs.replace(project, size=size, slots=sky, at="2026-06-28T13:00")
-
-
-def _untimed(_name: str) -> AbstractContextManager[None]:
-    return nullcontext()
 
 
 @lru_cache(maxsize=1)

@@ -56,9 +56,9 @@ def shader_run_times(
     """
     owner = GlOwner()
     try:
-        device = f"GLSL on {owner.renderer.split(' (')[0]}"
-        clock = clock_name(owner.renderer)
-        most = np.inf if has_timer(owner.renderer) else _LLVMPIPE_ROUNDS
+        device = f"GLSL on {owner.opened.renderer.split(' (')[0]}"
+        clock = clock_name(owner.opened.renderer)
+        most = np.inf if has_timer(owner.opened.renderer) else _LLVMPIPE_ROUNDS
         known = [(rule, n) for rule, n in all_rules(samples, nodes) if _can(rule, n, most)]
         timed = [
             owner.call(partial(_timed, air=air, sun=sun_zenith_deg, rule=rule, taken=n, size=size))

@@ -84,7 +84,8 @@ def test_hidden_it_measures_nothing(driver):
 
 @pytest.mark.gl
 def test_passes_of_the_frame_and_work_that_frames_leave_out(drawn_window):
-    """The profiler lists the frame's passes and its skipped work."""
+    """The profiler lists the frame's passes and its skipped work; before, no pass was measured."""
+    assert not drawn_window.asked(lambda stage: stage.pass_seconds)
     drawn_window.window.activateWindow()
     drawn_window.until(drawn_window.window.isActiveWindow)
     overlay = open_profiler(drawn_window)

@@ -86,6 +86,9 @@ class CpuSkyStage:
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()
 
+    def measure_next(self) -> None:
+        """Nothing: there are no passes."""
+
     @property
     def state(self) -> SceneState:
         """The present state of the scene."""

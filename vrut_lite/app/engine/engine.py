@@ -43,7 +43,6 @@ class Shown(NamedTuple):
     picture: Picture
     still: bool
     seconds: float
-    pass_seconds: dict[str, float]
     held: bool = False
 
 
@@ -314,7 +313,7 @@ class Engine:
             self._finish_at_s = self._now_s()
         self._stands = still
         self._finer_light.drew(stage.kernel, still)
-        self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds, adaptation.held))
+        self._tell(PICTURE, Shown(picture, still, seconds, adaptation.held))
 
     def _hear(self, message: Message, sender: str) -> None:
         self._adaptation.hear(message, self._now_s())

@@ -14,7 +14,7 @@ FRAME = "frame"
 class Profile(NamedTuple):
     """A time span of `span_s`; milliseconds by name.
 
-    `modules` and `jobs` are sums over that time, `passes` those of the last frame; `skipped`
+    `modules` and `jobs` are sums over that time, `passes` those of a frame; `skipped`
     counts skipped work by the module or frame that skipped it and the kind of work. `device` is the
     renderer, None without OpenGL.
     """
@@ -41,12 +41,14 @@ class Profiler:
         self._stage = stage
         self._since_ns = perf_counter_ns()
         self._ledgers = self._snapshot()
+        stage.measure_next()
 
     def take(self) -> Profile:
         """The time until now."""
         now_ns = perf_counter_ns()
         since_ns, self._since_ns = self._since_ns, now_ns
         before, self._ledgers = self._ledgers, self._snapshot()
+        self._stage.measure_next()
         return Profile(
             span_s=(now_ns - since_ns) / 1e9,
             modules=self._modules_ms(since_ns),

@@ -14,6 +14,7 @@ from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
 from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.render.picture_passes import unmeasured
 from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp
 
@@ -43,7 +44,10 @@ class Stage(Protocol):
 
     @property
     def pass_seconds(self) -> dict[str, float]:
-        """Seconds of each pass of the last frame."""
+        """Seconds of each pass of the last frame that was measured."""
+
+    def measure_next(self) -> None:
+        """Measure the next frame."""
 
     @property
     def frame_ledger(self) -> Ledger:
@@ -73,16 +77,20 @@ class GlStage:
 
     def __init__(self) -> None:
         self._host = Host(runner=WindowJobs())
-        self._host.measure_passes(self._measured)
+        self._measures_next = False
         self.pass_seconds: dict[str, float] = {}
-        self.renderer: str = self._host.gl.renderer
-        self.device: Device | None = self._host.gl.device
+        self.renderer: str = self._host.gl.opened.renderer
+        self.device: Device | None = self._host.gl.opened.device
         self.failures: list[str] = self._host.failures
 
     @property
     def kernel(self) -> Kernel:
         """The host's kernel."""
         return self._host.kernel
+
+    def measure_next(self) -> None:
+        """Measure the next frame, whose passes wait for each other then."""
+        self._measures_next = True
 
     @property
     def state(self) -> SceneState:
@@ -102,8 +110,14 @@ class GlStage:
         is_given_up: IsGivenUp | None = None,
     ) -> Picture:
         """Draw the present state with an exposure; GivenUp is raised when `is_given_up()`."""
-        self.pass_seconds = {}
-        return self._host.draw_now(still, is_given_up, size, exposure)
+        if not self._measures_next:
+            return self._host.draw_now(still, is_given_up, size, exposure)
+        self._measures_next, self.pass_seconds = False, {}
+        self._host.measure_passes(self._measured)
+        try:
+            return self._host.draw_now(still, is_given_up, size, exposure)
+        finally:
+            self._host.measure_passes(unmeasured)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on the surface at a pixel of the full size; None for the sky."""
@@ -119,10 +133,7 @@ class GlStage:
 
     @contextmanager
     def _measured(self, name: str) -> Iterator[Any]:
-        """Time one pass, on the GL thread, with all its deferred GL work.
-
-        Waiting by `glFinish` lets Qt's thread run, where a read of pixels would wait inside GL.
-        """
+        """Time one pass, on the GL thread, with all its deferred GL work."""
         from OpenGL.GL import glFinish
 
         start_s = perf_counter()
