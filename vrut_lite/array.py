@@ -41,21 +41,12 @@ class Array:
     def digest(self) -> str:
         """Hexadecimal BLAKE2b-128 of element type, shape and bytes; computed on first use."""
         digest = hashlib.blake2b(f"{self.dtype.str}{self.shape}".encode(), digest_size=16)
-        digest.update(self._bytes.data)
+        # A view as bytes, not a copy: arrays may be large.
+        digest.update(np.ascontiguousarray(self.values).reshape(-1).view(np.uint8).data)
         return digest.hexdigest()
 
-    @property
-    def _bytes(self) -> NDArray[np.uint8]:
-        # A view, not a copy: arrays may be large.
-        return np.ascontiguousarray(self.values).reshape(-1).view(np.uint8)
-
     def __eq__(self, other: object) -> bool:
-        # As digests tell, at a tenth of the time: all light is compared with that of the hour before.
-        return self is other or (
-            isinstance(other, Array)
-            and (self.dtype.str, self.shape) == (other.dtype.str, other.shape)
-            and np.array_equal(self._bytes, other._bytes)
-        )
+        return isinstance(other, Array) and self.digest == other.digest
 
     def __hash__(self) -> int:
         return hash(self.digest)

@@ -1,5 +1,6 @@
 """Whether an hour's light looks like that of the hour before."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -25,12 +26,10 @@ def looks_like(now: HourMessages, before: HourMessages, change: float, sun_rad: 
         change: share of the brightest irradiance by sky and key light that may change.
         sun_rad: largest invisible move of the key light.
     """
-    if now == before:
-        return True
     if (now.sky.source, now.key_light.body) != (before.sky.source, before.key_light.body):
         return False
-    moved = np.linalg.norm(np.subtract(now.key_light.direction, before.key_light.direction))
-    return bool(moved <= sun_rad and _largest_change(now, before) <= change)
+    moved = math.dist(now.key_light.direction, before.key_light.direction)
+    return moved <= sun_rad and _largest_change(now, before) <= change
 
 
 def _largest_change(now: HourMessages, before: HourMessages) -> float:

@@ -5,6 +5,7 @@ linear sRGB, irradiance W m^-2; directions are unit vectors in world axes (east 
 -Z).
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
@@ -59,7 +60,7 @@ class Hour(msgspec.Struct, frozen=True):
 
         While the disc crosses the horizon, its visible share tells every move apart.
         """
-        chord = float(np.linalg.norm(np.subtract(later.sun.direction, self.sun.direction)))
+        chord = math.dist(later.sun.direction, self.sun.direction)
         disc_stays = later.sun.visible_disc_fraction == self.sun.visible_disc_fraction
         eye_stays = abs(later.eye_height_m - self.eye_height_m) <= unseen.eye_m
         return msgspec.structs.replace(

@@ -1,5 +1,7 @@
 """Whether a picture may take over what the one before shows, and by how much brighter."""
 
+import math
+
 import numpy as np
 
 from vrut_lite.daylight.scene_state import SceneState
@@ -27,7 +29,7 @@ def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
     old, new = before.key_light, now.key_light
     assert old is not None
     assert new is not None
-    moved = float(np.linalg.norm(np.subtract(new.direction, old.direction)))
+    moved = math.dist(new.direction, old.direction)
     if not 0.0 < moved < _LARGEST_MOVE_RAD:
         return None
     ratio = _level(now) / np.maximum(_level(before), 1e-20)

@@ -79,8 +79,10 @@ def take_over(  # type: ignore[no-untyped-def]
                 a, b = _CHANNELS * at, _CHANNELS * (at + old_row)
                 k0, k1 = chunk[_WEIGHTS + i], chunk[_WEIGHTS + _CHUNK + i]
                 k2, k3 = chunk[_WEIGHTS + 2 * _CHUNK + i], chunk[_WEIGHTS + 3 * _CHUNK + i]
-                red, green = _mean(old, a, b, _0, k0, k1, k2, k3), _mean(old, a, b, _1, k0, k1, k2, k3)
-                blue, holds = _mean(old, a, b, _2, k0, k1, k2, k3), _mean(old, a, b, _3, k0, k1, k2, k3)
+                red = _mean(old, a, b, _0, k0, k1, k2, k3)
+                green = _mean(old, a, b, _1, k0, k1, k2, k3)
+                blue = _mean(old, a, b, _2, k0, k1, k2, k3)
+                holds = _mean(old, a, b, _3, k0, k1, k2, k3)
                 apart = _apart(holds, seen_turned * row[x]) & most_apart
                 # By a lattice in which neighbours are far apart in time.
                 has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0

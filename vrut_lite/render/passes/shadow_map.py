@@ -127,9 +127,9 @@ class ShadowMaps:
 
         def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
             # A finer map is not made only to be asked: the first picture would wait for it.
-            finer = (self._maps.get((name, other)) for other in _SIZES if other > size)
-            shows = (each for each in finer if each and each.shows(scene, light, centre_m, radius_m))
-            shown = next(shows, None) or self._map(name, size)
+            finer = [self._maps.get((name, other)) for other in _SIZES if other > size]
+            of_sun = (m for m in finer if m and m.shows(scene, light, centre_m, radius_m))
+            shown = next(of_sun, None) or self._map(name, size)
             return shown.update(meshes, scene, light, centre_m, radius_m, always)
 
         bounds = scene.centre_m, scene.radius_m
