@@ -203,6 +203,20 @@ def test_shadows_wait_in_moving_pictures_until_the_sun_has_left_its_width(backen
     assert drawn == [0, 1, 0, 1]
 
 
+def test_a_picture_of_few_pixels_shows_the_finer_shadows_that_it_finds(backend, box_file):
+    """A wider one asks for finer shadows than those of a small one, which then shows them too."""
+    show_box(backend, box_file)
+    light(backend, uniform_sky(0.1), **{**SUN, "sun_direction": sun_at(30.0, 100.0)})
+    drawn, seen = [], []
+    for size_px in ((160, 120), (640, 480), (160, 120)):
+        before = backend.ledger.done["shadow map"]
+        backend.change(size_px=size_px)
+        seen.append(look(backend, around(0), TARGET, still=False).radiance.mean((0, 1)))
+        drawn.append(backend.ledger.done["shadow map"] - before)
+    assert drawn == [1, 1, 0]
+    np.testing.assert_allclose(seen[0], seen[1], rtol=1e-2)
+
+
 def test_a_renderer_is_tried_once_and_its_row_of_the_table_known(gl_owner, tmp_path, monkeypatch):
     """Its time is kept by name and version; a damaged file is as none."""
     kept = tmp_path / "devices.json"
