@@ -281,8 +281,11 @@ def acts(bench: Window) -> dict[str, Callable[[], None]]:
 
 def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
     """Seconds of `PACE_PARTS` and the share of the width, while time plays or the camera turns."""
-    drawn: list[Shown] = []
-    bench.session.picture_shown.connect(drawn.append)
+    # Width in pixels and seconds: pictures that were kept would take fresh memory, and time.
+    drawn: list[tuple[int, float]] = []
+    bench.session.picture_shown.connect(
+        lambda shown: drawn.append((shown.picture.display.shape[1], shown.seconds))
+    )
     player, view = bench.window.time.player, bench.window.desk.viewport
     turning, moves = QTimer(), count()
 
@@ -308,9 +311,8 @@ def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
     turning.stop()
     shown, pictures = list(drawn), max(len(drawn), 1)
     bench.still()
-    width = float(np.mean([each.picture.display.shape[1] for each in shown])) / view.pixels[0]
-    drawing_s = float(np.mean([each.seconds for each in shown]))
-    return spent_s / pictures, cpu_s / pictures, drawing_s, width
+    widths_px, seconds = np.mean(shown, axis=0).tolist()
+    return spent_s / pictures, cpu_s / pictures, seconds, widths_px / view.pixels[0]
 
 
 def latencies() -> dict[str, float]:
