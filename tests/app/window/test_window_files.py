@@ -10,7 +10,7 @@ from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.view_light import StillAsked
-from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting, SettingChanged
+from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock, SetSetting, SettingChanged
 from vrut_lite.project import (
     CameraView,
     Exposure,
@@ -107,9 +107,10 @@ def test_a_broken_project_is_told_in_one_line(driver, tmp_path):
         driver.window.files.open_path(str(path))
         assert path.name in driver.window.news.text()
     driver.settled()
-    # Docks that come late may change the picture's size: the scene needs other light, and another
-    # still is asked for.
-    assert {type(message) for message in driver.heard} <= {Resize, SceneNeeds, StillAsked}
+    # Docks that come late may change the picture's size: the scene needs other light, another still
+    # is asked for, and then the light of its points.
+    of_size = {Resize, SceneNeeds, StillAsked, Demand}
+    assert {type(message) for message in driver.heard} <= of_size
 
 
 def test_a_project_with_a_module_that_is_not_there_is_refused_whole(driver, tmp_path):
