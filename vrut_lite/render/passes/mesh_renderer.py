@@ -38,7 +38,6 @@ from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 _SKY_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 10, 11
 # From this roughness on both lobes of `sky_image` are as wide as the first level of the map.
 _NO_MIRROR = (0.8 - math.sqrt(0.64 - 1.44 * LEVEL_ROUGHNESS[0])) / 0.72
-_MESHES_AT_ONCE = 4
 _LAYER_UNIFORMS: dict[str, MapName] = {
     "base_color_layer": "base_colour",
     "metallic_roughness_layer": "metallic_roughness",
@@ -78,9 +77,8 @@ class MeshRenderer(CasterRenderer):
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthMask(GL.GL_TRUE)
         GL.glColorMask(*4 * [GL.GL_FALSE])
-        for number, placed in enumerate(placed_in_order, 1):
+        for placed in placed_in_order:
             self._draw_depth_of(placed, view, Side(0 if placed.is_two_sided else GL.GL_BACK))
-            _begin_after(number)
         GL.glColorMask(*4 * [GL.GL_TRUE])
 
     def _draw_depth_of(self, placed: PlacedPrimitive, view: View, side: Side) -> None:
@@ -167,7 +165,7 @@ class MeshRenderer(CasterRenderer):
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
         known_shadows: dict[str, OnMesh] = {}
-        for number, placed in enumerate(placed_in_order, 1):
+        for placed in placed_in_order:
             near = ("NEAR_AIR",) if near_air is not None and near_air.holds(placed, view) else ()
             shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view, known_shadows)
             for side in sides(placed, blended):
@@ -191,7 +189,6 @@ class MeshRenderer(CasterRenderer):
                     program.set_uniform("mirror_eye_m", mirror_eye_m)
                 draw_side(placed.primitive, side, blended)
                 direct_gl.disable(GL.GL_CLIP_DISTANCE0)
-            _begin_after(number)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
         # Glass takes its factor from a shader's second output. While that is set, Mesa draws into
@@ -223,12 +220,6 @@ class MeshRenderer(CasterRenderer):
             if texture is not None:
                 direct_gl.active_texture(GL.GL_TEXTURE0 + unit)
                 direct_gl.bind_texture(GL.GL_TEXTURE_2D, texture._texid)
-
-
-def _begin_after(number: int) -> None:
-    """Let a software renderer's threads begin with some meshes, while the next are told."""
-    if number % _MESHES_AT_ONCE == 0:
-        GL.glFlush()
 
 
 def _lobe_defines(material: Any) -> Defines:
