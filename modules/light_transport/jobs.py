@@ -392,22 +392,6 @@ def view_lit(
     )
 
 
-def no_view_lit(layout_key: str, asked: StillAsked, rays: int) -> ViewLightChanged:
-    """No point of a picture, which is finished by the map's own light of so many rays."""
-    return ViewLightChanged(
-        layout_key=layout_key,
-        camera=asked.camera,
-        size_px=asked.size_px,
-        edge_px=max(asked.size_px),
-        light=Array(np.zeros((1, 1, 4), np.float16)),
-        plane=Array(np.zeros((1, 1, 4), np.float32)),
-        mirrored=Array(np.zeros((2, 1, 1, 4), np.float16)),
-        radiance_scale=1.0,
-        rays=rays,
-        source=NAME,
-    )
-
-
 def _edge_for(size_px: tuple[int, int], points: int) -> int:
     """Edge of squares such that a picture has about so many."""
     return max(1, int(np.ceil(np.sqrt(size_px[0] * size_px[1] / points))))

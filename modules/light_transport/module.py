@@ -18,7 +18,6 @@ from light_transport.jobs import (
     laid_out,
     laid_probes,
     lit,
-    no_view_lit,
     view_lit,
     with_rays,
 )
@@ -321,7 +320,8 @@ class LightTransport(Module):
         if self._hours_under_way or self._asked.rays < self._quality.rays:
             return
         if scene.lamps is not None:
-            self.link.post(no_view_lit(self._laid.message.layout_key, asked, self._asked.rays))
+            key, rays = self._laid.message.layout_key, self._asked.rays
+            self.link.post(ViewLightChanged.without_points(asked, key, rays, NAME))
             self.ledger.skip("view: lamps light the map by themselves")
             return
         key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)

@@ -7,9 +7,8 @@ import numpy as np
 from light_messages import light_messages
 from PIL import Image
 
-from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.view_light import ViewLightChanged
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 
 CORNERS = np.array([[-0.5, 0, 0.5], [0.5, 0, 0.5], [0.5, 0, -0.5], [-0.5, 0, -0.5]])
 UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], float)
@@ -106,18 +105,7 @@ def look_finished(backend, eye, target, field_of_view_rad=0.6):
         target_m=tuple(map(float, target)),
         vertical_field_of_view_rad=field_of_view_rad,
     )
-    unknown = np.zeros((1, 1, 4))
-    points = ViewLightChanged(
-        layout_key="none",
-        camera=camera,
-        size_px=backend.state.size_px,
-        edge_px=max(backend.state.size_px),
-        light=Array(unknown.astype(np.float16)),
-        plane=Array(unknown.astype(np.float32)),
-        mirrored=Array(np.zeros((2, 1, 1, 4), np.float16)),
-        radiance_scale=1.0,
-        rays=1,
-        source="test",
-    )
+    asked = StillAsked(camera=camera, size_px=backend.state.size_px)
+    points = ViewLightChanged.without_points(asked, "none", 1, "test")
     backend.change(moved_camera=camera, view_light=points)
     return backend.draw()

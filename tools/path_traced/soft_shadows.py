@@ -22,11 +22,10 @@ from tools.pictures.drawing import SCENES, Captioned, sheet
 from tools.scenes import trials
 from tools.scenes.gltf_writer import GltfWriter
 from tools.scenes.shapes import box, polygon
-from vrut_lite.array import Array
 from vrut_lite.commands.engines import EngineHost
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.view_light import ViewLightChanged
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.exposure import ev100_of
@@ -87,18 +86,8 @@ def state_of(project: Project) -> SceneState:
 def finished(state: SceneState) -> SceneState:
     """The state of a finished still, of whose points nothing is known: all light is the sun's."""
     assert state.camera is not None
-    points = ViewLightChanged(
-        layout_key="none",
-        camera=state.camera,
-        size_px=state.size_px,
-        edge_px=max(state.size_px),
-        light=Array(np.zeros((1, 1, 4), np.float16)),
-        plane=Array(np.zeros((1, 1, 4), np.float32)),
-        mirrored=Array(np.zeros((2, 1, 1, 4), np.float16)),
-        radiance_scale=1.0,
-        rays=1,
-        source="soft shadows",
-    )
+    asked = StillAsked(camera=state.camera, size_px=state.size_px)
+    points = ViewLightChanged.without_points(asked, "none", 1, "soft shadows")
     return replace(state, view_light=points)
 
 

@@ -6,6 +6,8 @@ where the scene is seen, and who lights surfaces answers when it has light for e
 
 from typing import ClassVar
 
+import numpy as np
+
 from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
@@ -62,6 +64,24 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
     radiance_scale: float
     rays: int
     source: str
+
+    @classmethod
+    def without_points(
+        cls, asked: StillAsked, layout_key: str, rays: int, source: str
+    ) -> "ViewLightChanged":
+        """No point of a picture, which is finished by the map's own light of so many rays."""
+        return cls(
+            layout_key=layout_key,
+            camera=asked.camera,
+            size_px=asked.size_px,
+            edge_px=max(asked.size_px),
+            light=Array(np.zeros((1, 1, 4), np.float16)),
+            plane=Array(np.zeros((1, 1, 4), np.float32)),
+            mirrored=Array(np.zeros((2, 1, 1, 4), np.float16)),
+            radiance_scale=1.0,
+            rays=rays,
+            source=source,
+        )
 
     def check(self) -> None:
         """Arrays of one shape, that of the picture's squares."""
