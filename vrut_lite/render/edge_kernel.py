@@ -14,14 +14,17 @@ _LONGEST = np.float32(8.0)  # pixels along an edge
 _LEAST_CONTRAST = np.int32(0.03 * 255 * 4)
 _LEAST_SHARE, _LEAST_SLOPE = np.float32(0.03), np.float32(4 * 255.0 / 128.0)
 _ONE, _TWO, _SIX = np.float32(256.0), np.float32(2.0), np.float32(6.0)
-_LUMA, _BYTE = np.uint32(24), np.uint32(0xFF)
-# Four numbers of 16 bits each in one of 64.
-_PAIR, _BYTES = np.uint64(0x00FF00FF), np.uint64(0x00FF00FF00FF00FF)
-_ROUND, _HALVES = np.uint64(0x0080008000800080), np.uint64(0x0002000200020002)
-_BYTE_OF_SUM = np.uint64(0xFF)
+_1, _QUARTER_LOG2, _BYTE_LOG2, _PAIR_LOG2, _LUMA = (np.uint32(n) for n in (1, 2, 8, 16, 24))
+_BYTE, _EIGHT = np.uint32(0xFF), np.int32(8)
+# Two numbers of 16 bits each in one of 32.
+_PAIR, _ROUND, _HALVES = np.uint32(0x00FF00FF), np.uint32(0x00800080), np.uint32(0x00020002)
+# Rows of whole numbers about the pixels at edges of a row of the picture: which pixel it is, the
+# lumas of its corners and its own, the least and the largest of them, steps along its edge.
+_SW, _SE, _NW, _NE, _OWN, _DARKEST, _BRIGHTEST, _NEAR_X, _NEAR_Y, _FAR_X, _FAR_Y = range(11)
+_KINDS = 11
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def smooth_edges(toned, display, first, end):  # type: ignore[no-untyped-def]
     """Write rows from `first` to before `end` of a picture (h, w), whose uint32 are red, green,
     blue and luma from the lowest byte on, into one for display (h, w, 3), uint8.
@@ -32,6 +35,10 @@ def smooth_edges(toned, display, first, end):  # type: ignore[no-untyped-def]
     # Of the 2 x 2 pixels about each corner of a row's pixels.
     below, above = np.empty(width + 1, np.int32), np.empty(width + 1, np.int32)
     contrast = np.empty(width, np.int32)
+    # Of the pixels at edges: their columns, numbers and colours at four places.
+    at, edge = np.empty(width, np.uint32), np.empty((_KINDS, width), np.int32)
+    texel, weight = np.empty((4, width), np.uint32), np.empty((4, width), np.uint32)
+    warm, cold = np.empty((4, width), np.uint32), np.empty((4, width), np.uint32)
     _sum_corners(toned[max(first - 1, 0)], toned[first], above)
     for y in range(first, end):
         below, above = above, below
@@ -43,13 +50,26 @@ def smooth_edges(toned, display, first, end):  # type: ignore[no-untyped-def]
                 own, max(max(below[x], below[x + 1]), max(above[x], above[x + 1]))
             ) - min(own, min(min(below[x], below[x + 1]), min(above[x], above[x + 1])))
         for x in range(width):
-            if contrast[x] > _LEAST_CONTRAST:
-                corners = below[x], below[x + 1], above[x], above[x + 1]
-                out[x, 0], out[x, 1], out[x, 2] = _smoothed(toned, x, y, corners)
-            else:
-                out[x, 0] = row[x] & _BYTE
-                out[x, 1] = (row[x] >> np.uint32(8)) & _BYTE
-                out[x, 2] = (row[x] >> np.uint32(16)) & _BYTE
+            _write(out, x, row[x])
+        count = 0
+        for x in range(width):
+            at[count] = x
+            count += contrast[x] > _LEAST_CONTRAST
+        if count == 0:
+            continue
+        for i in range(count):
+            x = at[i]
+            edge[_SW, i], edge[_SE, i] = below[x], below[x + _1]
+            edge[_NW, i], edge[_NE, i] = above[x], above[x + _1]
+            edge[_OWN, i] = np.int32(row[x] >> _LUMA) * np.int32(4)
+        _find_steps(edge, count)
+        for k in range(4):
+            step = edge[_NEAR_X + k // 2 * 2], edge[_NEAR_Y + k // 2 * 2]
+            sign = np.int32(1 - k % 2 * 2)
+            _look_up(toned, y, at, count, step, sign, texel, weight, warm[k], cold[k])
+        _average(edge, count, warm, cold, texel[0])
+        for i in range(count):
+            _write(out, at[i], texel[0, i])
 
 
 @njit(cache=True, nogil=True)
@@ -63,57 +83,72 @@ def _sum_corners(lower, upper, sums):  # type: ignore[no-untyped-def]
     sums[width] = 2 * (np.int32(lower[-1] >> _LUMA) + np.int32(upper[-1] >> _LUMA))
 
 
-@njit(cache=True, nogil=True)
-def _smoothed(toned, x, y, corners):  # type: ignore[no-untyped-def]
-    """Red, green and blue of a pixel at an edge; `corners` are those of below, then above it."""
-    sw, se, nw, ne = corners
-    own = np.int32(toned[y, x] >> _LUMA) * np.int32(4)
-    right, up = np.float32((nw + ne) - (sw + se)), np.float32((nw + sw) - (ne + se))
-    least = max(np.float32(nw + ne + sw + se) * _LEAST_SHARE, _LEAST_SLOPE)
-    steepness = min(abs(right), abs(up)) + least
-    right = min(max(right / steepness, -_LONGEST), _LONGEST) * _ONE
-    up = min(max(up / steepness, -_LONGEST), _LONGEST) * _ONE
-    near_x, near_y = np.int32(right / _SIX), np.int32(up / _SIX)
-    far_x, far_y = np.int32(right / _TWO), np.int32(up / _TWO)
-    at_x, at_y = np.int32(x << 8), np.int32(y << 8)
-    near = _at(toned, at_x - near_x, at_y - near_y) + _at(toned, at_x + near_x, at_y + near_y)
-    far = _at(toned, at_x - far_x, at_y - far_y) + _at(toned, at_x + far_x, at_y + far_y)
-    # Sums of four, or twice those of two.
-    luma = np.int32((near + far) >> np.uint64(48))
-    darkest = min(own, min(min(sw, se), min(nw, ne)))
-    brightest = max(own, max(max(sw, se), max(nw, ne)))
-    total = near + far if darkest <= luma <= brightest else near + near
-    total += _HALVES
-    return (
-        np.uint8((total >> np.uint64(2)) & _BYTE_OF_SUM),
-        np.uint8((total >> np.uint64(34)) & _BYTE_OF_SUM),
-        np.uint8((total >> np.uint64(18)) & _BYTE_OF_SUM),
-    )
+@njit(inline="always")
+def _write(out, x, pixel):  # type: ignore[no-untyped-def]
+    out[x, 0] = pixel & _BYTE
+    out[x, 1] = (pixel >> _BYTE_LOG2) & _BYTE
+    out[x, 2] = (pixel >> _PAIR_LOG2) & _BYTE
 
 
-@njit(cache=True, nogil=True)
-def _at(toned, x, y):  # type: ignore[no-untyped-def]
-    """Red, blue, green and luma in four parts of 16 bits, at a place in parts of 256 of a pixel.
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find_steps(edge, count):  # type: ignore[no-untyped-def]
+    """How far along an edge is looked, in parts of 256 of a pixel, and between which lumas the mean
+    may be."""
+    for i in range(count):
+        sw, se, nw, ne, own = edge[_SW, i], edge[_SE, i], edge[_NW, i], edge[_NE, i], edge[_OWN, i]
+        edge[_DARKEST, i] = min(own, min(min(sw, se), min(nw, ne)))
+        edge[_BRIGHTEST, i] = max(own, max(max(sw, se), max(nw, ne)))
+        right, up = np.float32((nw + ne) - (sw + se)), np.float32((nw + sw) - (ne + se))
+        least = max(np.float32(nw + ne + sw + se) * _LEAST_SHARE, _LEAST_SLOPE)
+        steepness = min(abs(right), abs(up)) + least
+        right = min(max(right / steepness, -_LONGEST), _LONGEST) * _ONE
+        up = min(max(up / steepness, -_LONGEST), _LONGEST) * _ONE
+        edge[_NEAR_X, i], edge[_NEAR_Y, i] = np.int32(right / _SIX), np.int32(up / _SIX)
+        edge[_FAR_X, i], edge[_FAR_Y, i] = np.int32(right / _TWO), np.int32(up / _TWO)
 
-    Linear between the middles of pixels, by shares in parts of 256.
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look_up(toned, y, at, count, step, sign, texel, weight, warm, cold):  # type: ignore[no-untyped-def]
+    """Red and blue (`warm`), green and luma (`cold`) a step, times `sign`, from pixels of a row.
+
+    Linear between the middles of pixels, by shares in parts of 256. `texel` and `weight` (4, w) are
+    written over. A compiler makes vectors of all loops but the one that looks up.
     """
-    height, width = toned.shape
-    left, lower = x >> 8, y >> 8
-    right, upper = x & 255, y & 255
-    x0, x1 = min(max(left, 0), width - 1), min(max(left + 1, 0), width - 1)
-    y0, y1 = min(max(lower, 0), height - 1), min(max(lower + 1, 0), height - 1)
-    both = (right * upper + 128) >> 8
-    # Counted without a sign: numba takes an index below zero for one from the end, and asks.
-    x0, x1, y0, y1 = np.uint32(x0), np.uint32(x1), np.uint32(y0), np.uint32(y1)
-    total = _spread(toned[y0, x0]) * np.uint64(256 - right - upper + both)
-    total += _spread(toned[y0, x1]) * np.uint64(right - both)
-    total += _spread(toned[y1, x0]) * np.uint64(upper - both)
-    total += _spread(toned[y1, x1]) * np.uint64(both)
-    return ((total + _ROUND) >> np.uint64(8)) & _BYTES
+    flat, row = toned.reshape(-1), np.int32(toned.shape[1])
+    first, last_x, last_y = np.int32(0), np.int32(toned.shape[1] - 1), np.int32(toned.shape[0] - 1)
+    for i in range(count):
+        at_x = np.int32(at[i] << _BYTE_LOG2) - sign * step[0][i]
+        at_y = np.int32(np.int32(y) << _EIGHT) - sign * step[1][i]
+        left, lower = at_x >> _EIGHT, at_y >> _EIGHT
+        right, upper = at_x & np.int32(255), at_y & np.int32(255)
+        x0, x1 = min(max(left, first), last_x), min(max(left + np.int32(1), first), last_x)
+        y0, y1 = min(max(lower, first), last_y), min(max(lower + np.int32(1), first), last_y)
+        both = (right * upper + np.int32(128)) >> _EIGHT
+        texel[0, i], texel[1, i] = y0 * row + x0, y0 * row + x1
+        texel[2, i], texel[3, i] = y1 * row + x0, y1 * row + x1
+        weight[0, i], weight[1, i] = np.int32(256) - right - upper + both, right - both
+        weight[2, i], weight[3, i] = upper - both, both
+    for k in range(4):
+        for i in range(count):
+            texel[k, i] = flat[texel[k, i]]
+    for i in range(count):
+        w = c = _ROUND
+        for k in range(4):
+            w += (texel[k, i] & _PAIR) * weight[k, i]
+            c += ((texel[k, i] >> _BYTE_LOG2) & _PAIR) * weight[k, i]
+        warm[i], cold[i] = (w >> _BYTE_LOG2) & _PAIR, (c >> _BYTE_LOG2) & _PAIR
 
 
-@njit(cache=True, nogil=True)
-def _spread(pixel):  # type: ignore[no-untyped-def]
-    """The four bytes of a pixel in 16 bits each: red, blue, green, luma."""
-    wide = np.uint64(pixel)
-    return (wide & _PAIR) | (((wide >> np.uint64(8)) & _PAIR) << np.uint64(32))
+@njit(cache=True, nogil=True, error_model="numpy")
+def _average(edge, count, warm, cold, pixel):  # type: ignore[no-untyped-def]
+    """Pixels of the mean of four places, of the two near ones where the far ones leave the edge."""
+    for i in range(count):
+        near_warm, near_cold = warm[0, i] + warm[1, i], cold[0, i] + cold[1, i]
+        far_warm, far_cold = warm[2, i] + warm[3, i], cold[2, i] + cold[3, i]
+        # Sums of four, or twice those of two.
+        luma = np.int32((near_cold + far_cold) >> _PAIR_LOG2)
+        holds = edge[_DARKEST, i] <= luma <= edge[_BRIGHTEST, i]
+        w = near_warm + (far_warm if holds else near_warm) + _HALVES
+        c = near_cold + (far_cold if holds else near_cold) + _HALVES
+        green = (c >> _QUARTER_LOG2) & _BYTE
+        pixel[i] = ((w >> _QUARTER_LOG2) & _PAIR) | (green << _BYTE_LOG2)

@@ -200,7 +200,8 @@ class SurfaceLightOnGpu:
         """The table of `open_irradiance` of these harmonics (25, 3)."""
         if self._harmonics is None or not np.array_equal(harmonics, self._harmonics):
             self._harmonics = np.array(harmonics)
-            table = open_irradiance(self._harmonics)
+            # With an alpha of no use: llvmpipe looks up four numbers in less time than three.
+            table = np.insert(open_irradiance(self._harmonics), 3, 1.0, axis=-1)
             self._open_sky = self._written(self._open_sky, table, table.shape[1::-1])
         return self._open_sky
 

@@ -24,6 +24,7 @@ _DARKEST_LOG2, _BRIGHTEST_LOG2 = -14, 5
 _FIRST = (127 + _DARKEST_LOG2) << _FRACTION_BITS
 # Noise takes 20 ms, and moving pictures change their size: it is made for more than they need.
 _TILE_PX = 1024
+_CHUNK = 256  # pixels
 _ZERO, _HALF, _ONE, _BYTE = (np.float32(number) for number in (0.0, 0.5, 1.0, 255.0))
 
 
@@ -76,31 +77,34 @@ def tone(radiance, dither, table, inset, outset, weights, toned, first, end):  #
     `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
     there times `outset` (3, 3) a colour; `weights` (3,) those of luma. `dither` may be larger.
     """
-    for y in range(first, end):
-        row, out, noise = radiance[y], toned[y], dither[y]
-        for x in range(len(out)):
-            r, g, b = row[x, 0], row[x, 1], row[x, 2]
-            u = _encoded(table, inset[0, 0] * r + inset[0, 1] * g + inset[0, 2] * b)
-            v = _encoded(table, inset[1, 0] * r + inset[1, 1] * g + inset[1, 2] * b)
-            w = _encoded(table, inset[2, 0] * r + inset[2, 1] * g + inset[2, 2] * b)
-            red = _within_one(outset[0, 0] * u + outset[0, 1] * v + outset[0, 2] * w)
-            green = _within_one(outset[1, 0] * u + outset[1, 1] * v + outset[1, 2] * w)
-            blue = _within_one(outset[2, 0] * u + outset[2, 1] * v + outset[2, 2] * w)
-            luma = weights[0] * red + weights[1] * green + weights[2] * blue
-            out[x] = (
-                _byte(red, noise[x])
-                | _byte(green, noise[x]) << np.uint32(8)
-                | _byte(blue, noise[x]) << np.uint32(16)
-                | _byte(luma, _HALF) << np.uint32(24)
-            )
-
-
-@njit(inline="always")
-def _encoded(table, value):  # type: ignore[no-untyped-def]
-    """A channel's value by its first bits."""
-    bits = np.float32(max(value, _ZERO)).view(np.int32)
     last = np.int32(len(table) - 1)
-    return table[np.uint32(min(max((bits >> _DROPPED) - _FIRST, 0), last))]
+    # Pixels are handled together: a compiler makes vectors of all loops but the one that looks up.
+    place, encoded = np.empty((3, _CHUNK), np.uint32), np.empty((3, _CHUNK), np.float32)
+    for y in range(first, end):
+        for start in range(0, toned.shape[1], _CHUNK):
+            stop = min(start + _CHUNK, toned.shape[1])
+            row, out, noise = radiance[y, start:stop], toned[y, start:stop], dither[y, start:stop]
+            for x in range(len(out)):
+                r, g, b = row[x, 0], row[x, 1], row[x, 2]
+                for k in range(3):
+                    value = inset[k, 0] * r + inset[k, 1] * g + inset[k, 2] * b
+                    bits = np.float32(max(value, _ZERO)).view(np.int32)
+                    place[k, x] = min(max((bits >> _DROPPED) - _FIRST, 0), last)
+            for k in range(3):
+                for x in range(len(out)):
+                    encoded[k, x] = table[place[k, x]]
+            for x in range(len(out)):
+                u, v, w = encoded[0, x], encoded[1, x], encoded[2, x]
+                red = _within_one(outset[0, 0] * u + outset[0, 1] * v + outset[0, 2] * w)
+                green = _within_one(outset[1, 0] * u + outset[1, 1] * v + outset[1, 2] * w)
+                blue = _within_one(outset[2, 0] * u + outset[2, 1] * v + outset[2, 2] * w)
+                luma = weights[0] * red + weights[1] * green + weights[2] * blue
+                out[x] = (
+                    _byte(red, noise[x])
+                    | _byte(green, noise[x]) << np.uint32(8)
+                    | _byte(blue, noise[x]) << np.uint32(16)
+                    | _byte(luma, _HALF) << np.uint32(24)
+                )
 
 
 @njit(inline="always")
