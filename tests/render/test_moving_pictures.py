@@ -8,6 +8,7 @@ import pytest
 from box_stage import show_box, sun_at, uniform_sky
 from scene_stage import light, look, square
 from stateful_backend import opened
+from sun_stage import box, show
 
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.render import device
@@ -201,6 +202,30 @@ def test_shadows_wait_in_moving_pictures_until_the_sun_has_left_its_width(backen
         look(backend, around(0), TARGET, still=still)
         drawn.append(backend.ledger.done["shadow map"] - before)
     assert drawn == [0, 1, 0, 1]
+
+
+def test_shadows_of_a_moving_sun_have_the_edges_of_a_picture_drawn_anew(backend, tmp_path):
+    """A tower's shadow moves pixels at a time: no block of what was shaded or lit stays behind."""
+    tower, ground = box((-0.5, 0.0, -0.5), (0.5, 6.0, 0.5)), box((-20, -1, -20), (20, 0, 20))
+    show(backend, tmp_path, tower, ground)
+    x, y, z = sun_at(36.0, 40.0)
+    tip = np.array([-x, 0.0, -z]) * 5.0 / y
+    eye = np.add(tip, (0.0, 5.0, 0.1))
+
+    def seen(number, brighter=1.0):
+        sun = {**SUN, "sun_direction": sun_at(35.0 + 0.2 * number, 40.0)}
+        light(backend, uniform_sky(0.1 * brighter), **sun)
+        return look(backend, eye, tip, still=False).radiance[..., 1]
+
+    before = seen(0)
+    for number in range(1, 10):
+        moving = seen(number)
+    # Nothing is taken over under a light that is set by hand.
+    seen(9, 0.5)
+    anew = seen(9)
+    edge = 0.2 * (anew.max() - anew.min())
+    assert (abs(before - anew) > edge).sum() > 100
+    assert (abs(moving - anew) > edge).sum() == 0
 
 
 def test_a_picture_of_few_pixels_shows_the_finer_shadows_that_it_finds(backend, box_file):

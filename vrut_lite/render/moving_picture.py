@@ -10,7 +10,7 @@ from vrut_lite.render.halves import run_in_halves
 from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.reuse import Reuse
-from vrut_lite.render.picture_passes import PicturePasses, Shot
+from vrut_lite.render.picture_passes import ONE_SAMPLE, PicturePasses, Shot
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
@@ -34,20 +34,19 @@ class MovingPictures:
         solid, blended = in_order(shot.seen, view.eye_m)
         passes.meshes.read_finer(shot.scene, 0.0)
         passes.ledger.did("picture")
-        defines: Defines = (*shot.air.mesh, *passes.lamps.defines)
-        reflection = shot.reflection.texture
+        defines: Defines = (ONE_SAMPLE, *shot.air.mesh, *passes.lamps.defines)
         targets.begin()
         with reversed_depth():
             with passes.measure("depth"):
                 passes.meshes.draw_depth_of_solid(solid, view)
             with passes.measure("reuse"):
-                self._reuse.begin(targets, view, state, reflection)
+                self._reuse.begin(targets, shot)
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
                 passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.air.sky)
             with passes.measure("copy and meter"):
-                radiance = self._reuse.keep(targets, view, state, reflection)
+                radiance = self._reuse.keep(targets, shot)
             if blended or passes.clouds.are_drawn:
                 targets.draw_over()
                 with passes.measure("clouds"):

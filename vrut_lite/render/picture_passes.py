@@ -22,6 +22,8 @@ from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
 
+# What meshes' shaders are compiled with for targets of one sample a pixel.
+ONE_SAMPLE = "ONE_SAMPLE"
 Measure = Callable[[str], AbstractContextManager[Any]]
 
 

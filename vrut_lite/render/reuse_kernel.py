@@ -35,14 +35,15 @@ _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(
 
 @njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
 def take_over(  # type: ignore[no-untyped-def]
-    front, old_radiance, old_depth, old_from_pixel, brighter, seen_turned, turn, most_apart,
+    front, old_radiance, old_depth, edges, old_from_pixel, brighter, seen_turned, turn, most_apart,
     radiance, depth, first, end,
 ):  # fmt: skip
     """Write rows from `first` to before `end` of what is taken over, and of its depth.
 
     `front` (h, w) is the depth of solid surfaces now, `old_radiance` (oh, ow, 4) and `old_depth`
-    (oh, ow) all that was drawn before; alpha is the angle of view over which radiance holds, and a
-    surface of depth 1 has turned by `seen_turned`. `old_from_pixel` (4, 4) makes of a pixel's
+    (oh, ow) all that was drawn before; alpha is the angle of view over which radiance holds, less
+    than zero on a shadow's edge, and a surface of depth 1 has turned by `seen_turned`. What `edges`
+    of `edge_blocks` name is drawn anew. `old_from_pixel` (4, 4) makes of a pixel's
     column, row, depth and 1 those of before, times the last of its rows. Light is `brighter` (3,)
     than then. A pixel that is drawn anew, such as those in `turn`, keeps its depth, which surfaces
     pass; all others get one just before it.
@@ -54,6 +55,7 @@ def take_over(  # type: ignore[no-untyped-def]
     old, depths = old_radiance.reshape(-1), old_depth.reshape(-1)
     front_bits, depth_bits = front.view(np.int32), depth.view(np.int32)
     chunk, across = np.zeros(_KINDS * _CHUNK, np.float32), np.zeros(width + 1, np.float32)
+    shadows_move = edges.size > 0
     for y in range(first, end):
         row, below, above = front[y], front[max(y - 1, 0)], front[min(y + 1, height - 1)]
         for x in range(1, width):
@@ -82,20 +84,47 @@ def take_over(  # type: ignore[no-untyped-def]
                 red = _mean(old, a, b, _0, k0, k1, k2, k3)
                 green = _mean(old, a, b, _1, k0, k1, k2, k3)
                 blue = _mean(old, a, b, _2, k0, k1, k2, k3)
-                holds = _mean(old, a, b, _3, k0, k1, k2, k3)
+                at_edge = _mean(old, a, b, _3, k0, k1, k2, k3)
+                holds = (k0 * abs(old[a + _3]) + k1 * abs(old[a + _CHANNELS + _3])) + (
+                    k2 * abs(old[b + _3]) + k3 * abs(old[b + _CHANNELS + _3])
+                )
+                shadow_moves = (
+                    shadows_move and (edges[_block(chunk[_OLD_Y + i]), _block(chunk[_OLD_X + i])])
+                )
                 apart = _apart(holds, seen_turned * row[x]) & most_apart
                 # By a lattice in which neighbours are far apart in time.
                 has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0
                 out = radiance[y, x]
-                if holds > _ZERO and not has_its_turn:
+                if holds > _ZERO and not has_its_turn and not shadow_moves:
                     out[0], out[1] = brighter[0] * red, brighter[1] * green
-                    out[2], out[3] = brighter[2] * blue, holds
+                    out[2], out[3] = brighter[2] * blue, holds if at_edge > _ZERO else -holds
                     just_before = front_bits[y, x] + np.int32(1)
                     depth_bits[y, x] = just_before if row[x] > _ZERO else _BEFORE_SKY_BITS
                 else:
                     out[0] = out[1] = out[2] = _ZERO
                     out[3] = _ONE
                     depth_bits[y, x] = front_bits[y, x]
+
+
+@njit(cache=True, nogil=True)
+def edge_blocks(radiance, moved):  # type: ignore[no-untyped-def]
+    """What a moved sun shades or lights, of a picture (h, w, 4): whole blocks of 4 x 4 pixels.
+
+    They lie at a shadow's edge or next to one, with one more all around the picture; an empty array
+    where no shadow has `moved`.
+    """
+    if not moved:
+        return np.zeros((0, 0), np.bool_)
+    height, width = radiance.shape[:2]
+    blocks = np.zeros(
+        (((height - 1) >> _BLOCK_LOG2) + 3, ((width - 1) >> _BLOCK_LOG2) + 3), np.bool_
+    )
+    for y in range(height):
+        for x in range(width):
+            if radiance[y, x, 3] < _ZERO:
+                row, column = y >> _BLOCK_LOG2, x >> _BLOCK_LOG2
+                blocks[row : row + 3, column : column + 3] = True
+    return blocks
 
 
 @njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
@@ -154,6 +183,12 @@ def _weigh(chunk):  # type: ignore[no-untyped-def]
 @njit(inline="always")
 def _smaller(one, other):  # type: ignore[no-untyped-def]
     return one if abs(one) < abs(other) else other
+
+
+@njit(inline="always")
+def _block(place):  # type: ignore[no-untyped-def]
+    """The row or column among blocks with edges."""
+    return (np.uint32(np.int32(place)) >> np.uint32(_BLOCK_LOG2)) + _NEXT
 
 
 @njit(inline="always")

@@ -10,7 +10,7 @@ from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.picture_passes import PicturePasses, Shot
+from vrut_lite.render.picture_passes import ONE_SAMPLE, PicturePasses, Shot
 from vrut_lite.render.pieces import Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import reversed_depth
@@ -134,6 +134,8 @@ class StillPictures:
         passes, state = self._passes, shot.state
         solid, blended = in_order(shot.seen, shot.view.eye_m)
         defines = _defines(shot, passes.lamps.defines)
+        if targets.has_one_sample:
+            defines = (ONE_SAMPLE, *defines)
         if state.shows != "picture":
             with passes.measure("mesh"):
                 self._draw_meshes(targets, shot, solid, defines)

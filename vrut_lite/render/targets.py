@@ -34,9 +34,14 @@ class Targets:
         self._display = context.texture(size, 4)
         self.display = context.framebuffer([self._display])
 
+    @property
+    def has_one_sample(self) -> bool:
+        """Whether pixels have one sample each."""
+        return self.buffer is self._resolved
+
     def read_resolved(self) -> NDArray[np.float32]:
         """The mean of each pixel's samples (h, w, 4), row 0 at the bottom."""
-        if self.buffer is not self._resolved:
+        if not self.has_one_sample:
             self._context.copy_framebuffer(self._resolved, self.buffer)
         return read_rgba(self.radiance)
 

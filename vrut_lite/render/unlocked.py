@@ -39,14 +39,14 @@ def build_mipmaps(target: int, texture: Any) -> None:
     GL.glBindTexture(target, 0)
 
 
-def average_down_for_compute(texture: Any) -> None:
-    """Make a moderngl texture's mipmaps, and wait for them.
+def average_down_for_compute(cube: Any) -> None:
+    """Make the mipmaps of a moderngl cube map, and wait for them.
 
     Mesa's llvmpipe lets a compute shader read levels that its own threads still draw.
     """
     from OpenGL import GL
 
-    texture.build_mipmaps()
+    build_mipmaps(GL.GL_TEXTURE_CUBE_MAP, cube)
     GL.glFinish()
 
 

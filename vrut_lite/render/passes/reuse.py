@@ -1,8 +1,9 @@
 """Pictures while something moves take over from the picture before what still holds there.
 
 Radiance does not depend on the camera but for what coats mirror. Of each picture a sixteenth is
-drawn anew in turns, an eighth where the light changes, more of what mirrors, and what was not seen
-before; all else moves to where the camera sees it now.
+drawn anew in turns, an eighth where the light changes, more of what mirrors, what was not seen
+before, and what lies about the edges of shadows that move; all else moves to where the camera sees
+it now.
 """
 
 from typing import Any, NamedTuple
@@ -17,9 +18,10 @@ from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.halves import run_in_halves
 from vrut_lite.render.moving_targets import Drawn, MovingTargets
 from vrut_lite.render.passes.view import View, translation
+from vrut_lite.render.picture_passes import Shot
 from vrut_lite.render.unlocked import read_rgba
 
-# Pictures from one turn of a pixel to the next: under the same light, and under another.
+# Pictures from one turn of a pixel to the next, and while the light changes.
 _TURNS, _TURNS_OF_LIGHT, _STEP = 16, 8, 3
 _NOTHING = np.array([0.0, 0.0, 0.0, 1.0], np.float32)
 
@@ -30,6 +32,7 @@ class _Before(NamedTuple):
     view: View
     state: SceneState
     reflection: Any
+    sun_matrix: NDArray[np.float64]
 
 
 class Reuse:
@@ -41,26 +44,30 @@ class Reuse:
         self._filled: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._turn = 0
 
-    def begin(self, targets: MovingTargets, view: View, state: SceneState, reflection: Any) -> None:
+    def begin(self, targets: MovingTargets, shot: Shot) -> None:
         """Fill a target, in which the depth of solid surfaces is, with what is taken over.
 
         Depth is then such that surfaces and sky are drawn elsewhere alone. Of what is not solid
-        nothing is taken over, and nothing at all when another `reflection` has been finished.
+        nothing is taken over, and nothing at all when another reflection has been finished.
         """
         before, brighter = self._before, None
-        if before is not None and before.reflection is reflection:
-            brighter = change_of_light(before.state, state)
+        if before is not None and before.reflection is shot.reflection.texture:
+            brighter = change_of_light(before.state, shot.state)
         if before is None or brighter is None:
             GL.glClearBufferfv(GL.GL_COLOR, 0, _NOTHING)
         else:
-            self._take_over(targets.now, before, view, brighter)
+            self._take_over(targets.now, before, shot, brighter)
 
-    def _take_over(self, drawn: Drawn, before: _Before, view: View, brighter: FloatArray) -> None:
+    def _take_over(self, drawn: Drawn, before: _Before, shot: Shot, brighter: FloatArray) -> None:
         # numba, which a start without such pictures does not need.
-        from vrut_lite.render.reuse_kernel import take_over
+        from vrut_lite.render.reuse_kernel import edge_blocks, take_over
 
         self._turn = (self._turn + _STEP) % _TURNS
-        turns = _TURNS if np.all(brighter == 1.0) else _TURNS_OF_LIGHT
+        view = shot.view
+        shadows_move = not np.array_equal(before.sun_matrix, _sun_matrix(shot))
+        # The edges of shadows are enough to draw for one picture.
+        has_time = np.any(brighter != 1.0) and not shadows_move
+        turns = _TURNS_OF_LIGHT if has_time else _TURNS
         moved_m = float(np.linalg.norm(view.eye_m - before.view.eye_m))
         front = drawn.depth.read()
         if self._filled is None or self._filled[1].shape != front.shape:
@@ -72,6 +79,7 @@ class Reuse:
             front,
             before.radiance,
             before.depth,
+            edge_blocks(before.radiance, shadows_move),
             _old_from_pixel(before, view, front.shape).astype(np.float32),
             brighter.astype(np.float32),
             np.float32(moved_m / float(view.projection[2, 3])),
@@ -83,20 +91,31 @@ class Reuse:
         drawn.radiance.write(radiance)
         drawn.depth.write(depth)
 
-    def keep(
-        self, targets: MovingTargets, view: View, state: SceneState, reflection: Any
-    ) -> NDArray[np.float32]:
+    def keep(self, targets: MovingTargets, shot: Shot) -> NDArray[np.float32]:
         """Let the next picture take over what is drawn now; returns it (h, w, 4), from below."""
         drawn = targets.now
         radiance = read_rgba(drawn.radiance)
         # Between pixels of a single row or column nothing is looked up.
-        before = _Before(radiance, drawn.depth.read(), view, state, reflection)
+        before = _Before(
+            radiance,
+            drawn.depth.read(),
+            shot.view,
+            shot.state,
+            shot.reflection.texture,
+            _sun_matrix(shot),
+        )
         self._before = before if min(drawn.size) > 1 else None
         return radiance
 
     def release(self) -> None:
         """Forget the picture before."""
         self._before = self._filled = None
+
+
+def _sun_matrix(shot: Shot) -> NDArray[np.float64]:
+    """Of the map in which shadows are looked up: a sun near by may have drawn it."""
+    assert shot.shadows.scene is not None
+    return shot.shadows.scene.matrix
 
 
 def _old_from_pixel(before: _Before, now: View, shape: tuple[int, ...]) -> FloatArray:

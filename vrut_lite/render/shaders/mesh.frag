@@ -8,6 +8,7 @@ const float MOST_TILTED = 2.0;       // times the light, by what a normal map ti
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 const float HOLDS_RAD = 2.0;         // angle of view over which a coat of roughness 1 looks alike
+const float EDGE = 0.49;             // from the middle of a shadow's edge to its end, of the sun
 const float GLINTS_COUNT = 7.0;      // times more than what else a coat mirrors
 
 struct Material {
@@ -52,7 +53,11 @@ uniform int picture_number;          // of those that a still is the mean of
 uniform int picture_count;
 
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
+#ifdef ONE_SAMPLE
+#define eye_to_sample eye_to_point
+#else
 centroid in vec3 eye_to_sample;      // inside the triangle, also at its edge
+#endif
 #ifdef NORMAL_LOC
 centroid in vec3 world_normal;
 #endif
@@ -214,6 +219,7 @@ void main() {
 #endif
 
     float holds_rad = 1.0;  // over which angle of view the radiance holds
+    bool at_edge = false;   // of a shadow: told by the sign of alpha
 
     vec3 view = normalize(-eye_to_sample);
     vec3 face = face_normal(view);
@@ -273,7 +279,9 @@ void main() {
 #endif
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
-        vec3 sun = sun_irradiance * (terminator * sun_visibility(face));
+        float lit = sun_visibility(face);
+        at_edge = abs(lit - 0.5) < EDGE;
+        vec3 sun = sun_irradiance * (terminator * lit);
 #ifdef GLASS_SHADOW
         sun *= sun_through_glass(face);
 #endif
@@ -386,6 +394,6 @@ void main() {
     frag_radiance = vec4(radiance * base.a, 1.0);
     share_of_behind = vec4(mix(vec3(1.0), tint, base.a), 1.0);
 #else
-    frag_radiance = vec4(radiance, mix(base.a, holds_rad, opaque));
+    frag_radiance = vec4(radiance, mix(base.a, at_edge ? -holds_rad : holds_rad, opaque));
 #endif
 }

@@ -30,7 +30,9 @@ uniform vec4 section;  // points with dot(section.xyz, point) <= section.w are s
 // Depth that was drawn before colours is met to the bit.
 invariant gl_Position;
 out vec3 eye_to_point;
+#ifndef ONE_SAMPLE
 centroid out vec3 eye_to_sample;
+#endif
 #ifdef NORMAL_LOC
 centroid out vec3 world_normal;
 #endif
@@ -51,7 +53,9 @@ void main() {
     gl_Position = clip_from_model * vec4(position, 1.0);
     vec4 point = eye_from_model * vec4(position, 1.0);
     eye_to_point = point.xyz;
+#ifndef ONE_SAMPLE
     eye_to_sample = point.xyz;
+#endif
 #ifdef SECTION
     gl_ClipDistance[0] = section.w - dot(section.xyz, point.xyz);
 #endif

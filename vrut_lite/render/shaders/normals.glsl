@@ -54,6 +54,11 @@ vec3 mapped_normal(vec3 n, vec3 view) {
     return n;
 }
 
+#ifdef ONE_SAMPLE
+// A pixel's centre is inside of every triangle that it shows.
+float centroid_factor(vec3 face) { return 1.0; }
+vec3 point_in_triangle(vec3 face) { return eye_to_point; }
+#else
 // Corrects interpolation at the centroid on the edge of a triangle. Some rasterisers take 1 / w
 // at the pixel's centre for the centroid too, which moves the point along its ray off the plane.
 float centroid_factor(vec3 face) {
@@ -66,3 +71,4 @@ vec3 point_in_triangle(vec3 face) {
     float distance_to_plane = dot(face, eye_to_point), reached = dot(face, eye_to_sample);
     return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
 }
+#endif
