@@ -66,6 +66,8 @@ def reduce_cube(cube: NDArray[np.floating], size: int) -> NDArray[np.float64]:
     k = max(1, n // size)
     while n % k:
         k -= 1
+    if k == 1:
+        return np.array(cube, dtype=np.float64)
     m = n // k
     omega = texel_solid_angles(n)
     weighted = np.asarray(cube, dtype=np.float64) * omega[None, :, :, None]

@@ -79,7 +79,11 @@ def evaluate_irradiance(coefficients: ArrayLike, normal: ArrayLike) -> NDArray[n
 def horizontal_irradiance(cube: NDArray[np.floating]) -> NDArray[np.float64]:
     """Irradiance (C,) on level ground from the upper half of a cube map (6, n, n, C)."""
     small = reduce_cube(cube, _PROJECTION_SIZE)
-    size = small.shape[1]
+    return _on_level_ground(small.shape[1]) @ small.reshape(-1, small.shape[-1])
+
+
+@lru_cache(maxsize=2)
+def _on_level_ground(size: int) -> NDArray[np.float64]:
+    """Weights (6 * size * size,) of a cube map's texels in the irradiance on level ground."""
     cosine = np.maximum(texel_directions(size)[..., 1], 0.0)
-    weight = cosine * texel_solid_angles(size)[None]
-    return np.einsum("fij,fijc->c", weight, small, optimize=True)
+    return (cosine * texel_solid_angles(size)).ravel()
