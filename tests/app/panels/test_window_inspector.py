@@ -99,6 +99,7 @@ def test_while_it_pauses_or_hides_nothing_is_watched(driver, inspector):
     click(driver, inspector.clear)
     assert types(inspector) == []
     set_clock(driver, 4)
+    driver.settled()
     click(driver, inspector.pause)
     driver.settled()
     set_clock(driver, 5)
