@@ -18,8 +18,8 @@ _1, _QUARTER_LOG2, _BYTE_LOG2, _PAIR_LOG2, _LUMA = (np.uint32(n) for n in (1, 2,
 _BYTE, _EIGHT = np.uint32(0xFF), np.int32(8)
 # Two numbers of 16 bits each in one of 32.
 _PAIR, _ROUND, _HALVES = np.uint32(0x00FF00FF), np.uint32(0x00800080), np.uint32(0x00020002)
-# What is known of each pixel at an edge, in rows of whole numbers: lumas of its corners and its own,
-# the least and the largest of them, and steps along the edge, near and far.
+# What is known of each pixel at an edge, in rows of whole numbers: lumas of its corners and its
+# own, the least and the largest of them, and steps along the edge, near and far.
 _SW, _SE, _NW, _NE, _OWN, _DARKEST, _BRIGHTEST, _NEAR_X, _NEAR_Y, _FAR_X, _FAR_Y = range(11)
 _KINDS = 11
 

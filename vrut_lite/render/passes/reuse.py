@@ -6,13 +6,12 @@ before, and what lies about the edges of shadows that move; all else moves to wh
 it now.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
 
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.halves import run_in_halves
@@ -29,10 +28,7 @@ _NOTHING = np.array([0.0, 0.0, 0.0, 1.0], np.float32)
 class _Before(NamedTuple):
     radiance: NDArray[np.float32]
     depth: NDArray[np.float32]
-    view: View
-    state: SceneState
-    reflection: Any
-    sun_matrix: NDArray[np.float64]
+    shot: Shot
 
 
 class Reuse:
@@ -51,8 +47,8 @@ class Reuse:
         nothing is taken over, and nothing at all when another reflection has been finished.
         """
         before, brighter = self._before, None
-        if before is not None and before.reflection is shot.reflection.texture:
-            brighter = change_of_light(before.state, shot.state)
+        if before is not None and before.shot.reflection.texture is shot.reflection.texture:
+            brighter = change_of_light(before.shot.state, shot.state)
         if before is None or brighter is None:
             GL.glClearBufferfv(GL.GL_COLOR, 0, _NOTHING)
         else:
@@ -64,11 +60,11 @@ class Reuse:
 
         self._turn = (self._turn + _STEP) % _TURNS
         view = shot.view
-        shadows_move = not np.array_equal(before.sun_matrix, _sun_matrix(shot))
+        shadows_move = not np.array_equal(_sun_matrix(before.shot), _sun_matrix(shot))
         # The edges of shadows are enough to draw for one picture.
         has_time = np.any(brighter != 1.0) and not shadows_move
         turns = _TURNS_OF_LIGHT if has_time else _TURNS
-        moved_m = float(np.linalg.norm(view.eye_m - before.view.eye_m))
+        moved_m = float(np.linalg.norm(view.eye_m - before.shot.view.eye_m))
         front = drawn.depth.read()
         if self._filled is None or self._filled[1].shape != front.shape:
             self._filled = np.empty((*front.shape, 4), np.float32), np.empty_like(front)
@@ -96,14 +92,7 @@ class Reuse:
         drawn = targets.now
         radiance = read_rgba(drawn.radiance)
         # Between pixels of a single row or column nothing is looked up.
-        before = _Before(
-            radiance,
-            drawn.depth.read(),
-            shot.view,
-            shot.state,
-            shot.reflection.texture,
-            _sun_matrix(shot),
-        )
+        before = _Before(radiance, drawn.depth.read(), shot)
         self._before = before if min(drawn.size) > 1 else None
         return radiance
 
@@ -113,7 +102,7 @@ class Reuse:
 
 
 def _sun_matrix(shot: Shot) -> NDArray[np.float64]:
-    """Of the map in which shadows are looked up: a sun near by may have drawn it."""
+    """The matrix (4, 4) of the shadow map, which may be that of an earlier sun near by."""
     assert shot.shadows.scene is not None
     return shot.shadows.scene.matrix
 
@@ -121,7 +110,8 @@ def _sun_matrix(shot: Shot) -> NDArray[np.float64]:
 def _old_from_pixel(before: _Before, now: View, shape: tuple[int, ...]) -> FloatArray:
     """Matrix (4, 4) from column, row, depth and 1 to those of before, times the last of them."""
     eye_from_clip = np.linalg.inv(now.clip_from_eye)
-    old_from_clip = before.view.clip_from_eye @ translation(now.eye_m - before.view.eye_m)
+    old = before.shot.view
+    old_from_clip = old.clip_from_eye @ translation(now.eye_m - old.eye_m)
     old_size = before.depth.shape[::-1]
     return np.asarray(
         np.linalg.inv(_clip_from_pixel(old_size))
