@@ -6,7 +6,6 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.kernel.jobs import JobRunner
@@ -98,25 +97,19 @@ class Host:
         self.settle()
         return self.draw_now(still)
 
-    def draw_now(
-        self,
-        still: bool = True,
-        is_given_up: IsGivenUp | None = None,
-        size_px: tuple[int, int] | None = None,
-        exposure: SetExposure | None = None,
+    def draw_now(self, still: bool = True) -> Picture:
+        """Draw the present state."""
+        return self.draw_state(self.state, still)
+
+    def draw_state(
+        self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None
     ) -> Picture:
-        """Draw the present state, with `size_px` and `exposure` instead of the state's own.
+        """Draw a state, on any thread; the kernel may be pumped meanwhile.
 
         Raises:
             GivenUp: `is_given_up()`, called repeatedly on the GL thread, returned true.
         """
-        state = self.state
-        drawn = replace(
-            state,
-            size_px=size_px or state.size_px,
-            exposure=exposure or state.exposure,
-            skips=self.frame_skips,
-        )
+        drawn = replace(state, skips=self.frame_skips)
         return self._backend.draw(drawn, still, is_given_up)
 
     @property

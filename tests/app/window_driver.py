@@ -48,17 +48,18 @@ class HeadlessStage:
         self.frame_ledger = Ledger()
         self.sizes = []
 
-    def draw(self, size, exposure, still, is_given_up=None):
-        self.sizes.append((size, still))
-        radiance = np.full((size[1], size[0], 3), self.radiance(), np.float32)
+    def draw(self, state, still, is_given_up=None):
+        width, height = state.size_px
+        self.sizes.append((state.size_px, still))
+        radiance = np.full((height, width, 3), self.radiance(state), np.float32)
         display = np.zeros(radiance.shape, np.uint8)
         # All pixels are alike: one is metered.
-        return Picture(radiance, display, ev100_of(exposure, radiance[:1, :1]))
+        return Picture(radiance, display, ev100_of(state.exposure, radiance[:1, :1]))
 
     def measure_next(self):
         pass
 
-    def radiance(self):
+    def radiance(self, state):
         """Radiance of the whole picture, in W m^-2 sr^-1."""
         return 0.0
 

@@ -1,5 +1,7 @@
 """Without OpenGL the window shows the sky, from the same cube map as with it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from window_driver import SCENES, WindowDriver
@@ -52,6 +54,7 @@ def test_the_cpu_sky_is_the_frames_own(qtbot, tmp_path):
         for message in [*inputs_of(load_project(SCENES / "sundial.toml"), stage.kernel), UP]:
             stage.kernel.inject(message)
         stage.kernel.pump_until_idle()
-        skies.append(stage.draw((120, 80), SetExposure(), True).radiance)
+        state = replace(stage.state, size_px=(120, 80), exposure=SetExposure())
+        skies.append(stage.draw(state, True).radiance)
         stage.close()
     assert np.median(np.abs(skies[1] / skies[0] - 1.0)) < 0.02

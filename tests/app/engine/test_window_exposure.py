@@ -196,9 +196,9 @@ def test_compensation_does_not_meter(window):
 class DoorStage(HeadlessStage):
     """As bright as the sun is high; eight stops darker behind the door, where z < 0."""
 
-    def radiance(self):
-        sun = max(self.state.key_light.direction[1], 1e-3)
-        return sun * (10.0 / 256 if self.state.camera.eye_m[2] < 0.0 else 10.0)
+    def radiance(self, state):
+        sun = max(state.key_light.direction[1], 1e-3)
+        return sun * (10.0 / 256 if state.camera.eye_m[2] < 0.0 else 10.0)
 
 
 class RunningEngine:

@@ -115,13 +115,13 @@ class HeldStage(HeadlessStage):
 
     reached, released = threading.Event(), threading.Event()
 
-    def draw(self, size, exposure, still, is_given_up=None):
+    def draw(self, state, still, is_given_up=None):
         if still:
             self.reached.set()
             self.released.wait()
             if is_given_up():
                 raise GivenUp
-        return super().draw(size, exposure, still)
+        return super().draw(state, still)
 
 
 @pytest.mark.long
@@ -150,13 +150,13 @@ def test_a_finished_picture_is_given_up_for_a_hand_that_moves_on(qtbot, tmp_path
 class SlowStage(HeadlessStage):
     """A finished picture takes until it is given up, or a fifth of a second."""
 
-    def draw(self, size, exposure, still, is_given_up=None):
+    def draw(self, state, still, is_given_up=None):
         end_s = time.monotonic() + 0.2
         while still and time.monotonic() < end_s:
             if is_given_up():
                 raise GivenUp
             time.sleep(0.005)
-        return super().draw(size, exposure, still)
+        return super().draw(state, still)
 
 
 @pytest.mark.long

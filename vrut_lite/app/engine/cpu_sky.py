@@ -3,8 +3,6 @@
 Scenes are opened and light is computed; meshes are not drawn.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +11,6 @@ from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
@@ -94,15 +91,9 @@ class CpuSkyStage:
         """The present state of the scene."""
         return self._view.state
 
-    def draw(
-        self,
-        size: tuple[int, int],
-        exposure: SetExposure,
-        still: bool,
-        is_given_up: IsGivenUp | None = None,
-    ) -> Picture:
-        """Draw the present state; `is_given_up` is not asked, since this is quick."""
-        return self._backend.draw(replace(self.state, size_px=size, exposure=exposure), still)
+    def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
+        """Draw a state; `is_given_up` is not asked, since this is quick."""
+        return self._backend.draw(state, still)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """None: this stage draws no surfaces."""

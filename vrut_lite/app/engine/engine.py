@@ -1,14 +1,16 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
 Each round the kernel admits the inputs that wait, then a frame is drawn. Inputs that arrive
-meanwhile merge in the kernel's inbox. A finished picture may take seconds; new inputs end it early.
+meanwhile merge in the kernel's inbox; shortly before a moving picture is done the kernel acts on
+them, beside it. A finished picture may take seconds; new inputs end it early.
 """
 
 import threading
 from collections import deque
 from collections.abc import Callable, Hashable
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from itertools import count
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
@@ -35,6 +37,9 @@ Question = Callable[[Stage], Any]
 READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
     "ready", "heard", "picture", "camera", "problem", "ended",
 )  # fmt: skip
+# The kernel is pumped so many times its last time before a picture is due: both take longer beside
+# each other.
+_EARLIER = 1.5
 
 
 class Shown(NamedTuple):
@@ -90,6 +95,11 @@ class Engine:
         # The last picture that was not finished.
         self._moved_from: SceneState | None = None
         self._numbers = count()
+        # Draws a moving picture while the kernel is pumped.
+        self._pictures = ThreadPoolExecutor(1, "vrut-lite picture")
+        # How long the kernel was pumped last; whether that was beside the last picture.
+        self._pump_s = 0.0
+        self._was_beside = False
         self._thread = threading.Thread(target=self._run, name="vrut-lite engine", daemon=True)
 
     # --- from any thread -------------------------------------------------------------------
@@ -152,6 +162,7 @@ class Engine:
             if stage is not None:
                 with self._attend(stage):
                     self._live(stage)
+                self._pictures.shutdown()
                 stage.close()
         finally:
             self._ending.set()
@@ -191,7 +202,7 @@ class Engine:
             # After a rest a hand waits for the first picture: jobs that its input starts begin
             # thereafter. In motion they run beside pictures: light would be older by one.
             with _held(stage.kernel) if self._stands else nullcontext():
-                self._pump(stage)
+                self._pump_unless_ahead(stage, questions)
                 self._answer(stage, questions)
                 rests = not self._ending.is_set() and not self._draw_what_moved(stage)
             if rests:
@@ -217,8 +228,16 @@ class Engine:
         """The exposure that a finished picture has in the window; on the engine's thread."""
         return self._adaptation.exposure_of(state)
 
+    def _pump_unless_ahead(self, stage: Stage, questions: int) -> None:
+        """Act on inputs, unless what those before did is still to be drawn and nobody asks."""
+        is_ahead, self._was_beside = self._was_beside, False
+        if questions or not is_ahead:
+            self._pump(stage)
+        elif stage.kernel.waiting:
+            self._awake.set()
+
     def _pump(self, stage: Stage) -> None:
-        waiting = stage.kernel.waiting
+        waiting, start_s = stage.kernel.waiting, self._now_s()
         while True:
             try:
                 stage.kernel.pump(most=waiting)
@@ -227,6 +246,8 @@ class Engine:
                 self._trouble(error)
             else:
                 break
+        if waiting:
+            self._pump_s = self._now_s() - start_s
         camera = stage.state.camera
         if camera is not None and camera is not self._camera:
             self._camera = camera
@@ -280,7 +301,8 @@ class Engine:
         takes_over = stage.device is not None and stage.device.choices.takes_over
         if before is None or not takes_over or change_of_light(before, stage.state) is None:
             return "anew"
-        return "taken over"
+        same_light = before.key_light is stage.state.key_light
+        return "taken over" if same_light else "taken over, relit"
 
     def _draw_one(self, stage: Stage, kind: Kind) -> None:
         still = kind == "still"
@@ -292,10 +314,15 @@ class Engine:
         exposure = (
             adaptation.exposure_of(state) if settled else adaptation.next_exposure(state, start_s)
         )
-        size = scaled(stage.state.size_px, scale)
+        size = scaled(state.size_px, scale)
+        drawn = replace(state, size_px=size, exposure=exposure)
         is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
         try:
-            picture = stage.draw(size, exposure, still, is_given_up if still else None)
+            if still:
+                picture, end_s = stage.draw(drawn, still, is_given_up), self._now_s()
+            else:
+                expected_s = self._pacing.expected_s(scale, kind)
+                picture, end_s = self._draw_and_pump(stage, drawn, expected_s)
         except GivenUp:
             # If the input changes nothing visible the picture is finished after all, without
             # interruption: a playing clock sends inputs more often than pictures can be drawn.
@@ -304,8 +331,8 @@ class Engine:
         except BaseException as error:
             self._trouble(error)
             return
-        seconds = self._now_s() - start_s
-        adaptation.drew(picture, exposure, self._now_s(), still)
+        seconds = end_s - start_s
+        adaptation.drew(picture, exposure, end_s, still)
         self._pacing.drew(scale, seconds, kind)
         if not still:
             self._moved_from = state
@@ -314,6 +341,27 @@ class Engine:
         self._stands = still
         self._finer_light.drew(stage.kernel, still)
         self._tell(PICTURE, Shown(picture, still, seconds, adaptation.held))
+
+    def _draw_and_pump(
+        self, stage: Stage, drawn: SceneState, expected_s: float
+    ) -> tuple[Picture, float]:
+        """A moving picture and when it was done; the kernel acts beside it on what came until late.
+
+        The next picture shows that, and need not wait for it.
+        """
+        drawing = self._pictures.submit(lambda: (stage.draw(drawn, False), self._now_s()))
+        drawing.add_done_callback(lambda _: self._awake.set())
+        wait((drawing,), max(0.0, expected_s - _EARLIER * self._pump_s))
+        while not (drawing.done() or stage.kernel.waiting):
+            self._awake.wait()
+            self._awake.clear()
+        # What was cleared may have been a question.
+        self._awake.set()
+        if not drawing.done():
+            self._make_way(stage)
+            self._pump(stage)
+            self._was_beside = True
+        return drawing.result()
 
     def _hear(self, message: Message, sender: str) -> None:
         self._adaptation.hear(message, self._now_s())

@@ -1,6 +1,7 @@
 """The picture as a file: PNG and JPEG as shown, EXR of its radiance, of any size."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -45,7 +46,8 @@ def _written(
 ) -> str:
     suffix = picture_format(path, FORMATS)
     check_writable(path)
-    picture = stage.draw(size or stage.state.size_px, exposure, still=True)
+    state = replace(stage.state, size_px=size or stage.state.size_px, exposure=exposure)
+    picture = stage.draw(state, still=True)
     metadata = {
         **picture_metadata(project, stage.kernel),
         "exposureEv100": picture.ev100,

@@ -13,13 +13,22 @@ _MEMORY = 0.5
 _SLOWER = 2.0
 # A larger size must leave so much of the time: the first picture of each takes longer.
 _ROOM = 0.9
+# Where no size is quick enough, the largest serves that takes so many times as long as the
+# smallest: what a picture takes whatever its size is not saved by a coarse one.
+_WORTH = 1.15
 
-# A finished picture, one that is drawn anew, and one that takes much over from the one before.
-Kind = Literal["still", "anew", "taken over"]
+# A finished picture; one that is drawn anew; one that takes much over from the one before, under
+# the same light or another.
+Kind = Literal["still", "anew", "taken over", "taken over, relit"]
 # Share of the time that triangles and calls take, whatever the size, and the power of the scale
 # that the rest grows by: pixels, or where all but edges is taken over the length of edges. Without
 # the former a small picture would count as slow, and stay small.
-_TIME: dict[Kind, tuple[float, int]] = {"still": (0.2, 2), "anew": (0.2, 2), "taken over": (0.1, 1)}
+_TIME: dict[Kind, tuple[float, int]] = {
+    "still": (0.2, 2),
+    "anew": (0.2, 2),
+    "taken over": (0.1, 1),
+    "taken over, relit": (0.55, 1),
+}
 
 
 class Pacing:
@@ -36,20 +45,24 @@ class Pacing:
         self._expected_s = seconds
 
     def quick_scale(self, kind: Kind = "anew") -> float:
-        """The largest scale at which a picture is expected in time, or the smallest that is."""
-        full_s = self._full_s.get(kind, self._expected_s)
+        """The largest scale at which a picture is expected in time, or hardly later than any."""
         now = self._scale.get(kind, 1.0)
+        limit_s = max(QUICK_S, _WORTH * self.expected_s(SCALES[-1], kind))
 
         def in_time(scale: float) -> bool:
-            return full_s * _share_of_time(scale, kind) <= QUICK_S * (_ROOM if scale > now else 1.0)
+            return self.expected_s(scale, kind) <= limit_s * (_ROOM if scale > now else 1.0)
 
         return next(filter(in_time, SCALES), SCALES[-1])
+
+    def expected_s(self, scale: float, kind: Kind) -> float:
+        """How long a picture of this scale is expected to take."""
+        return self._full_s.get(kind, self._expected_s) * _share_of_time(scale, kind)
 
     def drew(self, scale: float, seconds: float, kind: Kind = "anew") -> None:
         """Learn from the time of a picture of this scale."""
         before, self._scale[kind] = self._scale.get(kind, scale), scale
         # The first one of another size takes less over than the next will.
-        if kind == "taken over" and scale != before:
+        if kind.startswith("taken over") and scale != before:
             return
         full_s = seconds / _share_of_time(scale, kind)
         # A far quicker picture is believed: the one before compiled shaders.

@@ -6,7 +6,6 @@ from time import perf_counter
 from typing import Any, Protocol
 
 from vrut_lite.app.engine.window_jobs import WindowJobs
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
@@ -53,14 +52,11 @@ class Stage(Protocol):
     def frame_ledger(self) -> Ledger:
         """Counts of work that frames did and skipped."""
 
-    def draw(
-        self,
-        size: tuple[int, int],
-        exposure: SetExposure,
-        still: bool,
-        is_given_up: IsGivenUp | None = None,
-    ) -> Picture:
-        """Draw the present state with an exposure; GivenUp is raised when `is_given_up()`."""
+    def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
+        """Draw a state; GivenUp is raised when `is_given_up()`.
+
+        One picture at a time, on any thread, also while the kernel is pumped.
+        """
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on the surface at a pixel of the full size; None for the sky."""
@@ -102,20 +98,14 @@ class GlStage:
         """Counts of work that frames did and skipped."""
         return self._host.frame_ledger
 
-    def draw(
-        self,
-        size: tuple[int, int],
-        exposure: SetExposure,
-        still: bool,
-        is_given_up: IsGivenUp | None = None,
-    ) -> Picture:
-        """Draw the present state with an exposure; GivenUp is raised when `is_given_up()`."""
+    def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
+        """Draw a state; GivenUp is raised when `is_given_up()`."""
         if not self._measures_next:
-            return self._host.draw_now(still, is_given_up, size, exposure)
+            return self._host.draw_state(state, still, is_given_up)
         self._measures_next, self.pass_seconds = False, {}
         self._host.measure_passes(self._measured)
         try:
-            return self._host.draw_now(still, is_given_up, size, exposure)
+            return self._host.draw_state(state, still, is_given_up)
         finally:
             self._host.measure_passes(unmeasured)
 
