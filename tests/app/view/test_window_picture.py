@@ -238,6 +238,11 @@ def test_while_moving_pictures_are_smaller_where_they_take_long(driver, qtbot):
     for seconds in (1e-4, 30.0):
         pacing.drew(1.0 if seconds < 1.0 else 0.5, seconds, "taken over")
     assert pacing.quick_scale("taken over") == 1.0
+    # Under another light much of the time does not depend on the size: a coarse picture saves none.
+    pacing.drew(1.0, 3 * QUICK_S, "taken over, relit")
+    assert SCALES[-1] < pacing.quick_scale("taken over, relit") < 1.0
+    pacing.drew(1.0, 0.5 * QUICK_S, "taken over, relit")
+    assert pacing.quick_scale("taken over, relit") == 1.0
     driver.until(lambda: driver.session.shown.still)
     width, height = driver.window.desk.viewport.pixels
     assert driver.session.shown.picture.display.shape == (height, width, 3)
