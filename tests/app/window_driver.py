@@ -16,8 +16,11 @@ from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, load_project
@@ -29,6 +32,13 @@ SCENES = Path(__file__).parents[2] / "scenes"
 PATIENCE_MS = 240_000
 NOON = datetime(2026, 6, 21, 11, 0, tzinfo=UTC)
 ZONE = "Europe/Prague"
+# Inputs of an engine; the camera's follow.
+SUNDIAL_AT_NOON = (
+    Resize(width_px=64, height_px=36),
+    SetPlace(latitude_deg=50.0, longitude_deg=14.4),
+    SetClock(instant=NOON),
+    LoadScene(path=str(SCENES / "sundial.glb")),
+)
 # Pixels of a window whose pictures are drawn, which takes long without a graphics card.
 SMALL = (680, 440)
 

@@ -5,13 +5,10 @@ import time
 from datetime import timedelta
 
 import pytest
-from window_driver import NOON, PATIENCE_MS, SCENES, HeadlessStage
+from window_driver import NOON, PATIENCE_MS, SUNDIAL_AT_NOON, HeadlessStage
 
 from vrut_lite.app.engine.engine import HEARD, PICTURE, PROBLEM, Engine
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.messages import ClockMoved, SetClock
 
 FROM_HERE = MoveCamera(
@@ -42,13 +39,7 @@ class GatedEngine:
 
         self.engine = Engine(Stage, self._told)
         self.engine.start()
-        self.send(
-            Resize(width_px=64, height_px=36),
-            SetPlace(latitude_deg=50.0, longitude_deg=14.4),
-            SetClock(instant=NOON),
-            LoadScene(path=str(SCENES / "sundial.glb")),
-            FROM_HERE,
-        )
+        self.send(*SUNDIAL_AT_NOON, FROM_HERE)
         self.rest()
 
     def _told(self, key, value):
@@ -67,6 +58,14 @@ class GatedEngine:
         while not condition():
             assert time.monotonic() < end_s
             time.sleep(0.001)
+
+    def reach_the_second_hour(self):
+        """The picture of the first hour is at the gate, and the kernel has acted on the second."""
+        self.gate.clear()
+        self.send(SetClock(instant=after(1)))
+        self.until(lambda: self.drawn)
+        self.send(SetClock(instant=after(2)))
+        self.until(lambda: after(2) in self.hours)
 
     def rest(self):
         """Wait for a finished picture, and forget what was told."""
@@ -93,11 +92,7 @@ def after(hours):
 def test_the_kernel_acts_beside_a_picture_on_what_the_next_one_shows(running):
     """A picture takes as long as the sky of the next hour: one after the other would show fewer.
     It acts once: hours that come later merge, and none is computed that no picture shows."""
-    running.gate.clear()
-    running.send(SetClock(instant=after(1)))
-    running.until(lambda: running.drawn)
-    running.send(SetClock(instant=after(2)))
-    running.until(lambda: after(2) in running.hours)
+    running.reach_the_second_hour()
     for hours in (3, 4, 5):
         running.send(SetClock(instant=after(hours)))
     assert running.hours == [after(1), after(2)]
@@ -111,11 +106,7 @@ def test_the_kernel_acts_beside_a_picture_on_what_the_next_one_shows(running):
 
 def test_a_question_beside_a_picture_finds_all_that_was_sent_before_it(running):
     """As an undo does; what the kernel did beside the picture is not all."""
-    running.gate.clear()
-    running.send(SetClock(instant=after(1)))
-    running.until(lambda: running.drawn)
-    running.send(SetClock(instant=after(2)))
-    running.until(lambda: after(2) in running.hours)
+    running.reach_the_second_hour()
     running.send(SetClock(instant=after(3)))
     hour = running.engine.ask(lambda stage: stage.kernel.last(ClockMoved).instant)
     running.gate.set()
@@ -124,11 +115,7 @@ def test_a_question_beside_a_picture_finds_all_that_was_sent_before_it(running):
 
 def test_a_picture_that_fails_loses_nothing_that_the_kernel_did_beside_it(running):
     """The trouble is told, and the next picture shows the hour that came meanwhile."""
-    running.gate.clear()
-    running.send(SetClock(instant=after(1)))
-    running.until(lambda: running.drawn)
-    running.send(SetClock(instant=after(2)))
-    running.until(lambda: after(2) in running.hours)
+    running.reach_the_second_hour()
     running.fails = True
     running.gate.set()
     running.until(lambda: running.problems)

@@ -5,7 +5,7 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
-from window_driver import NOON, PATIENCE_MS, SCENES, HeadlessStage
+from window_driver import NOON, PATIENCE_MS, SCENES, SUNDIAL_AT_NOON, HeadlessStage
 
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.engine import PICTURE, Engine
@@ -13,8 +13,7 @@ from vrut_lite.app.engine.history import GESTURE_S
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.kernel.messages import (
@@ -208,13 +207,7 @@ class RunningEngine:
         self.now_s, self.shown = 100.0, []
         self.engine = Engine(DoorStage, self._told, now_s=lambda: self.now_s)
         self.engine.start()
-        self.send(
-            Resize(width_px=64, height_px=36),
-            SetPlace(latitude_deg=50.0, longitude_deg=14.4),
-            SetClock(instant=NOON),
-            LoadScene(path=str(SCENES / "sundial.glb")),
-            OUTSIDE,
-        )
+        self.send(*SUNDIAL_AT_NOON, OUTSIDE)
         self.wait(2.0)
 
     def _told(self, key, value):
