@@ -49,7 +49,7 @@ class Host:
             self.gl.close()
             raise
         self.kernel.add_module(GlJobs, owner=self.gl, inject=self.kernel.inject)
-        self._view = SceneView(self._backend)
+        self._view = SceneView(self.kernel, self._backend)
         self.kernel.add_module(SceneManager, view=self._view, cube_size=cube_size)
         self.settle()
 
@@ -114,8 +114,13 @@ class Host:
 
     @property
     def state(self) -> SceneState:
-        """The present state of the scene."""
+        """The state of the last whole revision, seen by the present camera."""
         return self._view.state
+
+    @property
+    def revision(self) -> int:
+        """The number of that revision."""
+        return self._view.revision
 
     @property
     def frame_ledger(self) -> Ledger:

@@ -86,7 +86,7 @@ class Clouds(Module):
         elif self._asked != asked:
             self._asked = asked
             self._layers = ()
-            self.link.start_job(JOB, make_layers, *asked)
+            self.link.start_job(JOB, make_layers, *asked, role="awaited")
         elif self._layers:
             self._post(self._blown())
 

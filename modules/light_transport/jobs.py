@@ -334,6 +334,7 @@ def lit(
         source=NAME,
         mirrors=encoded.get("mirrors"),
         visible_sky=encoded["visible_sky"],
+        sky_level=messages.ambient.level,
     )
 
 

@@ -181,7 +181,7 @@ class LightTransport(Module):
         elif scene is not None:
             self._planned = self._plan
             if scene.triangles > _MANY_TRIANGLES and not self._least_rays:
-                self.link.start_job(PROBES, laid_probes, scene)
+                self.link.start_job(PROBES, laid_probes, scene, role="awaited")
             else:
                 self._lay_out(scene, None)
 
@@ -220,7 +220,8 @@ class LightTransport(Module):
 
     def _lay_out(self, scene: SceneOpened, prepared: "Unwritten[Prepared] | None") -> None:
         rays, of_still = self._quality.rays, self._least_rays > 0
-        self.link.start_job(LAYOUT, laid_out, scene, self._planned, rays, prepared, of_still)
+        asked = scene, self._planned, rays, prepared, of_still
+        self.link.start_job(LAYOUT, laid_out, *asked, role="awaited")
 
     def _take_layout(self, laid: Laid) -> None:
         self._laid = laid
@@ -254,7 +255,8 @@ class LightTransport(Module):
         count = min(count, self._quality.rays - done.rays)
         if count > 0:
             wanted, of_still = self._quality.rays, self._least_rays > 0
-            self.link.start_job(RAYS, with_rays, done.bake, count, wanted, of_still)
+            asked = done.bake, count, wanted, of_still
+            self.link.start_job(RAYS, with_rays, *asked, role="refines")
 
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None
@@ -307,7 +309,8 @@ class LightTransport(Module):
         else:
             self._hours_under_way += 1
         of_still = self._least_rays > 0
-        self.link.start_job(HOUR, lit, self._round.bake, layout_key, hour, of_still)
+        asked = self._round.bake, layout_key, hour, of_still
+        self.link.start_job(HOUR, lit, *asked, role="awaited")
 
     def _light_view(self) -> None:
         """Light the points that a finished still shows, by the last rays, if somebody wants it."""
@@ -326,7 +329,7 @@ class LightTransport(Module):
             return
         key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)
         bake, hour = self._round.bake, self._asked.hour
-        self.link.start_job(VIEW, view_lit, bake, key, hour, asked, points)
+        self.link.start_job(VIEW, view_lit, bake, key, hour, asked, points, role="refines")
 
     def _present_hour(self) -> HourMessages | None:
         summed = self.link.last(SkyLightChanged)

@@ -51,7 +51,7 @@ class HeadlessStage:
 
     def __init__(self):
         self.kernel, self.failures = daylight_kernel(WindowJobs())
-        self._view = SceneView()
+        self._view = SceneView(self.kernel)
         self.kernel.add_module(SceneManager, view=self._view, cube_size=16)
         self.kernel.pump_until_idle()
         self.pass_seconds = {}
@@ -76,6 +76,10 @@ class HeadlessStage:
     @property
     def state(self):
         return self._view.state
+
+    @property
+    def revision(self):
+        return self._view.revision
 
     def light_at_pixel(self, x, y):
         return None

@@ -89,7 +89,7 @@ class EngineHost:
         self.samples: int = settings.spp
         self._traced: Callable[[int], None] = lambda samples: None
         self._backend = module.open_engine(settings, lambda samples: self._traced(samples))
-        self._view = SceneView(self._backend)
+        self._view = SceneView(self.kernel, self._backend)
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
         self.kernel.add_module(SceneManager, view=self._view, light_map=False)
         # Clouds are seen in the sky that lights.

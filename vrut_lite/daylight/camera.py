@@ -1,6 +1,7 @@
 """The camera: as the user moves it, as a scene brings it, and the rays through its pixels."""
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,8 @@ _FRAMING_MARGIN = 1.08
 
 class MoveCamera(Input, frozen=True, kw_only=True):
     """Look from `eye_m` to `target_m`, world axes."""
+
+    revises: ClassVar[bool] = False
 
     eye_m: Vector
     target_m: Vector

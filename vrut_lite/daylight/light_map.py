@@ -247,6 +247,7 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
             and -z; None where the layout has no probes.
         rays: number of rays of each texel.
+        sky_level: `AmbientChanged.level` of the hour; None where it is not known.
         visible_sky: (height, width, 4) float16: the share of the sky that is seen from a texel in
             direction d, world axes, is RGB . d + alpha, kept in [0, 1]. None where it is not known:
             the share of the sky's irradiance then stands for it.
@@ -266,9 +267,12 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     source: str
     mirrors: Array | None = None
     visible_sky: Array | None = None
+    sky_level: float | None = None
 
     def check(self) -> None:
         """Arrays of these shapes."""
+        if self.sky_level is not None:
+            checks.number(self, "sky_level", 0.0, MOST_LIGHT)
         checks.text(self, "layout_key", "source")
         checks.arrays(self, {"texels": ("<f2", ("H", "W", 4))})
         _check_lengths(self, "texels", self.texels.shape[:2], 1, LARGEST_EDGE)

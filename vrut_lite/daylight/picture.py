@@ -1,6 +1,6 @@
 """The picture: its size, how radiance becomes colours in it, and clicks in it."""
 
-from typing import Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 from vrut_lite import checks
 from vrut_lite.kernel.messages import Input
@@ -16,6 +16,8 @@ LOWEST_K, HIGHEST_K, MOST_DUV = 1700.0, 25_000.0, 0.05
 
 class Resize(Input, frozen=True, kw_only=True):
     """The picture's size in pixels."""
+
+    revises: ClassVar[bool] = False
 
     width_px: int
     height_px: int
@@ -33,6 +35,8 @@ class SetExposure(Input, frozen=True, kw_only=True):
     `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown
     white; 6504 K leaves colours as they are.
     """
+
+    revises: ClassVar[bool] = False
 
     mode: Literal["auto", "manual"] = "auto"
     ev100: float = 15.0
@@ -58,6 +62,8 @@ class PictureClicked(Input, frozen=True, kw_only=True):
     the scene's file gives it, "ground" for the ground around the scene; linear sRGB radiance
     towards the eye in W m^-2 sr^-1, as the picture shows it.
     """
+
+    revises: ClassVar[bool] = False
 
     position_m: Vector
     normal: Vector

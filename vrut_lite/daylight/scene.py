@@ -1,6 +1,7 @@
 """The scene: the file to open, its content, and the light and air that it needs."""
 
 import hashlib
+from typing import ClassVar
 
 from vrut_lite import checks
 from vrut_lite.array import Array
@@ -25,6 +26,8 @@ class LoadScene(Input, frozen=True, kw_only=True):
     variants of materials, in the same way as `camera`; empty for the default ones. `glazing` says
     by their names which materials are glass.
     """
+
+    is_barrier: ClassVar[bool] = True
 
     path: str
     placement: Placement = Placement()

@@ -3,11 +3,14 @@
 from typing import ClassVar, Literal
 
 import msgspec
+import numpy as np
+from numpy.typing import ArrayLike
 
 from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Number, Vector
 
@@ -101,6 +104,11 @@ class AmbientChanged(Derived, frozen=True, kw_only=True):
     source: str
     lamps_rgb: Vector = NO_LAMPS
 
+    @property
+    def level(self) -> float:
+        """The mean luminance of sky and ground around the scene, times a constant; at least 0."""
+        return mean_level(self.irradiance_sh_rgb.values)
+
     def check(self) -> None:
         """The harmonics of order 4 and below."""
         checks.array(self, "irradiance_sh_rgb", (25, 3), ("<f4", "<f8"))
@@ -110,6 +118,11 @@ class AmbientChanged(Derived, frozen=True, kw_only=True):
     def check_arrays(self) -> None:
         """Irradiance, which is finite."""
         checks.contents(self, "irradiance_sh_rgb", -MOST_LIGHT, MOST_LIGHT)
+
+
+def mean_level(irradiance_sh: ArrayLike) -> float:
+    """The mean luminance of all directions, times a constant, of harmonics (25, 3); at least 0."""
+    return max(0.0, float(luminance(np.asarray(irradiance_sh)[0])))
 
 
 class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
@@ -144,6 +157,8 @@ class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
 
 class LookAlong(Input, frozen=True, kw_only=True):
     """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
+
+    revises: ClassVar[bool] = False
 
     direction: Vector
 

@@ -383,13 +383,21 @@ class SkyModule(Module):
         if on_gpu and asked is None:
             self.ledger.skip("GpuJob: an hour for the CPU")
         job, made = (None, sky.background(size)) if asked is None else asked
-        return self._textures.first(CUBE_JOB, job, made.message(self.manifest.name))
+        return self._first(CUBE_JOB, job, made.message(self.manifest.name))
 
     def _air(self, sky: Sky, eye_height_m: float, reach_m: float, on_gpu: bool) -> Derived:
         asked = sky.gpu_air(eye_height_m, reach_m) if on_gpu else None
         job, volume = (None, sky.air(eye_height_m, reach_m)) if asked is None else asked
         message = AirChanged(volume=volume, source=self.manifest.name)
-        return self._textures.first(AIR_JOB, job, message)
+        return self._first(AIR_JOB, job, message)
+
+    def _first(
+        self, name: str, job: GpuJob | None, message: BackgroundChanged | AirChanged
+    ) -> Derived:
+        """What to post now: the message, or the job that makes its texture."""
+        if job is not None:
+            self.link.await_result(name)
+        return self._textures.first(name, job, message)
 
     def _gpu_serves(self, able: bool) -> bool:
         if not able or getattr(self.settings, "cube_device", "cpu") == "cpu":

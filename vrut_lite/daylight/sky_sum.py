@@ -152,7 +152,9 @@ class SkySum(Module):
         self._made_from, self._layers = made_from, layers
         middle_m, half_width_m = _square(scene)
         eye_m = (middle_m[0], self._height_m, middle_m[2])
-        self.link.start_job(JOB, sum_up, layers, *parts, eye_m, middle_m, half_width_m, size)
+        self.link.start_job(
+            JOB, sum_up, layers, *parts, eye_m, middle_m, half_width_m, size, role="awaited"
+        )
 
     def _unless_unseen(self, layers: tuple[CloudLayer, ...]) -> tuple[CloudLayer, ...]:
         """The layers, or the earlier ones where only a little wind separates them."""

@@ -1,5 +1,7 @@
 """What a sky module waits for: its preparation by a background job, and GPU textures."""
 
+from collections import deque
+
 import msgspec
 
 from vrut_lite.daylight.air import AirChanged
@@ -9,9 +11,11 @@ from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sky_of_hour import Prepared, Work
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Derived, JobResult
-from vrut_lite.kernel.module import Link
+from vrut_lite.kernel.module import Link, Role
 
 SOLVE = "solve"
+# Of one name one job runs and one waits.
+_RUNS_AND_WAITS = 2
 Awaiting = BackgroundChanged | AirChanged
 
 
@@ -30,51 +34,69 @@ class Preparation:
         self.latest: Prepared | None = None
         self.ready = False
         self._done: Work | None = None
-        # What is to be done in the end, and what is being done for it.
+        # What is to be done in the end, and what runs and waits for it.
         self._asked: Work | None = None
-        self._running: Work | None = None
+        self._started: deque[Work] = deque()
+        # Whether a draft of what runs is shown.
+        self._drafted = False
         self._failed: Work | None = None
 
     def ask(self, work: Work | None) -> None:
-        """Start work, unless it is done, is running, or was the last to fail."""
+        """Start work, unless it is done, is running, or was the last to fail.
+
+        What runs ends first, so that a hand sees some of what it passes; but not where its draft is
+        shown already.
+        """
         if work is None:
             self.ready = True
             return
         first, work = work.first, work._replace(first=None)
         if work == self._asked:
             return
-        self.drop()
+        if self._drafted or work in (self._failed, self._done):
+            self.drop()
+        elif self._asked is not None:
+            self._ledger.skip("preparation overtaken by a newer one")
         if work == self._failed:
             return
         self._failed = None
         if work != self._done:
             self._asked = work
             sooner = first is not None and self.ready and first != self._done
-            self._start(first if sooner and first is not None else work)
+            self._start(first if sooner and first is not None else work, "awaited")
 
-    def _start(self, work: Work) -> None:
-        self._running = work
-        self._link.start_job(SOLVE, work.function, *work.arguments)
+    def _start(self, work: Work, role: Role) -> None:
+        if len(self._started) == _RUNS_AND_WAITS:
+            self._started.pop()
+        self._started.append(work)
+        self._link.start_job(SOLVE, work.function, *work.arguments, role=role)
 
     def drop(self) -> None:
         """Give up the work that is being done."""
         if self._asked is not None:
             self._ledger.skip("preparation overtaken by a newer one")
             self._asked = None
+            self._drafted = False
+            self._started.clear()
             self._link.cancel_job(SOLVE)
 
     def take(self, result: JobResult) -> bool:
         """Take in a job's result; whether there is something new."""
-        asked, work = self._asked, self._running
-        if result.error or asked is None or work is None:
-            self._failed, self._asked = asked, None
+        asked = self._asked
+        if asked is None or not self._started:
+            return False
+        work = self._started.popleft()
+        if result.error:
+            if not self._started:
+                self._failed, self._asked, self._drafted = asked, None, False
             return False
         self._done, self.latest, self.ready = work, Prepared(work.of, result.value), True
         self._ledger.did("preparation")
         if work == asked:
-            self._asked = None
-        else:
-            self._start(asked)
+            self._asked, self._drafted = None, False
+        elif not self._started:
+            self._drafted = True
+            self._start(asked, "drafted")
         return True
 
 

@@ -67,6 +67,8 @@ class Kernel:
         self._own_acts = self._acts()
         self.dispatcher.act_on = self._act_on
         self._watchers: list[Callable[[Input], None]] = []
+        # Number of the group of inputs that began the last revision.
+        self._group = 0
         self._on_inject: Callable[[], None] | None = None
         self._pumping = False
 
@@ -117,9 +119,9 @@ class Kernel:
 
     # --- in and out ------------------------------------------------------------------
 
-    def inject(self, message: Input) -> None:
-        """Queue an input, from any thread; `pump` admits it."""
-        self._inbox.put(message)
+    def inject(self, *messages: Input) -> None:
+        """Queue inputs, from any thread; `pump` admits them. Together they begin one revision."""
+        self._inbox.put(*messages)
         if self._on_inject is not None:
             self._on_inject()
 
@@ -140,8 +142,26 @@ class Kernel:
         """How many inputs wait to be admitted."""
         return len(self._inbox)
 
-    def pump(self, most: int | None = None) -> int:
+    @property
+    def revision(self) -> int:
+        """The number of the last revision; 0 before the first."""
+        return self.jobs.latest
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all that was admitted has had its consequences, but for drafts and refinement."""
+        return not (self._pumping or self.jobs.awaited)
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether an input waits that the present revision lets in."""
+        return self._inbox.has_within(self._group)
+
+    def pump(self, most: int | None = None, within: bool = False) -> int:
         """Admit inputs until none is left, or `most` of them; the number of transactions.
+
+        `within` the present revision only inputs are admitted that begin no other: results of
+        jobs, the rest of the inputs that began it, moves of the camera.
 
         Raises:
             RuntimeError: called from a handler, which would nest transactions.
@@ -152,14 +172,16 @@ class Kernel:
         transactions = 0
         try:
             if self.dispatcher.waits:
+                self.jobs.revision = 0
                 self.beginning.note(Step())
                 self.dispatcher.settle()
             taken = 0
-            while taken != most and (message := self._inbox.take()) is not None:
+            while taken != most and (entry := self._next(within)) is not None:
                 taken += 1
+                message, group = entry
                 # The result of a cancelled job is dropped.
                 if not isinstance(message, JobResult) or self._is_awaited(message):
-                    self._transact(message)
+                    self._transact(message, group)
                     transactions += 1
         finally:
             self._pumping = False
@@ -190,9 +212,19 @@ class Kernel:
         return self.seats[module].last_fault
 
     def _is_awaited(self, result: JobResult) -> bool:
-        return refusal_of(result) is not None or self.jobs.admit(result)
+        if refusal_of(result) is None:
+            return self.jobs.admit(result)
+        self.jobs.revision = 0
+        return True
 
-    def _transact(self, message: Input) -> None:
+    def _next(self, within: bool) -> tuple[Input, int] | None:
+        return self._inbox.take_within(self._group) if within else self._inbox.take()
+
+    def _transact(self, message: Input, group: int) -> None:
+        if not isinstance(message, JobResult):
+            if message.revises and group != self._group:
+                self.jobs.latest, self._group = self.jobs.latest + 1, group
+            self.jobs.revision = self.jobs.latest if message.revises else 0
         if not self.beginning.ended_by:
             self.beginning.note(Step(input=message))
         for watcher in self._watchers:

@@ -5,7 +5,10 @@ from collections import OrderedDict
 from typing import Any
 
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel.messages import Input
+from vrut_lite.kernel.messages import Input, JobResult
+
+# An input and the number of its group: inputs that were put together.
+Entry = tuple[Input, int]
 
 
 class Inbox:
@@ -17,31 +20,31 @@ class Inbox:
     """
 
     def __init__(self) -> None:
-        self._entries: OrderedDict[Any, Input] = OrderedDict()
+        self._entries: OrderedDict[Any, Entry] = OrderedDict()
         self._serial = 0
+        self._group = 0
         self._last_of_timeline: dict[str, Any] = {}
         self._lock = threading.Lock()
 
-    def put(self, message: Input) -> None:
-        """Append, in place of an input of equal type and key that still waits."""
-        try:
-            message.check()
-            key = message.key()
-            hash(key)
-        # It will be refused, so that it must not merge with a waiting input.
-        except BaseException as error:
-            pass_interrupt(error)
-            key = None
+    def put(self, *messages: Input) -> None:
+        """Append a group, each input in place of one of equal type and key that still waits."""
+        keys = [_key_of(message) for message in messages]
         with self._lock:
-            if key is None:
-                self._serial += 1
-                self._entries[self._serial] = message
-                return
-            place: Any = (type(message), key)
-            if message.timeline is not None:
-                place = self._place_in_timeline(message.timeline, place)
-            older = self._entries.pop(place, None)
-            self._entries[place] = message if older is None else message.merged(older)
+            self._group += 1
+            for message, key in zip(messages, keys, strict=True):
+                self._put(message, key)
+
+    def _put(self, message: Input, key: Any) -> None:
+        if key is None:
+            self._serial += 1
+            self._entries[self._serial] = (message, self._group)
+            return
+        place: Any = (type(message), key)
+        if message.timeline is not None:
+            place = self._place_in_timeline(message.timeline, place)
+        older = self._entries.pop(place, None)
+        merged = message if older is None else message.merged(older[0])
+        self._entries[place] = (merged, self._group)
 
     def _place_in_timeline(self, timeline: str, place: Any) -> Any:
         """The place of the timeline's last input, if that is of this kind, or a new one."""
@@ -52,10 +55,46 @@ class Inbox:
             self._last_of_timeline[timeline] = last
         return last
 
-    def take(self) -> Input | None:
+    def take(self) -> Entry | None:
         """The first input, or None when none waits."""
         with self._lock:
             return self._entries.popitem(last=False)[1] if self._entries else None
 
+    def take_within(self, group: int) -> Entry | None:
+        """The first input that begins no revision, but for inputs of a group; or None.
+
+        A job's result overtakes all inputs, and the others all but a barrier.
+        """
+        with self._lock:
+            place = self._first_within(group)
+            return None if place is None else self._entries.pop(place)
+
+    def has_within(self, group: int) -> bool:
+        """Whether `take_within` would find an input."""
+        with self._lock:
+            return self._first_within(group) is not None
+
+    def _first_within(self, group: int) -> Any:
+        barred = False
+        for place, (message, its_group) in self._entries.items():
+            if isinstance(message, JobResult):
+                return place
+            if not barred and (its_group == group or not message.revises):
+                return place
+            barred = barred or message.is_barrier
+        return None
+
     def __len__(self) -> int:
         return len(self._entries)
+
+
+def _key_of(message: Input) -> Any:
+    """A checked input's key; None for one that will be refused, which merges with none."""
+    try:
+        message.check()
+        key = message.key()
+        hash(key)
+    except BaseException as error:
+        pass_interrupt(error)
+        return None
+    return key

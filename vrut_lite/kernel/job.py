@@ -10,6 +10,7 @@ from vrut_lite.foreign_errors import described
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.contract import refuse_unrun
 from vrut_lite.kernel.messages import JobResult
+from vrut_lite.kernel.module import Role
 from vrut_lite.kernel.trace import Trace
 
 Key = tuple[str, str]
@@ -39,10 +40,25 @@ class JobControl:
 
 
 class Job:
-    """One start of a module's work, under the module's name and the job's."""
+    """One start of a module's work, under the module's name and the job's.
 
-    def __init__(self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace):
+    Attributes:
+        role: what the result is to its revision.
+        revision: that started it; 0 where none did.
+    """
+
+    def __init__(
+        self,
+        key: Key,
+        work: Work,
+        arguments: tuple[Any, ...],
+        trace: Trace,
+        role: Role = "aside",
+        revision: int = 0,
+    ):
         self.key = key
+        self.role: Role = role
+        self.revision = revision
         module, name = key
         self.control = JobControl(lambda text: trace.remark("progress", module, f"{name}: {text}"))
         self._work = work

@@ -1,4 +1,4 @@
-"""Which background job runs and which waits.
+"""Which background job runs and which waits, and which of them a revision awaits.
 
 Both change only in transactions, so that a replay finds them the same: a result frees its
 place when it is admitted, not when the work happens to end.
@@ -10,6 +10,7 @@ from typing import Any
 from vrut_lite.kernel.job import Job, Key, Work
 from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.messages import Input, JobResult
+from vrut_lite.kernel.module import Role
 from vrut_lite.kernel.trace import Trace
 
 # Sender of the results of the kernel's own jobs; the host sends all other results.
@@ -17,15 +18,23 @@ JOBS = "jobs"
 
 
 class JobDesk:
-    """One running and one pending job for each module and name; the latest pending wins."""
+    """One running and one pending job for each module and name; the latest pending wins.
+
+    `revision` is that of the running transaction: of its input, of the job whose result it
+    delivers, or 0. An awaited job that a transaction without a revision starts refines instead. A
+    result that a draft stood in for belongs to the `latest` revision, which awaits what it causes.
+    """
 
     def __init__(self, runner: JobRunner, inject: Callable[[Input], None], trace: Trace):
+        self.revision = self.latest = 0
         self._runner = runner
         self._inject = inject
         self._trace = trace
         self._running: dict[Key, Job] = {}
         self._pending: dict[Key, Job] = {}
         self._sent: dict[int, Job] = {}
+        # Revisions of results that come from outside, as a GPU's do.
+        self._outside: dict[Key, int] = {}
         self._own: int | None = None
 
     @property
@@ -37,16 +46,53 @@ class JobDesk:
         """Whether this module waits for a result."""
         return any(key[0] == module for key in self._running)
 
-    def start(self, key: Key, work: Work, arguments: tuple[Any, ...]) -> None:
+    def modules(self, *roles: Role) -> tuple[str, ...]:
+        """Names of the modules whose jobs have one of these roles, running or pending."""
+        jobs = (*self._running.values(), *self._pending.values())
+        found = [job.key[0] for job in jobs if job.role in roles]
+        if "awaited" in roles:
+            found += [module for module, _ in self._outside]
+        return tuple(dict.fromkeys(found))
+
+    @property
+    def awaited(self) -> bool:
+        """Whether a revision lacks a result."""
+        return bool(self._outside) or any(
+            job.role == "awaited"
+            for jobs in (self._running, self._pending)
+            for job in jobs.values()
+        )
+
+    def await_no_longer(self) -> None:
+        """Let drafts serve in place of all results that are awaited."""
+        self._outside.clear()
+        for jobs in (self._running, self._pending):
+            for job in jobs.values():
+                if job.role == "awaited":
+                    job.role, job.revision = "drafted", 0
+
+    def await_from_outside(self, key: Key) -> None:
+        """Let this revision await a result that no job of the kernel brings."""
+        if self.revision:
+            self._outside[key] = self.revision
+
+    def start(self, key: Key, work: Work, arguments: tuple[Any, ...], role: Role = "aside") -> None:
         """Run the work now, or when the job of this key that runs is done."""
-        job = Job(key, work, arguments, self._trace)
+        if role == "awaited" and not self.revision:
+            role = "refines"
+        job = Job(key, work, arguments, self._trace, role, self.revision)
         if key in self._running:
+            older = self._pending.get(key)
+            if older is not None and older.role == "awaited":
+                # The older's revision has only this one to wait for.
+                job.role, job.revision = "awaited", max(job.revision, older.revision)
             self._pending[key] = job
         else:
             self._run(job)
 
     def cancel(self, key: Key) -> None:
         """Drop what waits, and the result of what runs."""
+        self._outside.pop(key, None)
         self._pending.pop(key, None)
         running = self._running.pop(key, None)
         if running is not None:
@@ -54,7 +100,7 @@ class JobDesk:
 
     def cancel_all(self, module: str | None = None) -> None:
         """Cancel every job, of one module or of all."""
-        for key in [key for key in self._running if module in (None, key[0])]:
+        for key in [key for key in (*self._running, *self._outside) if module in (None, key[0])]:
             self.cancel(key)
 
     def admit(self, result: JobResult) -> bool:
@@ -69,6 +115,10 @@ class JobDesk:
         if sent is not None and sent is not running:
             return False
         self._own = None if sent is None else id(result)
+        if sent is None:
+            self.revision = self._outside.pop(key, 0)
+        else:
+            self.revision = self.latest if sent.role == "drafted" else sent.revision
         if running is not None:
             del self._running[key]
             running.control.cancel()

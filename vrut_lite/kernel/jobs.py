@@ -9,7 +9,7 @@ from vrut_lite.kernel.job import Job, Key
 from vrut_lite.kernel.messages import JobResult
 
 Finish = Callable[[Job, JobResult], None]
-_WORKERS = 4
+WORKERS = 4
 
 
 class JobRunner(Protocol):
@@ -32,7 +32,7 @@ class ThreadRunner:
     """
 
     def __init__(self) -> None:
-        self._executor = ThreadPoolExecutor(_WORKERS, "vrut-lite job")
+        self._executor = ThreadPoolExecutor(WORKERS, "vrut-lite job")
         self._busy: dict[Key, Job] = {}
         self._waiting: dict[Key, tuple[Job, Finish]] = {}
         self._changed = threading.Condition()
@@ -44,6 +44,9 @@ class ThreadRunner:
                 self._waiting[job.key] = (job, finish)
                 return
             self._busy[job.key] = job
+        self._submit(job, finish)
+
+    def _submit(self, job: Job, finish: Finish) -> None:
         self._executor.submit(self._run, job, finish)
 
     def wait(self) -> None:
@@ -71,4 +74,4 @@ class ThreadRunner:
                 finish(job, result)
             self._changed.notify_all()
         if successor is not None:
-            self._executor.submit(self._run, *successor)
+            self._submit(*successor)

@@ -53,6 +53,10 @@ class Input(Message, frozen=True, kw_only=True):
 
     # Inputs of one timeline merge only with its last: their order matters.
     timeline: ClassVar[str | None] = None
+    # Whether it begins a revision. One that does not may overtake waiting inputs that do.
+    revises: ClassVar[bool] = True
+    # Whether no later input overtakes it.
+    is_barrier: ClassVar[bool] = False
     # Whether another process sent it: its faults are posted, but no command fails for them.
     by_stranger: ClassVar[bool] = False
 
@@ -153,6 +157,8 @@ class Demand(Input, frozen=True, kw_only=True):
     that is a module holds while that module runs.
     """
 
+    revises: ClassVar[bool] = False
+
     consumer: str
     message: str
     size: int | None = None
@@ -178,8 +184,11 @@ class JobResult(Input, frozen=True, kw_only=True):
     """A background or GPU job is done; `error` tells why not, if it is not.
 
     Only the module that asked hears it; a result that is no longer wanted is dropped.
-    Work that raised leaves its `trace`, and is told as a `Fault` too.
+    Work that raised leaves its `trace`, and is told as a `Fault` too. It belongs to the revision
+    in which its job was started.
     """
+
+    revises: ClassVar[bool] = False
 
     module: str
     job: str

@@ -1,7 +1,7 @@
 """The contract between the kernel and a module."""
 
 from collections.abc import Callable, Iterator
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 import msgspec
 
@@ -10,6 +10,10 @@ from vrut_lite.kernel.messages import Demand, Derived, Encoding, Input, Message
 
 M = TypeVar("M", bound=Message)
 Handler = Callable[[Any, Any], None]
+# What a job's result is to the revision that started it. "awaited": the revision is not whole
+# before; "drafted": a draft of it serves meanwhile; "refines": it makes finer what is there;
+# "aside": no part of it.
+Role = Literal["aside", "refines", "drafted", "awaited"]
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
@@ -66,13 +70,21 @@ class Link(Protocol):
         until the new holder has spoken.
         """
 
-    def start_job(self, name: str, work: Callable[..., Any], *arguments: Any) -> None:
+    def start_job(
+        self, name: str, work: Callable[..., Any], *arguments: Any, role: Role = "aside"
+    ) -> None:
         """Run `work(*arguments)` in the background; a `JobResult` brings what it returns.
 
         Work is a plain function of its arguments, which must not be changed; if it has a
         parameter named `control` it gets a `JobControl`. One job of a name runs and one waits,
         the latest. A replay does the work where its result was admitted, or never.
+
+        `role` says what the result is to the present revision, as "awaited": pictures show the
+        revision only with it. What its result starts belongs to the same revision.
         """
+
+    def await_result(self, name: str) -> None:
+        """Let the present revision await a `JobResult` of this name that the GPU brings."""
 
     def cancel_job(self, name: str) -> None:
         """Forget the running and the waiting job of a name: neither brings a result."""

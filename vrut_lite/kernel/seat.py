@@ -13,7 +13,7 @@ from vrut_lite.kernel.job import Work
 from vrut_lite.kernel.job_desk import JobDesk
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Demand, Derived, Encoding, Fault, Message
-from vrut_lite.kernel.module import Manifest, Module
+from vrut_lite.kernel.module import Manifest, Module, Role
 
 M = TypeVar("M", bound=Message)
 State = Literal["running", "disabled", "suspended"]
@@ -128,7 +128,7 @@ class ModuleLink:
         """See `Link`."""
         return self._kernel.last(message_type)
 
-    def start_job(self, name: str, work: Work, *arguments: Any) -> None:
+    def start_job(self, name: str, work: Work, *arguments: Any, role: Role = "aside") -> None:
         """See `Link`."""
         if not (isinstance(name, str) and callable(work)):
             raise TypeError("a job has a name, a text, and work that can be called")
@@ -141,7 +141,12 @@ class ModuleLink:
             what = f"started over {JOBS_IN_A_CHAIN} jobs after one input"
             self._end(f"start_job {name}", what)
         else:
-            self._kernel.jobs.start((self.name, name), work, arguments)
+            self._kernel.jobs.start((self.name, name), work, arguments, role)
+
+    def await_result(self, name: str) -> None:
+        """See `Link`."""
+        if self.alive:
+            self._kernel.jobs.await_from_outside((self.name, name))
 
     def cancel_job(self, name: str) -> None:
         """See `Link`."""

@@ -13,7 +13,7 @@ from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
-from vrut_lite.daylight.sky import ViewShader
+from vrut_lite.daylight.sky import ViewShader, mean_level
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
@@ -33,7 +33,6 @@ from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_c
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
-from vrut_lite.render.staleness import sky_level
 from vrut_lite.render.still_picture import StillPictures
 from vrut_lite.scene.backend import IsGivenUp
 
@@ -221,7 +220,7 @@ class Frame:
         elif glossy or not skips.reflection:
             slices = None if still else SLICES_A_FRAME
             always = not skips.reflection
-            self._filter.update(light.mirrored, slices, always, sky_level(light))
+            self._filter.update(light.mirrored, slices, always, mean_level(light.irradiance_sh))
         else:
             self.ledger.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture

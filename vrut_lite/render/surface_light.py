@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
+from vrut_lite.daylight.sky import mean_level
 from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -19,7 +20,7 @@ from vrut_lite.render.mirror_cubes import MirrorCubes
 from vrut_lite.render.open_irradiance import open_irradiance
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
-from vrut_lite.render.staleness import age_factor, sky_level
+from vrut_lite.render.staleness import age_factor
 from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.
@@ -36,8 +37,6 @@ class SurfaceLightOnGpu:
         self._block = context.buffer(reserve=SURFACE_LIGHT.size_bytes)
         self._laid: LightMapLaid | None = None
         self._light: SurfaceLightChanged | None = None
-        # The level of the sky with which it was drawn first; none: not drawn yet.
-        self._level: float | None = None
         self._open_sky: Any = None
         self._harmonics: NDArray | None = None
         self._map: Any = None
@@ -56,7 +55,7 @@ class SurfaceLightOnGpu:
 
     def show(self, light: SurfaceLightChanged | None) -> None:
         """Upload the light of an hour in place of the last; None where there is none."""
-        self._light, self._level = light, None
+        self._light = light
         self._sees_sky.clear()
         mirrors = None if light is None or self._laid is None else self._laid.mirrors
         self._mirrors.show(mirrors, light)
@@ -135,13 +134,13 @@ class SurfaceLightOnGpu:
         """Set light and layout for all meshes that are drawn next, relative to an eye (3,)."""
         if self._light is None or self._laid is None:
             return
-        now = sky_level(light)
-        self._level = now if self._level is None else self._level
+        now, then = mean_level(light.irradiance_sh), self._light.sky_level
+        age = 1.0 if then is None else age_factor(now, then)
         ground, probes = self._laid.ground or _NO_GROUND, self._laid.probes or _NO_PROBES
         self._block.write(
             SURFACE_LIGHT.packed(
                 texel=1.0 / np.array(self._laid.size_px),
-                radiance_scale=self._light.radiance_scale * age_factor(now, self._level),
+                radiance_scale=self._light.radiance_scale * age,
                 ground_warp=ground.warp,
                 ground_slope=np.sinh(ground.warp),
                 ground_first=np.array(ground.corner_px) + 0.5,

@@ -1,9 +1,11 @@
 """The interface of renderers: OpenGL, a path tracer, or none."""
 
 from collections.abc import Callable
-from typing import Protocol
+from dataclasses import replace
+from typing import Any, Protocol
 
 from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.kernel.bus import Kernel
 from vrut_lite.pictures.picture import Picture
 
 IsGivenUp = Callable[[], bool]
@@ -41,14 +43,45 @@ class SceneBackend(Protocol):
 class SceneView:
     """The scene's state and the backend that draws it, where there is one.
 
-    The scene manager replaces the state; the host draws it, also while the manager is restarted.
+    The scene manager changes `pending`, part by part. `state` is what the host draws, also while
+    the manager is restarted: `pending` when the kernel's revision is whole, and until the next one
+    is, so that all parts of a picture are of one revision. Camera and size are always the present
+    ones. Without a kernel nothing is awaited.
     """
 
-    def __init__(self, backend: SceneBackend | None = None):
-        self.state = SceneState()
+    def __init__(self, kernel: Kernel | None = None, backend: SceneBackend | None = None):
+        self._kernel = kernel
         self._backend = backend
+        # Names of the parts of `pending` that were made from earlier light than the others.
+        self.outdated: set[str] = set()
+        self.pending = self._published = self._state = SceneState()
+        self._revision = 0
+
+    @property
+    def state(self) -> SceneState:
+        """The parts of the last whole revision, seen by the present camera."""
+        if self._kernel is None or self._kernel.is_whole:
+            self._revision = 0 if self._kernel is None else self._kernel.revision
+            if self.pending is not self._published:
+                self._published = self.pending
+                self._state = replace(self.pending, **dict.fromkeys(self.outdated))
+        return self._state
+
+    @property
+    def revision(self) -> int:
+        """The number of the last revision that was whole when `state` was asked for."""
+        return self._revision
+
+    def look(self, **parts: Any) -> None:
+        """Replace camera, size, exposure or section in both states.
+
+        The shown one keeps its own until it shows the pending one's scene.
+        """
+        self.pending = replace(self.pending, **parts)
+        if self._published.scene is self.pending.scene:
+            self._state = replace(self._state, **parts)
 
     def prepare(self) -> None:
         """Let the backend upload the changes; UserError as in `SceneBackend.prepare`."""
         if self._backend is not None:
-            self._backend.prepare(self.state)
+            self._backend.prepare(self.pending)

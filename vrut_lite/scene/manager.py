@@ -32,6 +32,8 @@ from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
+# The part that is summed from the other parts of the sky, and may follow them late.
+_SUM = "sky_light"
 Animated = Literal["rest", "time", "clock"]
 
 
@@ -119,8 +121,8 @@ class SceneManager(Module):
 
     @property
     def state(self) -> SceneState:
-        """The state of the view."""
-        return self._view.state
+        """The pending state of the view, of which some parts may be earlier than others."""
+        return self._view.pending
 
     # --- what is to be seen, from where -------------------------------------------------
 
@@ -179,19 +181,19 @@ class SceneManager(Module):
     @handles(MoveCamera)
     def on_camera(self, message: MoveCamera) -> None:
         """Look from there instead of the scene's own or the framing camera."""
-        self._change(moved_camera=message)
+        self._view.look(moved_camera=message)
         self._look()
 
     @handles(Resize)
     def on_resize(self, message: Resize) -> None:
         """Draw pictures of this size."""
-        self._change(size_px=(message.width_px, message.height_px))
+        self._view.look(size_px=(message.width_px, message.height_px))
         self._look()
 
     @handles(SetExposure)
     def on_exposure(self, message: SetExposure) -> None:
         """Expose like this."""
-        self._change(exposure=message)
+        self._view.look(exposure=message)
 
     @handles(SetTolerance)
     def on_tolerance(self, message: SetTolerance) -> None:
@@ -220,7 +222,7 @@ class SceneManager(Module):
             at_m = lower_m + said.section_at * (upper_m - lower_m)
             section = section_of(said.section, at_m, said.section_keeps)
         if section != self.state.section:
-            self._change(section=section)
+            self._view.look(section=section)
             normal, offset_m = section or (None, 0.0)
             self.link.post(SectionChanged(normal=normal, offset_m=offset_m))
 
@@ -233,21 +235,25 @@ class SceneManager(Module):
         Raises:
             UserError: its own shader does not compile; its cube map is shown.
         """
-        self._hour_moved = True
-        self._view.state = self.state.with_light(background=message)
+        self._take_light(background=message)
         if message.view is not None:
             self._view.prepare()
 
     @handles(KeyLightChanged)
     def on_key_light(self, message: KeyLightChanged) -> None:
         """Let this light cast shadows."""
-        self._hour_moved = True
-        self._view.state = self.state.with_light(key_light=message)
+        self._take_light(key_light=message)
 
     @handles(AmbientChanged)
     def on_ambient(self, message: AmbientChanged) -> None:
         """Light with this sky."""
-        self._view.state = self.state.with_light(ambient=message)
+        self._take_light(ambient=message)
+
+    def _take_light(self, **light: Any) -> None:
+        self._hour_moved = True
+        if self.state.sky_light is not None:
+            self._view.outdated.add(_SUM)
+        self._view.pending = self.state.with_light(**light)
 
     @handles(SkyRadianceChanged)
     def on_sky_radiance(self, message: SkyRadianceChanged) -> None:
@@ -257,6 +263,7 @@ class SceneManager(Module):
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
         """Light and reflect with the sum of sky and layers, where there are layers."""
+        self._view.outdated.discard(_SUM)
         self._change(sky_light=message if message.layers else None)
 
     @handles(NightLightChanged)
@@ -337,14 +344,14 @@ class SceneManager(Module):
 
     def _take_surface_light(self) -> None:
         laid, light = self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)
-        self._view.state = (
+        self._view.pending = (
             self.state.with_surface_light(laid, light)
             if self._has_light_map
             else self.state.with_surface_light(None, None)
         )
 
     def _change(self, **parts: Any) -> None:
-        self._view.state = replace(self.state, **parts)
+        self._view.pending = replace(self.state, **parts)
 
     # --- what that needs ----------------------------------------------------------------
 

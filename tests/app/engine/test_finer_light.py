@@ -40,7 +40,7 @@ def test_a_picture_at_rest_is_finished_anew_when_the_light_of_its_points_arrives
     running.shown.clear()
 
     def arrives(stage):
-        stage._view.state = replace(stage.state, view_light=VIEW_LIGHT)
+        stage._view.pending = replace(stage.state, view_light=VIEW_LIGHT)
 
     running.engine.ask(arrives, changes=True).result(PATIENCE_MS / 1000)
     running.wait(0.5)
@@ -56,7 +56,7 @@ def test_light_that_comes_late_is_seen_in_a_finished_picture(running):
 
     def arrives(light):
         def change(stage):
-            stage._view.state = replace(stage.state, surface_light=light)
+            stage._view.pending = replace(stage.state, surface_light=light)
 
         running.shown.clear()
         running.engine.ask(change, changes=True).result(PATIENCE_MS / 1000)

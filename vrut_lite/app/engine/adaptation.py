@@ -3,12 +3,14 @@
 The first picture of a new scene, a chosen hour or a chosen place is metered. A moved camera adapts
 the exposure over half a second. The exposure then follows the picture, for example when a light map
 comes late, until playing or dragged time or a setting changes the light: from then on it is held,
-so that dusk darkens. Times are seconds of the engine's clock.
+so that dusk darkens. In a drag it never lets the picture err by more than three stops. Times are
+seconds of the engine's clock.
 """
 
-from math import exp
+from math import exp, log2
 
 import msgspec
+import numpy as np
 
 from vrut_lite.app.engine.history import GESTURE_S
 from vrut_lite.daylight.haze import SetHaze
@@ -17,6 +19,8 @@ from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     EnableModule,
@@ -37,8 +41,12 @@ _SETTLED_EV, _NEAR_EV = 0.04, 0.5
 _ENOUGH_PIXELS = 2**13
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
+# Largest error of the exposure in stops while an hour is dragged; from there it adapts.
+_MOST_OFF_EV = 3.0
 # Messages that change the light of the shown scene.
 _HOLDING = (Tick, SetSetting, SetTolerance, SetHaze, ChooseSlot, EnableModule)
+# All that `Adaptation.hear` acts on.
+LISTENED_TO = (SetClock, SetPlace, SurfaceLightChanged, *_HOLDING)
 
 
 class Adaptation:
@@ -51,7 +59,11 @@ class Adaptation:
         self.wakes_at_s: float | None = None
         # EV100 without compensation; None: the next picture is metered by itself.
         self._ev100: float | None = None
+        # What the last metered picture asked for, and the level of its light.
         self._seen_ev100 = 0.0
+        self._seen_level = 0.0
+        # Whether a drag has left the exposure behind.
+        self._catches_up = False
         self._stepped_s = 0.0
         # Whether the exposure follows the picture, and until when only camera moves do.
         self._follows = True
@@ -125,10 +137,11 @@ class Adaptation:
         self._state, self.wakes_at_s = state, None
         if self._ev100 is None:
             return state.exposure
+        step_s = min(now_s - self._stepped_s, _LONGEST_STEP_S)
         if self._follows:
-            step_s = min(now_s - self._stepped_s, _LONGEST_STEP_S)
-            way_ev = self._seen_ev100 - self._ev100
-            self._ev100 += way_ev * (1.0 - exp(-step_s / _TIME_CONSTANT_S))
+            self._adapt(self._seen_ev100 - self._ev100, step_s)
+        elif self._dragged:
+            self._stay_near(self._expected_ev100(state), step_s)
         # Counted from here: the time that drawing takes passes for the eye too.
         self._stepped_s = now_s
         return msgspec.structs.replace(state.exposure, mode="manual", ev100=self._ev100)
@@ -143,12 +156,34 @@ class Adaptation:
             self._stepped_s = now_s
         if exposure.mode == "auto":
             self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
-        elif self._follows:
+        elif self._follows or self._dragged:
             self._seen_ev100 = automatic_ev100(picture.radiance, _ENOUGH_PIXELS)
+        self._seen_level = _level(self._state)
         if not self._arrived:
             self.wakes_at_s = now_s + _STEP_S
         elif self._dragged:
             self.wakes_at_s = self._drag_ends_s
+
+    def _adapt(self, way_ev: float, step_s: float) -> None:
+        assert self._ev100 is not None
+        self._ev100 += way_ev * (1.0 - exp(-step_s / _TIME_CONSTANT_S))
+
+    def _stay_near(self, wanted_ev100: float, step_s: float) -> None:
+        """Hold the exposure unless it is far off; then adapt it until it is near."""
+        assert self._ev100 is not None
+        way_ev = wanted_ev100 - self._ev100
+        self._catches_up = abs(way_ev) > (_NEAR_EV if self._catches_up else _MOST_OFF_EV)
+        if self._catches_up:
+            beyond_ev = max(abs(way_ev) - _MOST_OFF_EV, 0.0)
+            self._ev100 += beyond_ev if way_ev > 0.0 else -beyond_ev
+            self._adapt(wanted_ev100 - self._ev100, step_s)
+
+    def _expected_ev100(self, state: SceneState) -> float:
+        """What a picture of a state will ask for, by its light beside that of the last picture."""
+        level = _level(state)
+        if level <= 0.0 or self._seen_level <= 0.0:
+            return self._seen_ev100
+        return self._seen_ev100 + log2(level / self._seen_level)
 
     def _follow(self, now_s: float) -> None:
         if not self._follows and self._ev100 is not None:
@@ -158,3 +193,14 @@ class Adaptation:
 
     def _hold(self, now_s: float) -> None:
         self._follows = now_s < self._follows_until_s
+
+
+def _level(state: SceneState) -> float:
+    """Luminance of white level ground in the open, times a constant; 0 without light."""
+    light = state if state.sky_light is None else state.sky_light
+    ambient, key_light = light.ambient, light.key_light
+    if ambient is None or key_light is None:
+        return 0.0
+    sky_rgb = evaluate_irradiance(ambient.irradiance_sh_rgb.values, (0.0, 1.0, 0.0))
+    direct_rgb = np.asarray(key_light.irradiance_rgb) * max(0.0, key_light.direction[1])
+    return max(0.0, float(luminance(np.maximum(sky_rgb, 0.0) + direct_rgb)))

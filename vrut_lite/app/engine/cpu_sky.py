@@ -76,7 +76,7 @@ class CpuSkyStage:
         self.kernel, failures = daylight_kernel(WindowJobs())
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
         self._backend = CpuSkyBackend()
-        self._view = SceneView(self._backend)
+        self._view = SceneView(self.kernel, self._backend)
         self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE, light_map=False)
         self.renderer = "CPU, sky alone"
         self.device: Device | None = None
@@ -88,8 +88,13 @@ class CpuSkyStage:
 
     @property
     def state(self) -> SceneState:
-        """The present state of the scene."""
+        """The state of the last whole revision."""
         return self._view.state
+
+    @property
+    def revision(self) -> int:
+        """The number of that revision."""
+        return self._view.revision
 
     def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
         """Draw a state; `is_given_up` is not asked, since this is quick."""

@@ -1,8 +1,9 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
-Each round the kernel admits the inputs that wait, then a frame is drawn. Inputs that arrive
-meanwhile merge in the kernel's inbox; shortly before a moving picture is done the kernel acts on
-them, beside it. A finished picture may take seconds; new inputs end it early.
+Each round the kernel admits the inputs of one revision, and a frame of the last whole one is
+drawn. Inputs that arrive meanwhile merge in the kernel's inbox; before a moving picture is done the
+kernel acts on them, beside it, so early that what they cause is whole when it is. A finished
+picture may take seconds; new inputs end it early.
 """
 
 import threading
@@ -15,10 +16,10 @@ from itertools import count
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
-from vrut_lite.app.engine.adaptation import Adaptation
-from vrut_lite.app.engine.awaited_light import LOOK_AGAIN_S, AwaitedLight
+from vrut_lite.app.engine.adaptation import LISTENED_TO, Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
+from vrut_lite.app.engine.revision_gate import DEADLINE_S, RevisionGate
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.engine.window_jobs import WindowJobs
@@ -26,7 +27,7 @@ from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Input, Message
+from vrut_lite.kernel.messages import KERNEL_MESSAGES, Derived, Input, Message
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.scene.backend import GivenUp
@@ -37,18 +38,36 @@ Question = Callable[[Stage], Any]
 READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
     "ready", "heard", "picture", "camera", "problem", "ended",
 )  # fmt: skip
-# The kernel is pumped so many times its last time before a picture is due: both take longer beside
-# each other.
+# The kernel begins a revision so many times its usual time before a picture is due: both take
+# longer beside each other.
 _EARLIER = 1.5
+# Messages that wait for the next picture's exposure; a clock that plays sends them while none moves.
+_MOST_HEARD = 1000
+# How long a finished picture waits for what drafts stand in for, and between two questions whether
+# it is there: the first light of any of the project's scenes takes less.
+_DRAFT_PATIENCE_S, _LOOK_AGAIN_S = 5.0, 0.05
 
 
 class Shown(NamedTuple):
-    """A picture, its time, whether it is finished (`still`), and whether its exposure is held."""
+    """A picture and what it shows.
+
+    Attributes:
+        picture: the pixels.
+        still: whether it is finished.
+        seconds: how long it was drawn.
+        held: whether its exposure is held.
+        revision: number of the kernel's revision that it shows.
+        drafts: names of modules for whose part a draft serves.
+        refining: names of modules that make their part finer.
+    """
 
     picture: Picture
     still: bool
     seconds: float
     held: bool = False
+    revision: int = 0
+    drafts: tuple[str, ...] = ()
+    refining: tuple[str, ...] = ()
 
 
 class Engine:
@@ -63,6 +82,7 @@ class Engine:
         tell: Callable[[Hashable, Any], None],
         attend: Callable[[Stage], AbstractContextManager[object]] = nullcontext,
         now_s: Callable[[], float] = perf_counter,
+        deadline_s: float = DEADLINE_S,
     ):
         self._open_stage = open_stage
         self._tell = tell
@@ -71,7 +91,7 @@ class Engine:
         self._lock = threading.Lock()
         # Inputs that were sent before there was a kernel.
         self._early: list[Input] = []
-        self._inject: Callable[[Input], None] = self._early.append
+        self._inject: Callable[..., None] = lambda *inputs: self._early.extend(inputs)
         self._questions: deque[tuple[Question, Future[Any]]] = deque()
         self._awake = threading.Event()
         # Set by a new input, an undo or the end: a finished picture of the old state is given up.
@@ -81,8 +101,12 @@ class Engine:
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._adaptation = Adaptation()
-        self._awaited_light = AwaitedLight()
         self._finer_light = FinerLight()
+        self._gate = RevisionGate(deadline_s, now_s)
+        # News of a revision that is not whole yet, and what its picture's exposure is chosen by.
+        self._withheld: dict[Hashable, tuple[Message, str]] = {}
+        self._heard: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
+        self._published: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
         # When an input came last; when a finished picture was due, and is looked for next.
         self._sent_at_s = self._due_s = 0.0
         self._finish_at_s: float | None = None
@@ -97,8 +121,7 @@ class Engine:
         self._numbers = count()
         # Draws a moving picture while the kernel is pumped.
         self._pictures = ThreadPoolExecutor(1, "vrut-lite picture")
-        # How long the kernel was pumped last; whether that was beside the last picture.
-        self._pump_s = 0.0
+        # Whether a revision has begun beside the last picture.
         self._was_beside = False
         self._thread = threading.Thread(target=self._run, name="vrut-lite engine", daemon=True)
 
@@ -111,8 +134,7 @@ class Engine:
     def send(self, *inputs: Input) -> None:
         """Send inputs to the kernel, also before the stage is open."""
         with self._lock:
-            for message in inputs:
-                self._inject(message)
+            self._inject(*inputs)
         if inputs:
             self._sent.set()
         self._move_on()
@@ -189,11 +211,10 @@ class Engine:
         # After `attend`: a journal must begin before the first input.
         with self._lock:
             self._inject = stage.kernel.inject
-            for message in self._early:
-                self._inject(message)
+            self._inject(*self._early)
         self._awake.set()
         while not self._ending.is_set():
-            self._awake.wait(self._patience_s())
+            self._awake.wait(self._patience_s(stage.kernel))
             self._awake.clear()
             self._moved_on.clear()
             # Counted before the pump: inputs that were sent before a question are acted on first.
@@ -203,10 +224,14 @@ class Engine:
             # thereafter. In motion they run beside pictures: light would be older by one.
             with _held(stage.kernel) if self._stands else nullcontext():
                 self._pump_unless_ahead(stage, questions)
-                self._answer(stage, questions)
+                # Answers are of one revision, as pictures are.
+                if stage.kernel.is_whole:
+                    self._answer(stage, questions)
                 rests = not self._ending.is_set() and not self._draw_what_moved(stage)
             if rests:
                 self._settle(stage)
+            if stage.kernel.waiting and stage.kernel.is_whole:
+                self._awake.set()
         stage.kernel.on_inject(None)
 
     def _make_way(self, stage: Stage) -> None:
@@ -214,13 +239,14 @@ class Engine:
         if self._sent.is_set():
             self._sent.clear()
             self._sent_at_s = self._now_s()
-            self._awaited_light.note_input(stage.kernel)
             self._finer_light.give_way(stage.kernel, stage.state, self._sent_at_s)
         self._finer_light.resume(stage.kernel, self._now_s())
 
-    def _patience_s(self) -> float | None:
+    def _patience_s(self, kernel: Kernel) -> float | None:
         finish_at_s = self._finish_at_s if self._adaptation.is_near else None
-        times_s = finish_at_s, self._adaptation.wakes_at_s, self._finer_light.resumes_at_s
+        times_s: tuple[float | None, ...] = (self._gate.due_s, self._finer_light.resumes_at_s)
+        if kernel.is_whole:
+            times_s = (*times_s, finish_at_s, self._adaptation.wakes_at_s)
         due_s = min((time_s for time_s in times_s if time_s is not None), default=None)
         return None if due_s is None else max(0.0, due_s - self._now_s())
 
@@ -231,27 +257,37 @@ class Engine:
     def _pump_unless_ahead(self, stage: Stage, questions: int) -> None:
         """Act on inputs, unless what those before did is still to be drawn and nobody asks."""
         is_ahead, self._was_beside = self._was_beside, False
-        if questions or not is_ahead:
-            self._pump(stage)
+        if questions:
+            self._pump(stage, self._gate.pump_all)
+        elif not is_ahead:
+            self._pump(stage, self._gate.pump)
         elif stage.kernel.waiting:
             self._awake.set()
 
-    def _pump(self, stage: Stage) -> None:
-        waiting, start_s = stage.kernel.waiting, self._now_s()
+    def _pump(self, stage: Stage, pump: Callable[[Kernel], None]) -> None:
+        kernel = stage.kernel
         while True:
             try:
-                stage.kernel.pump(most=waiting)
+                pump(kernel)
             # An error in the host itself: the message that raised it is lost, the others go on.
             except BaseException as error:
                 self._trouble(error)
             else:
                 break
-        if waiting:
-            self._pump_s = self._now_s() - start_s
+        if kernel.is_whole:
+            self._publish()
         camera = stage.state.camera
         if camera is not None and camera is not self._camera:
             self._camera = camera
             self._tell(CAMERA, camera)
+
+    def _publish(self) -> None:
+        """Tell what belongs to the revision that pictures show from now on."""
+        for key, value in self._withheld.items():
+            self._tell(key, value)
+        self._withheld.clear()
+        self._published += self._heard
+        self._heard.clear()
 
     def _answer(self, stage: Stage, count: int) -> None:
         for _ in range(count):
@@ -283,12 +319,12 @@ class Engine:
     def _settle(self, stage: Stage) -> None:
         """Draw what is due while nothing moves: the finished picture, or one more exposure."""
         # A question may have injected inputs, as an undo does: they are pumped first.
-        if self._awake.is_set() or stage.state.missing:
+        if self._awake.is_set() or stage.state.missing or not stage.kernel.is_whole:
             return
         now_s, adaptation = self._now_s(), self._adaptation
         if self._finish_at_s is not None and now_s >= self._finish_at_s and adaptation.is_near:
-            if self._awaited_light.is_awaited(stage.kernel, stage.state, now_s, self._due_s):
-                self._finish_at_s = now_s + LOOK_AGAIN_S
+            if stage.kernel.jobs.modules("drafted") and now_s < self._due_s + _DRAFT_PATIENCE_S:
+                self._finish_at_s = now_s + _LOOK_AGAIN_S
                 return
             self._finish_at_s = None
             self._draw_one(stage, "still")
@@ -308,7 +344,12 @@ class Engine:
         still = kind == "still"
         scale = 1.0 if still else self._pacing.quick_scale(kind)
         start_s = self._now_s()
-        adaptation, state = self._adaptation, stage.state
+        adaptation, state, jobs = self._adaptation, stage.state, stage.kernel.jobs
+        revision = stage.revision
+        drafts, refining = jobs.modules("drafted"), jobs.modules("refines")
+        for message, heard_s in self._published:
+            adaptation.hear(message, heard_s)
+        self._published.clear()
         # The exposure of a finished picture that is not settled adapts further as it stands.
         settled = still and adaptation.settled
         exposure = (
@@ -340,35 +381,47 @@ class Engine:
             self._finish_at_s = self._now_s()
         self._stands = still
         self._finer_light.drew(stage.kernel, still)
-        self._tell(PICTURE, Shown(picture, still, seconds, adaptation.held))
+        self._tell(
+            PICTURE, Shown(picture, still, seconds, adaptation.held, revision, drafts, refining)
+        )
 
     def _draw_and_pump(
         self, stage: Stage, drawn: SceneState, expected_s: float
     ) -> tuple[Picture, float]:
         """A moving picture and when it was done; the kernel acts beside it on what came until late.
 
-        The next picture shows that, and need not wait for it.
+        One revision begins beside it, which the next picture shows and need not wait for.
         """
+        kernel, gate = stage.kernel, self._gate
         drawing = self._pictures.submit(lambda: (stage.draw(drawn, False), self._now_s()))
         drawing.add_done_callback(lambda _: self._awake.set())
-        wait((drawing,), max(0.0, expected_s - _EARLIER * self._pump_s))
-        while not (drawing.done() or stage.kernel.waiting):
+        wait((drawing,), max(0.0, expected_s - _EARLIER * gate.usual_s))
+        while not (drawing.done() or kernel.waiting):
             self._awake.wait()
             self._awake.clear()
-        # What was cleared may have been a question.
-        self._awake.set()
         if not drawing.done():
             self._make_way(stage)
-            self._pump(stage)
+            self._pump(stage, gate.pump)
             self._was_beside = True
+        # Results of its jobs may start others.
+        while not (drawing.done() or kernel.is_whole):
+            self._awake.wait()
+            self._awake.clear()
+            self._pump(stage, lambda kernel: gate.pump(kernel, may_begin=False))
+        # What was cleared may have been a question.
+        self._awake.set()
         return drawing.result()
 
     def _hear(self, message: Message, sender: str) -> None:
-        self._adaptation.hear(message, self._now_s())
+        if isinstance(message, LISTENED_TO):
+            self._heard.append((message, self._now_s()))
         key = message.key()
-        self._tell(
-            (HEARD, type(message), next(self._numbers) if key is None else key), (message, sender)
-        )
+        news = (HEARD, type(message), next(self._numbers) if key is None else key)
+        if isinstance(message, Derived) and not isinstance(message, KERNEL_MESSAGES):
+            self._withheld.pop(news, None)
+            self._withheld[news] = message, sender
+        else:
+            self._tell(news, (message, sender))
 
     def _trouble(self, error: BaseException) -> None:
         self._tell((PROBLEM, next(self._numbers)), sentence_of(error))

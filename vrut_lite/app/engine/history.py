@@ -115,8 +115,7 @@ class History:
         assert self._kernel is not None
         self._closed = True
         self._note(own, _OWN)
-        for message in own:
-            self._kernel.inject(message)
+        self._kernel.inject(*own)
         self._tell()
 
     def _note(self, inputs: tuple[Input, ...], act: int) -> None:

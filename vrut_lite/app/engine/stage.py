@@ -27,7 +27,11 @@ class Stage(Protocol):
 
     @property
     def state(self) -> SceneState:
-        """The state to draw; a new object after each change."""
+        """The state to draw, of one revision; a new object after each change."""
+
+    @property
+    def revision(self) -> int:
+        """The number of the revision that the state shows."""
 
     @property
     def renderer(self) -> str:
@@ -90,8 +94,13 @@ class GlStage:
 
     @property
     def state(self) -> SceneState:
-        """The present state of the scene."""
+        """The state of the last whole revision."""
         return self._host.state
+
+    @property
+    def revision(self) -> int:
+        """The number of that revision."""
+        return self._host.revision
 
     @property
     def frame_ledger(self) -> Ledger:

@@ -4,10 +4,11 @@ import os
 import sys
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
 from vrut_lite.kernel.job import Job
-from vrut_lite.kernel.jobs import Finish, ThreadRunner
+from vrut_lite.kernel.jobs import WORKERS, Finish, ThreadRunner
 
 # Steps of niceness: a third of an equal share. With ten a window's pictures would gain little more,
 # and the light of a playing hour come late.
@@ -17,21 +18,23 @@ _NICER = 5
 class WindowJobs(ThreadRunner):
     """Runs jobs, and the threads that they start, at a lower priority than the process has.
 
-    Elsewhere than on Linux threads have no priority of their own. All but `start`'s work is for the
-    kernel's thread.
+    Jobs that a revision awaits have the process's own. Elsewhere than on Linux threads have no
+    priority of their own. All but `start`'s work is for the kernel's thread.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        # How many were started, and the numbers of those that run.
-        self.started = 0
-        self._numbers: dict[Job, int] = {}
+        # A thread that was made nicer stays so.
+        self._awaited = ThreadPoolExecutor(WORKERS, "vrut-lite awaited job")
         # What waits for the end of `held`; None outside it.
         self._held: list[tuple[Job, Finish]] | None = None
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Let jobs that are started within begin at its end: what is done in it goes first."""
+        """Let jobs that are started within begin at its end: what is done in it goes first.
+
+        Jobs that a revision awaits begin at once: its picture needs them.
+        """
         self._held = []
         try:
             yield
@@ -39,18 +42,9 @@ class WindowJobs(ThreadRunner):
             self._let_go()
             self._held = None
 
-    def is_busy_since(self, started: int) -> bool:
-        """Whether a job runs that was none of the first so many that were `started`."""
-        return any(
-            number > started and not job.control.cancelled()
-            for job, number in tuple(self._numbers.items())
-        )
-
     def start(self, job: Job, finish: Finish) -> None:
         """Run the job some time; within `held` after its end."""
-        self.started += 1
-        self._numbers[job] = self.started
-        if self._held is None:
+        if self._held is None or job.role == "awaited":
             super().start(job, finish)
         else:
             self._held.append((job, finish))
@@ -66,9 +60,19 @@ class WindowJobs(ThreadRunner):
             for job, finish in held:
                 super().start(job, finish)
 
-    def _run(self, job: Job, finish: Finish) -> None:
+    def close(self) -> None:
+        """End the threads when their jobs return."""
+        super().close()
+        self._awaited.shutdown(wait=False, cancel_futures=True)
+
+    def _submit(self, job: Job, finish: Finish) -> None:
+        if job.role == "awaited":
+            self._awaited.submit(self._run, job, finish)
+        else:
+            self._executor.submit(self._run_nicely, job, finish)
+
+    def _run_nicely(self, job: Job, finish: Finish) -> None:
         if sys.platform == "linux":
             niceness = os.getpriority(os.PRIO_PROCESS, os.getpid()) + _NICER
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), min(niceness, 19))
-        super()._run(job, finish)
-        self._numbers.pop(job, None)
+        self._run(job, finish)
