@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageOps
 from PySide6.QtCore import QEventLoop, QTimer
 from PySide6.QtWidgets import QApplication
 
@@ -33,7 +33,9 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import project_of_path
+from vrut_lite.scene.backend import IsGivenUp
 
 _SCENES = Path(__file__).resolve().parents[1] / "scenes"
 _DAY = datetime(2026, 6, 21, tzinfo=UTC)
@@ -122,36 +124,35 @@ class Frame(NamedTuple):
     caption: str
 
 
-class Stages:
-    """Opens a stage that notes which state each picture shows."""
+class NotedStage(GlStage):
+    """A stage with OpenGL that remembers which state each picture shows."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.states: dict[int, SceneState] = {}
 
-    def open(self) -> Stage:
-        """A stage with OpenGL."""
-        stage = GlStage()
-        draw = stage.draw
-
-        def noted(state: SceneState, *arguments: Any) -> Any:
-            picture = draw(state, *arguments)
-            self.states[id(picture)] = state
-            return picture
-
-        stage.draw = noted  # type: ignore[method-assign]
-        return stage
+    def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
+        """Draw a state and note it."""
+        picture = super().draw(state, still, is_given_up)
+        self.states[id(picture)] = state
+        return picture
 
 
 def frames_of(strip: Strip) -> list[Frame]:
     """All pictures of an act, in a window of its own."""
-    stages, frames = Stages(), list[Frame]()
+    stages, frames = list[NotedStage](), list[Frame]()
     began_s = last_s = perf_counter()
-    session = Session(stages.open)
+
+    def open_stage() -> Stage:
+        stages.append(NotedStage())
+        return stages[0]
+
+    session = Session(open_stage)
 
     def take(shown: Shown) -> None:
         nonlocal last_s
         last_s = perf_counter()
-        state, pixels = stages.states[id(shown.picture)], shown.picture.display
+        state, pixels = stages[0].states[id(shown.picture)], shown.picture.display
         key = state.key_light
         assert key is not None
         height = np.degrees(np.arcsin(key.direction[1]))
@@ -162,7 +163,7 @@ def frames_of(strip: Strip) -> list[Frame]:
             f"{last_s - began_s:.2f} s  {key.body} {height:.1f}  r{revision}\n"
             f"grey {pixels.mean():.0f}  {kind}  {waits}"
         )
-        small = Image.fromarray(pixels).resize(_THUMB, Image.Resampling.BILINEAR)
+        small = ImageOps.pad(Image.fromarray(pixels), _THUMB, Image.Resampling.BILINEAR)
         frames.append(Frame(last_s - began_s, np.asarray(small), caption))
 
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""A revision is what one gesture causes: its inputs, the results of jobs that it awaits, and theirs."""
+"""A revision is what one gesture causes: its inputs, awaited results of jobs, and theirs."""
 
 import pytest
 

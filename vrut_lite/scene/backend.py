@@ -52,8 +52,8 @@ class SceneView:
     def __init__(self, kernel: Kernel | None = None, backend: SceneBackend | None = None):
         self._kernel = kernel
         self._backend = backend
-        # Names of the parts of `pending` that were made from earlier light than the others.
-        self.outdated: set[str] = set()
+        # Whether the pending sum of sky and layers is that of an earlier sky.
+        self.sum_is_outdated = False
         self.pending = self._published = self._state = SceneState()
         self._revision = 0
 
@@ -64,7 +64,9 @@ class SceneView:
             self._revision = 0 if self._kernel is None else self._kernel.revision
             if self.pending is not self._published:
                 self._published = self.pending
-                self._state = replace(self.pending, **dict.fromkeys(self.outdated))
+                self._state = self.pending
+                if self.sum_is_outdated:
+                    self._state = replace(self.pending, sky_light=None)
         return self._state
 
     @property

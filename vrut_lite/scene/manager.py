@@ -32,8 +32,6 @@ from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
-# The part that is summed from the other parts of the sky, and may follow them late.
-_SUM = "sky_light"
 Animated = Literal["rest", "time", "clock"]
 
 
@@ -251,8 +249,7 @@ class SceneManager(Module):
 
     def _take_light(self, **light: Any) -> None:
         self._hour_moved = True
-        if self.state.sky_light is not None:
-            self._view.outdated.add(_SUM)
+        self._view.sum_is_outdated = self.state.sky_light is not None
         self._view.pending = self.state.with_light(**light)
 
     @handles(SkyRadianceChanged)
@@ -263,7 +260,7 @@ class SceneManager(Module):
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
         """Light and reflect with the sum of sky and layers, where there are layers."""
-        self._view.outdated.discard(_SUM)
+        self._view.sum_is_outdated = False
         self._change(sky_light=message if message.layers else None)
 
     @handles(NightLightChanged)

@@ -146,11 +146,13 @@ def test_a_profile_in_lines():
         skipped={("frame", "mesh"): 1200, ("scene", "air"): 2},
         device=Device("llvmpipe", "4.5", 95.0),
     )
-    lines = [(line.name, line.value) for line in lines_of(profile, 40.0, 12.0, 55.0)]
+    lines = lines_of(profile, 40.0, 12.0, 55.0, (0.06, 0.11))
+    lines = [(line.name, line.value) for line in lines]
     assert lines == [
         ("Frame", "40 ms"),
         ("since the picture before", "55 ms"),
         ("longest wait of the window", "12 ms"),
+        ("gesture to whole state, 95 %", "60, 110 ms"),
         ("meshes", "30.0"),
         ("sky", "3.0"),
         ("Modules, in 0.5 s", "ms"),

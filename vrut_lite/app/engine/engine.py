@@ -35,13 +35,13 @@ from vrut_lite.scene.backend import GivenUp
 T = TypeVar("T")
 Question = Callable[[Stage], Any]
 # Kinds of news: the first parts of the keys that the engine passes to `tell`.
-READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
-    "ready", "heard", "picture", "camera", "problem", "ended",
+READY, HEARD, PICTURE, CAMERA, WAITS, PROBLEM, ENDED = (
+    "ready", "heard", "picture", "camera", "waits", "problem", "ended",
 )  # fmt: skip
 # The kernel begins a revision so many times its usual time before a picture is due: both take
 # longer beside each other.
 _EARLIER = 1.5
-# Messages that wait for the next picture's exposure; a clock that plays sends them while none moves.
+# Messages that wait for the next picture's exposure, as those of a clock that plays.
 _MOST_HEARD = 1000
 # How long a finished picture waits for what drafts stand in for, and between two questions whether
 # it is there: the first light of any of the project's scenes takes less.
@@ -59,6 +59,7 @@ class Shown(NamedTuple):
         revision: number of the kernel's revision that it shows.
         drafts: names of modules for whose part a draft serves.
         refining: names of modules that make their part finer.
+        whole_in_s: median and 95th percentile of the time from gestures to what was shown of them.
     """
 
     picture: Picture
@@ -68,6 +69,7 @@ class Shown(NamedTuple):
     revision: int = 0
     drafts: tuple[str, ...] = ()
     refining: tuple[str, ...] = ()
+    whole_in_s: tuple[float, float] = (0.0, 0.0)
 
 
 class Engine:
@@ -103,6 +105,8 @@ class Engine:
         self._adaptation = Adaptation()
         self._finer_light = FinerLight()
         self._gate = RevisionGate(deadline_s, now_s)
+        # Names of modules that the present revision waits for, as told.
+        self._waits_for: tuple[str, ...] = ()
         # News of a revision that is not whole yet, and what its picture's exposure is chosen by.
         self._withheld: dict[Hashable, tuple[Message, str]] = {}
         self._heard: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
@@ -274,6 +278,10 @@ class Engine:
                 self._trouble(error)
             else:
                 break
+        waits_for = kernel.jobs.modules("awaited")
+        if waits_for != self._waits_for:
+            self._waits_for = waits_for
+            self._tell(WAITS, waits_for)
         if kernel.is_whole:
             self._publish()
         camera = stage.state.camera
@@ -381,9 +389,10 @@ class Engine:
             self._finish_at_s = self._now_s()
         self._stands = still
         self._finer_light.drew(stage.kernel, still)
-        self._tell(
-            PICTURE, Shown(picture, still, seconds, adaptation.held, revision, drafts, refining)
-        )
+        whole_in_s = self._gate.percentile_s(50.0), self._gate.percentile_s(95.0)
+        held = adaptation.held
+        shown = Shown(picture, still, seconds, held, revision, drafts, refining, whole_in_s)
+        self._tell(PICTURE, shown)
 
     def _draw_and_pump(
         self, stage: Stage, drawn: SceneState, expected_s: float

@@ -41,7 +41,8 @@ class Session(QObject):
 
     Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `roster_renewed` when
     a reload may have changed a module's settings, `sent` (an input) whenever something was sent,
-    `heard` (message, sender), `picture_shown` (a `Shown`), `camera_moved` (the `MoveCamera` of the
+    `heard` (message, sender), `picture_shown` (a `Shown`), `waits_changed` (names of the modules
+    that the next state of the scene waits for), `camera_moved` (the `MoveCamera` of the
     view), `steps_changed` (`Steps` to take back and to do again), `problem` (a sentence),
     `closing` when closing starts, `ended` when all threads have ended.
 
@@ -53,6 +54,7 @@ class Session(QObject):
     sent = Signal(object)
     heard = Signal(object, str)
     picture_shown = Signal(object)
+    waits_changed = Signal(object)
     camera_moved = Signal(object)
     steps_changed = Signal(object)
     problem = Signal(str)
@@ -65,6 +67,7 @@ class Session(QObject):
         self.roster = Roster({}, {}, "")
         self.shown: Shown | None = None
         self.camera: MoveCamera | None = None
+        self.waits_for: tuple[str, ...] = ()
         self._last: dict[type[Message], Message] = {}
         self._listeners: defaultdict[type[Message], list[Listener]] = defaultdict(list)
         self._numbers = count()
@@ -237,6 +240,9 @@ class Session(QObject):
         elif kind == engine.PICTURE:
             self.shown = value
             self.picture_shown.emit(value)
+        elif kind == engine.WAITS:
+            self.waits_for = value
+            self.waits_changed.emit(value)
         elif kind == engine.CAMERA:
             self.camera = value
             self.camera_moved.emit(value)

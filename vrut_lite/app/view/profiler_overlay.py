@@ -99,7 +99,8 @@ class ProfilerOverlay(QWidget):
         gaps = (1e3 * self._gap_s, 1e3 * self._frame_gap_s)
         self._gap_s = 0.0
         latest = self._latest._replace(passes=profile.passes)
-        self._show_lines(lines_of(latest, frame_ms, *gaps))
+        whole_in_s = (0.0, 0.0) if shown is None else shown.whole_in_s
+        self._show_lines(lines_of(latest, frame_ms, *gaps, whole_in_s))
 
     # --- painting ----------------------------------------------------------------------------
 
@@ -135,12 +136,20 @@ class ProfilerOverlay(QWidget):
         painter.drawText(place, Qt.AlignmentFlag.AlignRight | middle, line.value)
 
 
-def lines_of(profile: Profile, frame_ms: float, gap_ms: float, frame_gap_ms: float) -> list[Line]:
+def lines_of(
+    profile: Profile,
+    frame_ms: float,
+    gap_ms: float,
+    frame_gap_ms: float,
+    whole_in_s: tuple[float, float] = (0.0, 0.0),
+) -> list[Line]:
     """A profile as lines: passes, modules and jobs in milliseconds, then skipped work."""
+    usual_ms, slow_ms = (round(1e3 * seconds) for seconds in whole_in_s)
     lines = [
         Line("Frame", f"{frame_ms:.0f} ms", heading=True),
         Line("since the picture before", f"{frame_gap_ms:.0f} ms"),
         Line("longest wait of the window", f"{gap_ms:.0f} ms"),
+        Line("gesture to whole state, 95 %", f"{usual_ms}, {slow_ms} ms"),
         *_measured(profile.passes.items()),
         Line(f"Modules, in {profile.span_s:.1f} s", "ms", heading=True),
         *_measured(profile.modules.items()),

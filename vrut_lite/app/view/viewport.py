@@ -33,6 +33,7 @@ from vrut_lite.app.view.hand import CameraMode, Hand
 from vrut_lite.app.view.light_probe import LightProbe
 from vrut_lite.app.view.loading import Loading
 from vrut_lite.app.view.picture_painting import paint_picture, write
+from vrut_lite.app.view.picture_sign import PictureSign
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.surroundings import Surroundings
 from vrut_lite.app.widgets import make_timer, rgb_image
@@ -66,6 +67,7 @@ class Viewport(QWidget):
         self._flight = Flight(self._speed_m_s, self)
         self.probe = LightProbe(session, self)
         self.loading = Loading(session, self)
+        self.sign = PictureSign(session, self)
         self._sun_path, self._compass = sun_path, compass
         self._image: QImage | None = None
         self._sent: MoveCamera | None = None
@@ -88,6 +90,7 @@ class Viewport(QWidget):
         compass.changed.connect(self.update)
         self.probe.changed.connect(self.update)
         self.loading.changed.connect(self._move_loading)
+        self.sign.changed.connect(self.update)
         self._flight.flown.connect(self._fly)
 
     def sizeHint(self) -> QSize:
@@ -313,4 +316,6 @@ class Viewport(QWidget):
         if self.mode is CameraMode.SPACE or self.rig.eye_m[1] > 1000.0:
             height = height_text(float(self.rig.eye_m[1]))
             write(painter, edge, corner.AlignRight | corner.AlignBottom, height)
+        if not self.loading.is_on:
+            write(painter, edge, corner.AlignHCenter | corner.AlignBottom, self.sign.text)
         self.loading.paint(painter, place)
