@@ -20,7 +20,8 @@ PACKAGES = {
 MODULES = [
     folder.name for folder in (ROOT / "modules").iterdir() if (folder / "module.py").exists()
 ]
-KERNEL_LINES = 2400
+# 2,400 for the bus, its modules and jobs, and 200 for revisions.
+KERNEL_LINES = 2600
 # Words of daylight, as they stand in names, sentences and comments.
 DAYLIGHT = (
     "sky|skies|sun|suns|moon|clouds?|camera|scene|daylight|exposure|radiance|haze|aerosols?|"

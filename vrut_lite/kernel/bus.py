@@ -161,7 +161,7 @@ class Kernel:
         """Admit inputs until none is left, or `most` of them; the number of transactions.
 
         `within` the present revision only inputs are admitted that begin no other: results of
-        jobs, the rest of the inputs that began it, moves of the camera.
+        jobs, the rest of the inputs that began it, and those that revise nothing.
 
         Raises:
             RuntimeError: called from a handler, which would nest transactions.
