@@ -76,6 +76,17 @@ def test_a_picture_ends_wherever_it_is_given_up(backend):
     assert np.array_equal(backend.draw().display, whole.display)
 
 
+def test_a_moving_picture_shows_everything_wherever_a_still_was_given_up(backend):
+    """Given up among clouds, a still left all that came next at one depth: a sky without a scene."""
+    whole = backend.draw(still=False).radiance
+    times = 0
+    while given_up(backend, times):
+        moving = backend.draw(still=False).radiance
+        assert np.abs(moving - whole).mean() < 0.01 * whole.mean(), times
+        times += 1
+    assert times > 4
+
+
 def given_up(backend, after):
     """Whether a picture was, that was to be when it was asked for the so-manieth time."""
     asked = count()

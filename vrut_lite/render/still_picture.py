@@ -72,7 +72,10 @@ class StillPictures:
         targets = (self._of_one if len(shifts) == 1 else self._of_several).get(state.size_px)
         passes.meshes.read_finer(shot.scene, np.log2(len(shifts)) / 2.0 if finished else 0.0)
         passes.ledger.did("picture", len(shifts))
-        resolved = self._mean(shot, targets, shifts, still)
+        try:
+            resolved = self._mean(shot, targets, shifts, still)
+        finally:
+            passes.meshes.picture_number, passes.meshes.picture_count = 0, 1
         if state.shows != "picture":
             return in_false_colours(resolved, state.shows)
         radiance = resolved[..., :3]
@@ -110,7 +113,6 @@ class StillPictures:
                 drawn = passes.sky.count_samples()
                 passes.ledger.did("sky sample", drawn)
                 passes.ledger.skip("sky sample: covered", targets.samples - drawn)
-        passes.meshes.picture_number, passes.meshes.picture_count = 0, 1
         resolved /= np.float32(len(shifts))
         return resolved[::-1]
 

@@ -204,11 +204,14 @@ class CloudPass:
         GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(1, np.float32))
         GL.glDepthRange(1.0, 1.0)
         GL.glDepthFunc(GL.GL_ALWAYS)
-        known.draw()
-        GL.glDepthFunc(GL.GL_GREATER)
-        self._pieces.draw(now.target.size, lambda piece: march.draw())
-        GL.glDepthRange(0.0, 1.0)
-        context.disable(context.DEPTH_TEST)
+        # A picture that is given up leaves the next one the usual range of depth.
+        try:
+            known.draw()
+            GL.glDepthFunc(GL.GL_GREATER)
+            self._pieces.draw(now.target.size, lambda piece: march.draw())
+        finally:
+            GL.glDepthRange(0.0, 1.0)
+            context.disable(context.DEPTH_TEST)
 
     def _blend(self, cloud: Any, only_sky: bool) -> None:
         """Blend over samples of the sky, at infinite depth, or over samples of meshes."""
