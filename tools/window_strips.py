@@ -139,7 +139,7 @@ class NotedStage(GlStage):
 
 
 def frames_of(strip: Strip) -> list[Frame]:
-    """All pictures of an act, in a window of its own."""
+    """All pictures of an act, in a new window."""
     stages, frames = list[NotedStage](), list[Frame]()
     began_s = last_s = perf_counter()
 

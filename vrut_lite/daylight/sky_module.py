@@ -394,7 +394,7 @@ class SkyModule(Module):
     def _first(
         self, name: str, job: GpuJob | None, message: BackgroundChanged | AirChanged
     ) -> Derived:
-        """What to post now: the message, or the job that makes its texture."""
+        """The message to post now, or the job that makes its texture."""
         if job is not None:
             self.link.await_result(name)
         return self._textures.first(name, job, message)

@@ -14,7 +14,7 @@ from vrut_lite.kernel.messages import Derived, JobResult
 from vrut_lite.kernel.module import Link, Role
 
 SOLVE = "solve"
-# Of one name one job runs and one waits.
+# Jobs of one name: one runs, one waits.
 _RUNS_AND_WAITS = 2
 Awaiting = BackgroundChanged | AirChanged
 
@@ -34,18 +34,18 @@ class Preparation:
         self.latest: Prepared | None = None
         self.ready = False
         self._done: Work | None = None
-        # What is to be done in the end, and what runs and waits for it.
+        # The work that is wanted in the end, and the work that runs and waits for it.
         self._asked: Work | None = None
         self._started: deque[Work] = deque()
-        # Whether a draft of what runs is shown.
+        # Whether the draft of the running work is shown.
         self._drafted = False
         self._failed: Work | None = None
 
     def ask(self, work: Work | None) -> None:
         """Start work, unless it is done, is running, or was the last to fail.
 
-        What runs ends first, so that a hand sees some of what it passes; but not where its draft is
-        shown already.
+        Running work ends first, so that a drag shows some of the values it passes, unless its draft
+        is shown already.
         """
         if work is None:
             self.ready = True

@@ -10,9 +10,9 @@ from vrut_lite.kernel.messages import Demand, Derived, Encoding, Input, Message
 
 M = TypeVar("M", bound=Message)
 Handler = Callable[[Any, Any], None]
-# What a job's result is to the revision that started it. "awaited": the revision is not whole
-# before; "drafted": a draft of it serves meanwhile; "refines": it makes finer what is there;
-# "aside": no part of it.
+# Role of a job's result in the revision that started it. "awaited": the revision is not whole
+# without it; "drafted": a draft stands in for it; "refines": it makes a present part finer;
+# "aside": it is no part of the revision.
 Role = Literal["aside", "refines", "drafted", "awaited"]
 
 

@@ -59,7 +59,7 @@ class Adaptation:
         self.wakes_at_s: float | None = None
         # EV100 without compensation; None: the next picture is metered by itself.
         self._ev100: float | None = None
-        # What the last metered picture asked for, and the level of its light.
+        # EV100 that the last metered picture asked for, and the level of its light.
         self._seen_ev100 = 0.0
         self._seen_level = 0.0
         # Whether a drag has left the exposure behind.
@@ -179,7 +179,7 @@ class Adaptation:
             self._adapt(wanted_ev100 - self._ev100, step_s)
 
     def _expected_ev100(self, state: SceneState) -> float:
-        """What a picture of a state will ask for, by its light beside that of the last picture."""
+        """EV100 expected of a state: the last picture's, moved by the ratio of their light."""
         level = _level(state)
         if level <= 0.0 or self._seen_level <= 0.0:
             return self._seen_ev100

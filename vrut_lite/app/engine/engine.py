@@ -59,7 +59,7 @@ class Shown(NamedTuple):
         revision: number of the kernel's revision that it shows.
         drafts: names of modules for whose part a draft serves.
         refining: names of modules that make their part finer.
-        whole_in_s: median and 95th percentile of the time from gestures to what was shown of them.
+        whole_in_s: median and 95th percentile of the time from a gesture to its whole state.
     """
 
     picture: Picture
@@ -417,7 +417,7 @@ class Engine:
             self._awake.wait()
             self._awake.clear()
             self._pump(stage, lambda kernel: gate.pump(kernel, may_begin=False))
-        # What was cleared may have been a question.
+        # The wake-up that was cleared may have been for a question.
         self._awake.set()
         return drawing.result()
 

@@ -1,8 +1,8 @@
 """One revision after the other: the next begins when the present one is whole, or a draft is.
 
-A revision is what one gesture causes: the new hour, its sky, clouds and light. Its pictures are
-shown when all of it is there. Work that takes longer than the deadline is completed by its draft,
-so that pictures never starve; what it makes is shown when it comes.
+A revision holds the consequences of one gesture: the new hour, its sky, clouds and light. It is
+shown when all of them are there. A draft stands in for work that takes longer than the deadline, so
+that pictures never starve; the result is shown when it comes.
 """
 
 from collections import deque
@@ -13,7 +13,7 @@ import numpy as np
 
 from vrut_lite.kernel.bus import Kernel
 
-# From when the kernel has acted on a gesture to a draft in place of what is still awaited.
+# Time from the kernel's handlers of a gesture to a draft in place of awaited results.
 DEADLINE_S = 0.25
 # Revisions in the profiler's figures.
 _REMEMBERED = 200

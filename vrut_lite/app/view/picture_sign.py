@@ -1,11 +1,11 @@
-"""A line in the picture that says what is still to come: waited for, drafted, or refined."""
+"""A line in the picture: names of the parts that are waited for, drafted, or being refined."""
 
 from PySide6.QtCore import QObject, Signal
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import make_timer
 
-# What is over sooner is not announced: text that flashes disturbs more than it says.
+# Shorter waits are not announced: text that flashes disturbs more than it says.
 _DELAY_MS = 300
 
 
