@@ -138,6 +138,21 @@ def test_dragging_a_slider_leaves_one_job(lit: SkyOnBus) -> None:
     assert lit.taken() == []
 
 
+def test_a_drag_shows_air_that_it_passes(lit: SkyOnBus) -> None:
+    """The air that is being solved is shown, then the latest: a drag that never rests would show
+    none if each move gave up the one before."""
+    lit.taken()
+    lit.holding = True
+    for turbidity in (4.0, 6.0, 9.0):
+        lit.set("turbidity", turbidity)
+    lit.finish()
+    passed, *_, last = blue(lit)
+    lit.holding = False
+    lit.set("turbidity", 4.0)
+    assert passed in blue(lit)
+    assert passed != last
+
+
 def test_where_a_sky_is_computed_is_no_new_air(lit: SkyOnBus) -> None:
     """The device changes no light: nothing is solved again."""
     lit.set("cube_device", "gpu")
