@@ -137,6 +137,12 @@ class HurriedWindow:
             self.rested.clear()
             self.rested.wait(1.0)
 
+    def see_another(self):
+        """Wait until one more picture is shown; not for long, as an input may change nothing."""
+        count, end_s = len(self.pictures), time.monotonic() + 0.5
+        while len(self.pictures) == count and time.monotonic() < end_s:
+            time.sleep(0.01)
+
     def close(self):
         self.engine.stop()
         assert self.engine.join(PATIENCE_S)
@@ -176,9 +182,12 @@ def hurried(seed, count):
     try:
         window.engine.send(*BEGINNING)
         window.rest()
-        for _ in range(count):
+        for number in range(count):
             window.engine.send(random_input(chance))
-            time.sleep(chance.choice([0.0, 0.03, 0.1, 0.3]))
+            if number % 3:
+                time.sleep(chance.choice([0.0, 0.03, 0.1]))
+            else:
+                window.see_another()
         window.rest()
     finally:
         window.close()
@@ -217,8 +226,8 @@ def test_every_picture_in_a_hurried_session_is_that_of_its_revision_at_rest():
 
     The radiance is compared, so that exposures do not matter.
     """
-    errors = check_session(1, 20)
-    assert len(errors) >= 8
+    errors = check_session(4, 10)
+    assert len(errors) >= 3
     assert max(errors)[0] <= LARGEST_FLIP
 
 
