@@ -10,7 +10,7 @@ from vrut_lite.daylight.cie_skies import OVERCAST, SUNLESS, general_sky
 from vrut_lite.daylight.sky_distribution import Distribution, Overcast
 from weather_sky.clear_year import meinel
 from weather_sky.perez import LOWEST_SUN_RAD, AllWeather, all_weather, precipitable_water_cm
-from weather_sky.twilight import twilight_lux
+from weather_sky.twilight import twilight_alone, twilight_lux
 
 Kind = Literal[
     "perez",
@@ -73,8 +73,15 @@ class Conditions:
 
     @cached_property
     def at_night(self) -> bool:
-        """Whether twilight alone shines: the sun is down, or no light of the sky was measured."""
-        return self.apparent_elevation_rad <= 0.0 or self.irradiances_w_m2[1] <= 0.0
+        """Whether twilight alone shines: the sun is down, or so low that both lights round to 0."""
+        return bool(twilight_alone(self.apparent_elevation_rad, *self.irradiances_w_m2))
+
+    @property
+    def outside_perez(self) -> bool:
+        """Whether the shape is that of another brightness than the hour's: Perez's fit ends."""
+        if self.kind != "perez" or self.at_night or self.irradiances_w_m2[1] <= 0.0:
+            return False
+        return bool(self.state.is_outside)
 
     @cached_property
     def direct_lux(self) -> float:

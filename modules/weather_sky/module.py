@@ -8,6 +8,10 @@ cloudless one of the season (`clear_year.py`). How cloudy an hour is, is told to
 (`CloudinessChanged`).
 """
 
+import logging
+
+import numpy as np
+
 from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.place import SetPlace
@@ -28,6 +32,7 @@ NAME = "weather_sky"
 # Without a file: 2 cm of water vapour, Perez's own usual value.
 _USUAL_DEW_POINT_C = 11.0
 _HOUR_S = 3600.0
+_log = logging.getLogger(__name__)
 
 
 class WeatherSky(SkyModule):
@@ -44,6 +49,8 @@ class WeatherSky(SkyModule):
         # A file and its clear skies; the cloudiness that was told last.
         self._clear: tuple[SetWeather, ClearYear] | None = None
         self._told: CloudinessChanged | None = None
+        # The file, if any, of which it was said that an hour lies outside Perez's model.
+        self._told_outside: tuple[SetWeather | None] | None = None
 
     # --- the sky -------------------------------------------------------------------------
 
@@ -79,8 +86,21 @@ class WeatherSky(SkyModule):
             apparent_elevation_rad=hour.sun.apparent_elevation_rad,
             visible_disc_fraction=hour.sun.visible_disc_fraction,
         )
+        self._tell_outside(conditions)
         haze = haze_before(self.haze, conditions) if self._behind_clouds else self.haze
         return WeatherLight(conditions, hour.sun.direction, own.albedo, haze)
+
+    def _tell_outside(self, conditions: Conditions) -> None:
+        """Tell the first hour of a file, or of the settings, that Perez's model does not reach."""
+        if not conditions.outside_perez or self._told_outside == (self._weather,):
+            return
+        self._told_outside = (self._weather,)
+        direct, diffuse = conditions.irradiances_w_m2
+        _log.warning(
+            "%s: %.0f W/m² direct and %.0f W/m² diffuse under a sun %.0f° high lie outside Perez's "
+            "sky: its nearest shape stands in, with this light (said once)",
+            NAME, direct, diffuse, np.degrees(conditions.apparent_elevation_rad),
+        )  # fmt: skip
 
     @property
     def _weather(self) -> SetWeather | None:

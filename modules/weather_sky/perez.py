@@ -23,6 +23,15 @@ _MOST_CLEARNESS = 12.0
 _BRIGHTNESS = (0.01, 0.6)
 # Of bins 2 to 5 the fit needs at least this brightness, says the erratum.
 _LEAST_BRIGHTNESS = 0.2
+# Least value of either factor of a luminance distribution inside the model's domain. Nearer to 0
+# single directions outshine the mean 25 times; at 0 no light is left to scale.
+_LEAST_FACTOR = 0.05
+# Efficacy (lm/W) of a sun 2 degrees high behind broken clouds: the mean of the fits' five middle
+# kinds, 7 to 50. No light is lost where a fit is below it.
+_LEAST_DIRECT_LM_W = 20.0
+# Brightnesses that may stand in, and angles from the sun at which the factors are compared.
+_STAND_INS = np.linspace(*_BRIGHTNESS, 119)
+_ANGLES_RAD = np.linspace(0.0, np.pi, 46)
 
 # Table 1 of 1993: by clearness, a to e, of each four terms.
 _SHAPE = np.array(
@@ -76,25 +85,40 @@ class AllWeather(NamedTuple):
         """Which of the eight kinds of sky, 0 is overcast and 7 clear."""
         return np.searchsorted(_CLEARNESS_BINS, self.clearness, side="right")
 
-    def distribution(self) -> Distribution:
-        """How luminance is spread; coefficients (...,)."""
-        kind, zenith, terms = self.bin, self.zenith_rad, _SHAPE[self.bin]
+    @property
+    def shape_brightness(self) -> FloatArray:
+        """Brightness (...,) whose shape is drawn: the nearest one inside the model's domain.
+
+        Outside it the fit has luminances of 0 or less: thin light of clearness 2.8 to 4.5 below a
+        high sun, and much light of clearness above 6.2.
+        """
+        stated = self._stated_brightness
+        shape = np.shape(stated)
+        kind, zenith, drawn = (
+            np.atleast_1d(v).ravel() for v in (self.bin, self.zenith_rad, stated)
+        )
+        outside = np.flatnonzero(~_is_inside(kind, zenith, drawn))
+        if outside.size:
+            inside = _is_inside(kind[outside, None], zenith[outside, None], _STAND_INS)
+            away = np.where(inside, np.abs(_STAND_INS - drawn[outside, None]), np.inf)
+            drawn = drawn.copy()
+            drawn[outside] = _STAND_INS[np.argmin(away, axis=1)]
+        return drawn.reshape(shape)
+
+    @property
+    def is_outside(self) -> NDArray[np.bool_]:
+        """Whether hours (...,) lie outside the model's domain."""
+        return np.asarray(self.shape_brightness != self._stated_brightness)
+
+    @property
+    def _stated_brightness(self) -> FloatArray:
+        """Brightness (...,) with the erratum's least value."""
         between = (self.clearness > _CLEARNESS_BINS[0]) & (self.clearness < _CLEARNESS_BINS[4])
-        brightness = np.where(
-            between, np.maximum(self.brightness, _LEAST_BRIGHTNESS), self.brightness
-        )
-        x1, x2, x3, x4 = np.moveaxis(terms, -1, 0)
-        z, delta = zenith[..., None], brightness[..., None]
-        a, b, c, d, e = np.moveaxis(x1 + x2 * z + delta * (x3 + x4 * z), -1, 0)
-        c1, c2, c3, c4 = np.moveaxis(terms[..., 2, :], -1, 0)
-        d1, d2, d3, d4 = np.moveaxis(terms[..., 3, :], -1, 0)
-        overcast = kind == 0
-        with np.errstate(invalid="ignore", over="ignore"):
-            c_overcast = np.exp(np.maximum(brightness * (c1 + c2 * zenith), 0.0) ** c3) - c4
-            d_overcast = -np.exp(brightness * (d1 + d2 * zenith)) + d3 + brightness * d4
-        return Distribution(
-            a, b, np.where(overcast, c_overcast, c), np.where(overcast, d_overcast, d), e
-        )
+        return np.where(between, np.maximum(self.brightness, _LEAST_BRIGHTNESS), self.brightness)
+
+    def distribution(self) -> Distribution:
+        """How luminance is spread, by the shape's brightness; coefficients (...,)."""
+        return _distribution(self.bin, self.zenith_rad, self.shape_brightness)
 
     def diffuse_efficacy(self, water_cm: ArrayLike) -> FloatArray:
         """Lumens per watt (...,) of the light of the sky, below `water_cm` of water vapour."""
@@ -105,15 +129,50 @@ class AllWeather(NamedTuple):
         return self._of_level(_GLOBAL, water_cm)
 
     def direct_efficacy(self, water_cm: ArrayLike) -> FloatArray:
-        """Lumens per watt (...,) of the sun on a plane that faces it, 0 or more."""
+        """Lumens per watt (...,) of the sun on a plane that faces it.
+
+        Below suns of 12 degrees the fits of cloudy kinds fall to 0 and less; the least value of
+        all kinds stands in there.
+        """
         a, b, c, d = np.moveaxis(_DIRECT[self.bin], -1, 0)
         low = np.exp(5.73 * self.zenith_rad - 5.0)
-        return np.maximum(a + b * np.asarray(water_cm) + c * low + d * self.brightness, 0.0)
+        fit = a + b * np.asarray(water_cm) + c * low + d * self.brightness
+        return np.maximum(fit, _LEAST_DIRECT_LM_W)
 
     def _of_level(self, table: FloatArray, water_cm: ArrayLike) -> FloatArray:
         a, b, c, d = np.moveaxis(table[self.bin], -1, 0)
         value = a + b * np.asarray(water_cm) + c * np.cos(self.zenith_rad)
         return np.asarray(value + d * np.log(self.brightness))
+
+
+def _distribution(
+    kind: NDArray[np.intp], zenith: FloatArray, brightness: FloatArray
+) -> Distribution:
+    """The model's coefficients (...,) of kinds of sky, suns and brightnesses that broadcast."""
+    terms = _SHAPE[kind]
+    x1, x2, x3, x4 = np.moveaxis(terms, -1, 0)
+    z, delta = zenith[..., None], brightness[..., None]
+    a, b, c, d, e = np.moveaxis(x1 + x2 * z + delta * (x3 + x4 * z), -1, 0)
+    c1, c2, c3, c4 = np.moveaxis(terms[..., 2, :], -1, 0)
+    d1, d2, d3, d4 = np.moveaxis(terms[..., 3, :], -1, 0)
+    overcast = kind == 0
+    with np.errstate(invalid="ignore", over="ignore"):
+        c_overcast = np.exp(np.maximum(brightness * (c1 + c2 * zenith), 0.0) ** c3) - c4
+        d_overcast = -np.exp(brightness * (d1 + d2 * zenith)) + d3 + brightness * d4
+    return Distribution(
+        a, b, np.where(overcast, c_overcast, c), np.where(overcast, d_overcast, d), e
+    )
+
+
+def _is_inside(
+    kind: NDArray[np.intp], zenith: FloatArray, brightness: FloatArray
+) -> NDArray[np.bool_]:
+    """Whether both factors of the luminance are above 0 in every direction (...,)."""
+    spread = _distribution(kind, zenith, brightness)
+    columns = Distribution(*(np.asarray(term)[..., None] for term in spread[:5]))
+    gradation = columns.gradation(np.array([0.0, 1.0]))
+    indicatrix = columns.indicatrix(np.cos(_ANGLES_RAD))
+    return np.minimum(gradation.min(axis=-1), indicatrix.min(axis=-1)) >= _LEAST_FACTOR
 
 
 def all_weather(

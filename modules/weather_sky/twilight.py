@@ -1,7 +1,7 @@
 """The light of level ground while the sun is below the horizon, by the sun's elevation alone."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.numeric_types import FloatArray
 
@@ -24,3 +24,16 @@ def twilight_lux(elevation_rad: ArrayLike) -> FloatArray:
     row = np.clip(np.searchsorted(_FROM_DEG, degrees, side="right") - 1, 0, 3)
     x = degrees[..., None] / 90.0
     return np.asarray(10.0 ** (_TERMS[row] * x ** np.arange(4)).sum(axis=-1))
+
+
+def twilight_alone(
+    elevation_rad: ArrayLike, direct_normal_w_m2: ArrayLike, diffuse_horizontal_w_m2: ArrayLike
+) -> NDArray[np.bool_]:
+    """Whether hours (...,) have twilight's light instead of measured light.
+
+    The sun is down, or below 5 degrees with both irradiances 0: files round to whole watts. Higher
+    up, 0 is a measured value.
+    """
+    elevation = np.asarray(elevation_rad, dtype=float)
+    none = (np.asarray(direct_normal_w_m2) <= 0.0) & (np.asarray(diffuse_horizontal_w_m2) <= 0.0)
+    return (elevation <= 0.0) | (none & (elevation < np.radians(_HIGHEST_DEG)))

@@ -12,7 +12,7 @@ from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.hemisphere import Nodes, horizontal, nodes
 from weather_sky.perez import all_weather, precipitable_water_cm
 from weather_sky.sun import suns_of_year
-from weather_sky.twilight import twilight_lux
+from weather_sky.twilight import twilight_alone, twilight_lux
 
 UP: Vector = (0.0, 0.0, 1.0)
 # Edge of the grid of directions, and hours that are in memory at a time.
@@ -29,15 +29,15 @@ def irradiance_of_year(weather: SetWeather, normal: Vector = UP) -> tuple[FloatA
     direct, diffuse = (
         np.array(values) for values in (weather.direct_normal_w_m2, weather.diffuse_horizontal_w_m2)
     )
-    up = suns.apparent_elevation_rad > 0.0
     water = precipitable_water_cm(np.array(weather.dew_point_c))
     days = np.arange(direct.size) // 24 + 1
     zenith = 0.5 * np.pi - suns.apparent_elevation_rad
     state = all_weather(direct, np.maximum(diffuse, 1e-3), zenith, days)
-    lux = np.where(up, direct * state.direct_efficacy(water), 0.0)
+    dark_hours = twilight_alone(suns.apparent_elevation_rad, direct, diffuse)
+    lux = np.where(dark_hours, 0.0, direct * state.direct_efficacy(water))
     facing = np.maximum(suns.east_north_up @ np.array(normal), 0.0)
     sun = _tints(suns.apparent_elevation_rad) * (lux * facing / LUMENS_PER_WATT)[:, None]
-    day = up & (diffuse > 0.0)
+    day = ~dark_hours
     at = nodes(_NODES)
     dark = twilight_lux(suns.apparent_elevation_rad) * (0.5 + 0.5 * normal[2])
     sky = (dark / LUMENS_PER_WATT)[:, None] * rgb_of_daylight(TWILIGHT_K)

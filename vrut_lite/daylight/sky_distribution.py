@@ -28,12 +28,19 @@ class Distribution(NamedTuple):
 
     def relative_luminance(self, cos_zenith: ArrayLike, cos_gamma: ArrayLike) -> FloatArray:
         """Luminance (...,) in a unit of its own, 0 or more; the arguments' shapes broadcast."""
-        a, b, c, d, e, k = (np.asarray(term, dtype=float) for term in self)
+        return np.maximum(self.gradation(cos_zenith) * self.indicatrix(cos_gamma), 0.0)
+
+    def gradation(self, cos_zenith: ArrayLike) -> FloatArray:
+        """The factor (...,) from horizon to zenith; monotonic."""
+        a, b = (np.asarray(term, dtype=float) for term in (self.a, self.b))
         lowest = np.where(b > 0.0, _LOWEST_RISING, _LOWEST)
-        gradation = 1.0 + a * np.exp(b / np.maximum(cos_zenith, lowest))
+        return np.asarray(1.0 + a * np.exp(b / np.maximum(cos_zenith, lowest)))
+
+    def indicatrix(self, cos_gamma: ArrayLike) -> FloatArray:
+        """The factor (...,) by the angle from the sun."""
+        c, d, e, k = (np.asarray(term, dtype=float) for term in (self.c, self.d, self.e, self.k))
         cosine = np.clip(cos_gamma, -1.0, 1.0)
-        indicatrix = 1.0 + c * (np.exp(d * np.arccos(cosine)) - k) + e * cosine * cosine
-        return np.maximum(gradation * indicatrix, 0.0)
+        return np.asarray(1.0 + c * (np.exp(d * np.arccos(cosine)) - k) + e * cosine * cosine)
 
 
 class Overcast(NamedTuple):
