@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.cloudiness import CloudinessChanged
+from vrut_lite.daylight.suns import suns_of_year
 from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.numeric_types import FloatArray
 from weather_sky.perez import LOWEST_SUN_RAD, SOLAR_CONSTANT_W_M2, air_mass, distance_factor
-from weather_sky.sun import suns_of_year
 
 _HALF_SEASON_DAYS, _CLEAREST = 15, 0.9
 # Below these elevations an hour tells nothing of the air, and nothing of its clouds.

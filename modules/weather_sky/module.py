@@ -18,6 +18,7 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour
 from vrut_lite.daylight.sun import sun_moved
+from vrut_lite.daylight.suns import middle_of_sunlit, suns_at
 from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.kernel.module import Link, Manifest, handles
@@ -25,7 +26,6 @@ from weather_sky.clear_year import ClearYear
 from weather_sky.conditions import Conditions
 from weather_sky.light import WeatherLight, haze_before
 from weather_sky.settings import WeatherSettings
-from weather_sky.sun import middle_of_sunlit, suns_at
 from weather_sky.tolerance import Quality, quality_for
 
 NAME = "weather_sky"

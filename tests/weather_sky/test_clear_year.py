@@ -8,11 +8,11 @@ import pytest
 from clouds.module import Clouds
 from weather_sky.clear_year import ClearYear, meinel
 from weather_sky.module import WeatherSky
-from weather_sky.sun import suns_of_year
 
 from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.suns import suns_of_year
 from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.geometry.colour import luminance

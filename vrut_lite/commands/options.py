@@ -104,6 +104,8 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
         if options["place"] is not None:
             raise UserError("--weather and --place both name a place: say one of them")
         project = at_weather(project, weather)
+    elif project.weather:
+        _tell_weather(project.weather)
     changes = {
         key: value
         for key in ("at", "place", "north_offset_deg")
@@ -125,11 +127,16 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
 
 
 def at_weather(project: Project, path: str) -> Project:
-    """The project under a file's weather; what the file lacks is told on standard error."""
+    """The project under a file's weather; what is wrong with the file is told on standard error."""
     changed = with_weather(project, path)
+    _tell_weather(path)
+    return changed
+
+
+def _tell_weather(path: str) -> None:
+    """What a file lacks, and where it contradicts the sun or itself."""
     for line in read_weather(path).lacks:
         click.echo(f"vrut-lite: {path}: {line}", err=True)
-    return changed
 
 
 def _tolerance(text: str) -> float:

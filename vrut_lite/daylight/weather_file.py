@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from vrut_lite.checks import refusal_of
 from vrut_lite.daylight.weather import (
@@ -19,6 +20,7 @@ from vrut_lite.daylight.weather import (
     MOST_DIRECT_W_M2,
     SetWeather,
 )
+from vrut_lite.daylight.weather_checks import contradictions
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
 
@@ -74,7 +76,8 @@ def _read(file: Path, text: str) -> SetWeather:
     )
     if refused := refusal_of(weather):
         raise UserError(f"cannot read the weather file {file}: {refused}")
-    return weather
+    found = contradictions(weather, _global(table))
+    return structs.replace(weather, lacks=(*weather.lacks, *found))
 
 
 def _text_of(file: Path) -> str:
@@ -203,6 +206,12 @@ def _irradiance(
     if filled is None:
         raise UserError(f"the weather file {file} has no {title}: choose another file")
     return filled
+
+
+def _global(table: Any) -> FloatArray:
+    """Global light (hours,) on level ground; NaN where it is missing."""
+    values = _numbers(table, "ghi")
+    return np.where((values >= 0.0) & (values < _MISSING_IRRADIANCE), values, np.nan)
 
 
 def _dew_point(table: Any, lacks: list[str]) -> tuple[float, ...]:

@@ -102,10 +102,15 @@ def middle_of_sunlit(
     return np.asarray(start + _HOUR_S * middle)
 
 
+def year_start_s(weather: SetWeather) -> float:
+    """Seconds since 1970 of the first hour's beginning, in 2023 or the leap year 2024."""
+    leap = len(weather.direct_normal_w_m2) == LEAP_HOURS
+    first = datetime(2024 if leap else 2023, 1, 1, tzinfo=UTC).timestamp()
+    return first - _HOUR_S * weather.utc_offset_h
+
+
 def suns_of_year(weather: SetWeather) -> Suns:
     """The suns (hours,) of the middle of each hour's sunlit part, of 2023 or the leap year 2024."""
-    count = len(weather.direct_normal_w_m2)
-    first = datetime(2024 if count == LEAP_HOURS else 2023, 1, 1, tzinfo=UTC).timestamp()
-    starts = first + _HOUR_S * (np.arange(count) - weather.utc_offset_h)
+    starts = year_start_s(weather) + _HOUR_S * np.arange(len(weather.direct_normal_w_m2))
     where = weather.latitude_deg, weather.longitude_deg, weather.altitude_m
     return suns_at(middle_of_sunlit(starts, *where), *where)
