@@ -48,6 +48,8 @@ class PhotoSky(SkyModule):
     def __init__(self, link: Link, settings: PhotoSettings):
         super().__init__(link, settings)
         self._photograph: Photograph | None = None
+        # Luminance of the value 1, by the file itself.
+        self._said_cd_m2 = 1.0
         # The file that was read last, also if in vain.
         self._read = ""
 
@@ -61,7 +63,7 @@ class PhotoSky(SkyModule):
         return PhotoLight(
             self._photograph,
             np.radians(own.photo_rotation_deg),
-            own.photo_cd_m2,
+            self._said_cd_m2 if own.photo_cd_m2 is None else own.photo_cd_m2,
             own.photo_lux,
             own.photo_albedo,
         )
@@ -97,7 +99,9 @@ class PhotoSky(SkyModule):
         if path != self._read:
             self._read, self._photograph = path, None
             if path:
-                self._photograph = photograph_of(read_panorama(Path(path).expanduser()))
+                panorama = read_panorama(Path(path).expanduser())
+                self._photograph = photograph_of(panorama.pixels)
+                self._said_cd_m2 = panorama.cd_m2_per_unit
         self._tell_sun()
 
     def _tell_sun(self) -> None:

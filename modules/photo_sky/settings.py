@@ -22,8 +22,10 @@ class PhotoSettings(msgspec.Struct, frozen=True):
                        unit="°")
     ] = 0.0  # fmt: skip
     photo_cd_m2: Annotated[
-        float, setting("Luminance of the value 1 in the file.", 1e-6, 1e9, unit="cd/m²")
-    ] = 683.0
+        float | None,
+        setting("Luminance of the value 1 in the file. None: the file's own, by whiteLuminance in "
+                "EXR (else 683) and EXPOSURE in HDR (179 over it).", 1e-6, 1e9, unit="cd/m²"),
+    ] = None  # fmt: skip
     photo_lux: Annotated[
         float | None,
         setting("Illuminance of level ground by sky and sun together, instead of that.", 1e-6, 2e5,

@@ -19,6 +19,8 @@ SRGB_FROM_XYZ = np.array(
         [0.0556434, -0.2040259, 1.0572252],
     ]
 )
+# Red, green, blue, white, each x and y: ITU-R BT.709 and D65, sRGB's own.
+SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 LUMINANCE_WEIGHTS = np.linalg.inv(SRGB_FROM_XYZ)[1]
 # Four wavelengths whose radiance determines the colour of clear skylight by day and twilight, and
 # the linear sRGB of radiance over solar irradiance at each of them, fitted by tools/colour_fit.

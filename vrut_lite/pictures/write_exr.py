@@ -5,12 +5,10 @@ import os
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_CHROMATICITIES
 from vrut_lite.pictures.picture_array import Metadata, require_picture
 from vrut_lite.write_atomic import atomic_output
 
-# Red, green, blue, white, each x and y: ITU-R BT.709 and D65, sRGB's own.
-SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 _OF_THE_FORMAT = {
     *("channels", "chunkCount", "compression", "dataWindow", "displayWindow", "lineOrder"),
     *("name", "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth", "tiles", "type"),

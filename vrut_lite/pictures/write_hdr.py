@@ -9,16 +9,15 @@ import os
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_CHROMATICITIES
 from vrut_lite.pictures.picture_array import Metadata, require_picture
-from vrut_lite.pictures.write_exr import SRGB_CHROMATICITIES
 from vrut_lite.write_atomic import atomic_output
 
 # Radiance defines luminance as 179 lm/W times its radiance over the visible spectrum.
 _RADIANCE_LUMENS_PER_WATT = 179.0
 _EXPONENT_BIAS = 128
 LARGEST = 255 / 256 * 2.0**127
-_OF_THE_FORMAT = {"FORMAT", "EXPOSURE", "PRIMARIES"}
+_OF_THE_FORMAT = {"FORMAT", "EXPOSURE", "COLORCORR", "PRIMARIES", "MANTISSAS"}
 
 
 def write_hdr(
@@ -54,6 +53,7 @@ def _header(metadata: Metadata, height: int, width: int) -> str:
         *(f"{key}={value}" for key, value in metadata.items()),
         f"PRIMARIES={' '.join(f'{number:g}' for number in SRGB_CHROMATICITIES)}",
         f"EXPOSURE={_RADIANCE_LUMENS_PER_WATT / LUMENS_PER_WATT:.9g}",
+        "MANTISSAS=rounded",
         "FORMAT=32-bit_rle_rgbe",
         "",
         f"-Y {height} +X {width}",
@@ -65,7 +65,8 @@ def rgbe_from_rgb(rgb: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Bytes (..., 4) of RGB (..., 3): value = mantissa / 256 * 2^(exponent - 128).
 
     Mantissas are rounded to nearest: Radiance itself truncates and adds a half when it reads,
-    but the readers in common use do not, and would find every picture 0.3 % too dark.
+    but the readers in common use do not, and would find every picture 0.3 % too dark. The line
+    MANTISSAS=rounded says so to readers that add the half.
     """
     value = np.clip(rgb.astype(np.float32), 0.0, LARGEST)
     largest = value.max(axis=-1)
