@@ -43,7 +43,7 @@ def test_material_defaults(write_square: WriteScene) -> None:
 
 
 def test_mesh_without_material(write_square: WriteScene) -> None:
-    """A mesh without material is matt mid-grey, not the dark metal of glTF's default."""
+    """A mesh without material or colours is matt mid-grey, not the dark metal of glTF's default."""
 
     def edit(document: dict[str, Any]) -> None:
         del document["meshes"][0]["primitives"][0]["material"]

@@ -211,3 +211,55 @@ def test_without_the_package_the_line_says_what_to_do(
     monkeypatch.setitem(sys.modules, "pxr", None)
     with pytest.raises(UserError, match=r"vrut-lite\[usd\].*Blender"):
         load_scene(_write(tmp_path, f'def Mesh "floor" {{{QUAD}}}'))
+
+
+DISPLAYED = [(1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.2, 0.2, 0.2), (0.8, 0.1, 0.9)]
+
+
+@pytest.mark.parametrize(
+    ("how", "count"), [("constant", 1), ("uniform", 1), ("vertex", 4), ("faceVarying", 4)]
+)
+def test_display_colour_without_a_material(tmp_path: Path, how: str, count: int) -> None:
+    """displayColor is linear, and all the colour of a mesh to which no material is bound."""
+    colours = ", ".join(map(str, DISPLAYED[:count]))
+    body = f"""
+def Mesh "floor" {{{QUAD}
+    color3f[] primvars:displayColor = [{colours}] (interpolation = "{how}")
+}}
+"""
+    (place,) = load_scene(_write(tmp_path, body)).meshes
+    mesh = place.mesh
+    shown = np.tile(mesh.material.baseColorFactor[:3], (len(mesh.vertices), 1))
+    if mesh.colours is not None:
+        shown = shown * mesh.colours[:, :3]
+    for corner, point in enumerate([(0, 0, 0), (100, 0, 0), (100, 200, 0), (0, 200, 0)]):
+        at = int(np.argmin(np.abs(mesh.vertices - point).sum(axis=1)))
+        expected = DISPLAYED[corner if count > 1 else 0]
+        np.testing.assert_allclose(shown[at], expected, atol=1e-6)
+
+
+def test_display_colour_is_inherited_and_gives_way(tmp_path: Path) -> None:
+    """A constant one of a parent holds; a bound material goes before it."""
+    body = f"""
+def Xform "house" {{
+    color3f[] primvars:displayColor = [(0.1, 0.2, 0.3)]
+    def Mesh "floor" {{{QUAD}}}
+    def Mesh "roof" (prepend apiSchemas = ["MaterialBindingAPI"]) {{{QUAD}
+        rel material:binding = </red>
+    }}
+}}
+def Material "red" {{
+    token outputs:surface.connect = </red/shader.outputs:surface>
+    def Shader "shader" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (1, 0, 0)
+        token outputs:surface
+    }}
+}}
+"""
+    colours = {
+        place.name: place.mesh.material.baseColorFactor[:3]
+        for place in load_scene(_write(tmp_path, body)).meshes
+    }
+    np.testing.assert_allclose(colours["floor"], [0.1, 0.2, 0.3], atol=1e-6)
+    np.testing.assert_allclose(colours["roof"], [1.0, 0.0, 0.0])

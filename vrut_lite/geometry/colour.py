@@ -130,3 +130,9 @@ def srgb_encode(linear: ArrayLike) -> NDArray[np.float64]:
     """The sRGB transfer function (IEC 61966-2-1) of linear values, clamped to [0, 1]."""
     c = np.clip(np.asarray(linear, dtype=float), 0.0, 1.0)
     return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+
+
+def srgb_decode(encoded: ArrayLike) -> NDArray[np.float64]:
+    """Linear values (...,) of sRGB-encoded ones (IEC 61966-2-1), clamped to [0, 1]."""
+    c = np.clip(np.asarray(encoded, dtype=float), 0.0, 1.0)
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)

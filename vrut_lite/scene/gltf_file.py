@@ -76,6 +76,19 @@ class GltfFile:
         replaced = 0 if accessor.sparse is None else accessor.sparse.count
         return (accessor.count + replaced) * _COMPONENTS[accessor.type] * dtype.itemsize
 
+    def is_share(self, key: str, index: int) -> bool:
+        """Whether whole numbers of an attribute stand for [0, 1] or [-1, 1].
+
+        Colours always do: some writers leave the flag out, and 255 is no reflectance.
+        """
+        found = self.accessor(index)
+        if key == "COLOR_0" and not found.normalized and _DTYPES[found.component_type] != "<f4":
+            self.notices.tell_once(
+                "COLOR_0 of whole numbers without `normalized`", "as if they had it"
+            )
+            return True
+        return found.normalized
+
     def accessor(self, index: int) -> Accessor:
         """The accessor of this number."""
         return item_at(self.document.accessors, index, "accessor")

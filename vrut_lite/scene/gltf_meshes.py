@@ -22,6 +22,7 @@ from vrut_lite.scene.mesh import (
     used_vertices,
 )
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.vertex_colours import within_range
 
 _FAN = 6
 
@@ -64,7 +65,8 @@ class GltfMeshes:
         if geometry is None:
             return None
         self._take(MESH_BYTES, name, bend != UNBENT)
-        return make_mesh(geometry, self._materials.material(primitive.material))
+        coloured = geometry.colours is not None
+        return make_mesh(geometry, self._materials.material(primitive.material, coloured))
 
     def _take(self, size_bytes: int, name: str, bent: bool) -> None:
         self._file.folder.budget.take(size_bytes, f"mesh {ascii(name)[:60]}")
@@ -82,8 +84,10 @@ class GltfMeshes:
             arrays.update({f"{key} {number}": self._file.array(at) for key, at in target})
         faces, arrays = used_vertices(name, faces, arrays)
         for key, number in self._named(shape):
-            if key in arrays and self._file.accessor(number).normalized:
+            if key in arrays and self._file.is_share(key, number):
                 arrays[key] = normalised(arrays[key])
+        if "COLOR_0" in arrays:
+            arrays["COLOR_0"] = within_range(arrays["COLOR_0"], self._file.notices)
         if shape.bent:
             faces = self._bend(shape, arrays, faces)
         uv = [

@@ -10,6 +10,7 @@ from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Material, Mesh, Primitive
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.vertex_colours import within_range
 
 TOLD_STROKES = "one pixel wide, in their colours; not path traced, and without shadows"
 _POINTS, _LINES, _LOOP, _STRIP, _TRIANGLES = range(5)
@@ -85,21 +86,23 @@ class GltfStrokes:
 
     def _rgba(self, primitive: Primitive, count: int) -> NDArray[np.float32]:
         """Base colours (V, 4), by factor and vertex."""
-        materials, number = self._file.document.materials, primitive.material
-        source = Material() if number is None else item_at(materials, number, "material")
+        file, number = self._file, primitive.material
+        source = (
+            Material() if number is None else item_at(file.document.materials, number, "material")
+        )
         rgba = np.tile(
             np.asarray(source.pbr_metallic_roughness.base_color_factor, float), (count, 1)
         )
         for index in _colour(primitive):
-            values = self._values(index)
+            values = self._values(index, "COLOR_0")
             if len(values) != count or values.shape[1] not in (3, 4):
                 raise SceneFileError("colours of points or lines in it do not fit; export it again")
-            rgba[:, : values.shape[1]] *= np.nan_to_num(values)
+            rgba[:, : values.shape[1]] *= within_range(values, file.notices)
         return np.clip(rgba, 0.0, 1.0).astype(np.float32)
 
-    def _values(self, index: int) -> NDArray[np.float64]:
+    def _values(self, index: int, key: str = "POSITION") -> NDArray[np.float64]:
         stored = self._file.array(index)
-        values = normalised(stored) if self._file.accessor(index).normalized else stored
+        values = normalised(stored) if self._file.is_share(key, index) else stored
         return values.astype(np.float64)
 
 

@@ -144,6 +144,22 @@ def averaged_maps(source: Material) -> list[str]:
     return [name for name, info in textures.items() if info is not None]
 
 
+def bounded_factors(source: Material) -> dict[str, Any]:
+    """Factors of extensions that belong to [0, 1], by the names that users read."""
+    found = _extensions(source)
+    return {
+        "specular": found.specular.specular_factor,
+        "clearcoat": found.clearcoat.clearcoat_factor,
+        "clearcoat_roughness": found.clearcoat.clearcoat_roughness_factor,
+        "sheen": found.sheen.sheen_color_factor,
+        "sheen_roughness": found.sheen.sheen_roughness_factor,
+        "anisotropy": found.anisotropy.anisotropy_strength,
+        "transmission": found.transmission.transmission_factor,
+        "attenuation_colour": found.volume.attenuation_color,
+        "iridescence": found.iridescence.iridescence_factor,
+    }
+
+
 def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
     """The numbers of a material's extensions, inside their ranges.
 

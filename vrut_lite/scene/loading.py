@@ -178,11 +178,11 @@ def _stand(
 ) -> _Stood:
     """Place what a file holds."""
     matrix = placement.world_from_file()
+    placed, cameras, lamps = file.posed(time_s), file.cameras(time_s), file.lamps(time_s)
+    strokes = file.strokes(time_s)
     lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
     if time_s is None and file.duration_s > 0.0:
         lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
-    placed, cameras, lamps = file.posed(time_s), file.cameras(time_s), file.lamps(time_s)
-    strokes = file.strokes(time_s)
     if not np.array_equal(matrix, np.eye(4)):
         with np.errstate(over="ignore", invalid="ignore"):
             placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]

@@ -4,23 +4,27 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from vrut_lite.daylight.scene_content import MAP_NAMES, AlphaMode, Sampler, Wrap
 from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
-from vrut_lite.scene.gltf_terms import emissive_strength, terms_of
+from vrut_lite.scene.gltf_terms import bounded_factors, emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import UnreadFile
 from vrut_lite.scene.spec_gloss import roughness_image, spec_gloss_of
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
 DEFAULT_ALBEDO = 0.5
+TOLD_GREY = f"matt grey of {DEFAULT_ALBEDO:g} instead"
 # OpenGL's codes, as glTF has them.
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 _NEAREST = 9728
+# How many numbers the statements of an MTL have.
+_MTL_SIZES = {"kd": 3, "d": 1, "tr": 1, "pm": 1, "pr": 1}
 
 
 @dataclass(eq=False)
@@ -61,10 +65,22 @@ class SurfaceMaterial:
         self.roughnessFactor = float(np.clip(self.roughnessFactor, 0.0, 1.0))
 
 
-def default_material() -> SurfaceMaterial:
-    """Matt mid-grey, for a mesh that names no material."""
-    grey = [DEFAULT_ALBEDO] * 3 + [1.0]
-    return SurfaceMaterial("default", np.array(grey), metallicFactor=0.0, roughnessFactor=1.0)
+def default_material(coloured: bool = False) -> SurfaceMaterial:
+    """Matt mid-grey, for a mesh that names no material; white where its vertices have colours.
+
+    glTF's own default is a white metal, which shows what it mirrors and no colour of its own.
+    """
+    albedo = 1.0 if coloured else DEFAULT_ALBEDO
+    rgba = np.array([albedo] * 3 + [1.0])
+    return SurfaceMaterial("default", rgba, metallicFactor=0.0, roughnessFactor=1.0)
+
+
+def tell_clipped(notices: Notices, **factors: ArrayLike) -> None:
+    """Tell factors of a material that do not lie in [0, 1], to which `SurfaceMaterial` clips."""
+    for name, values in factors.items():
+        stated = np.asarray(values, float)
+        if not ((stated >= 0.0) & (stated <= 1.0)).all():
+            notices.tell(f"material whose {name.replace('_', ' ')} is outside 0 to 1", "clipped")
 
 
 class GltfMaterials:
@@ -80,10 +96,12 @@ class GltfMaterials:
         self._images: dict[Hashable, Image.Image] = {}
         self._materials: dict[int, SurfaceMaterial] = {}
 
-    def material(self, index: int | None) -> SurfaceMaterial:
-        """The material of this number, or the default one."""
+    def material(self, index: int | None, coloured: bool = False) -> SurfaceMaterial:
+        """The material of this number, or the default one of a mesh with or without colours."""
         if index is None:
-            return default_material()
+            if not coloured:
+                self._file.notices.tell_once("mesh without material", TOLD_GREY)
+            return default_material(coloured)
         if index not in self._materials:
             source = item_at(self._file.document.materials, index, "material")
             self._materials[index] = self._convert(source)
@@ -94,6 +112,13 @@ class GltfMaterials:
         layers, numbers = layers_of(source)
         infos = texture_infos(source)
         further = [name for name in numbers if name in MAP_NAMES]
+        tell_clipped(
+            self._file.notices,
+            base_colour=pbr.base_color_factor,
+            metalness=pbr.metallic_factor,
+            roughness=pbr.roughness_factor,
+            **bounded_factors(source),
+        )
         material = SurfaceMaterial(
             name=source.name,
             baseColorFactor=np.array(pbr.base_color_factor),
@@ -174,21 +199,28 @@ def _image_index(texture: Texture) -> int | None:
 
 
 def from_mtl(
-    name: str, statements: Mapping[str, Sequence[str]], image: Image.Image | None
+    name: str,
+    statements: Mapping[str, Sequence[str]],
+    image: Image.Image | None,
+    coloured: bool = False,
 ) -> SurfaceMaterial:
     """Metallic-roughness from the statements of an MTL file, in lower case, and map_Kd's image.
 
+    Without Kd it is white where a picture or the vertices (`coloured`) have the colour, else grey.
+
     Kd is the base colour, a metal's only if the file says so (Pm). Ns, the exponent of
     Blinn-Phong, becomes a roughness r with r^4 = 2 / (Ns + 2) (Karis 2013, alpha = r^2); Pr
-    sets it outright. d, or 1 - Tr, is the alpha; an image with an alpha channel cuts out.
+    sets it outright. d, or 1 - Tr, is the alpha; `Tr 1` alone is opaque, for MeshLab writes it so.
+    An image with an alpha channel cuts out.
     OBJ has no back faces: materials are double-sided.
     """
 
     def numbers(word: str, size: int, default: float) -> list[float]:
         return _numbers(statements.get(word, ()), size, default)
 
-    colour = numbers("kd", 3, 1.0 if image is not None else DEFAULT_ALBEDO)
-    (alpha,) = numbers("d", 1, 1.0 - numbers("tr", 1, 0.0)[0])
+    colour = numbers("kd", 3, 1.0 if coloured or image is not None else DEFAULT_ALBEDO)
+    (transparency,) = numbers("tr", 1, 0.0)
+    (alpha,) = numbers("d", 1, 1.0 - transparency if transparency < 1.0 else 1.0)
     (glossiness,) = numbers("ns", 1, 0.0)
     cut_out = image is not None and image.mode == "RGBA"
     return SurfaceMaterial(
@@ -203,13 +235,31 @@ def from_mtl(
     )
 
 
+def tell_mtl(statements: Mapping[str, Sequence[str]], notices: Notices) -> None:
+    """Tell what `from_mtl` changes of the statements of a material that has them."""
+    stated = {word: _stated(statements.get(word, ()), size) for word, size in _MTL_SIZES.items()}
+    if stated["kd"] is None and "kd" in statements:
+        notices.tell("material whose Kd is no RGB", "as without Kd")
+    if stated["d"] is None and (stated["tr"] or [0.0])[0] >= 1.0:
+        notices.tell("material of `Tr 1` without `d`", "opaque, as MeshLab means it")
+    if stated["d"] is not None and stated["d"][0] <= 0.0:
+        notices.tell("material of `d 0`", "not seen")
+    named = {"Kd": "kd", "Pm": "pm", "Pr": "pr", "d": "d"}
+    tell_clipped(notices, **{name: stated[word] or 0.0 for name, word in named.items()})
+
+
 def _numbers(words: Sequence[str], size: int, default: float) -> list[float]:
     """`size` finite numbers of an MTL statement, one repeated; the default if there are none."""
+    numbers = _stated(words, size)
+    return [default] * size if numbers is None else [max(number, 0.0) for number in numbers]
+
+
+def _stated(words: Sequence[str], size: int) -> list[float] | None:
+    """The numbers as they stand; None if they are none."""
     try:
         numbers = [float(word) for word in words[:size]]
     except ValueError:
-        numbers = []
+        return None
     if len(numbers) == 1:
         numbers *= size
-    usable = len(numbers) == size and bool(np.all(np.isfinite(numbers)))
-    return [max(number, 0.0) for number in numbers] if usable else [default] * size
+    return numbers if len(numbers) == size and bool(np.all(np.isfinite(numbers))) else None

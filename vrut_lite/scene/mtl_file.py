@@ -12,7 +12,7 @@ from PIL import Image
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
-from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
+from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl, tell_mtl
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError, UnreadFile
 
@@ -53,23 +53,25 @@ class MtlMaterials:
             if "map_kd" in statements
         }
 
-    def make(self, name: str | None) -> SurfaceMaterial:
-        """The material of this name, or the default one if there is none."""
+    def make(self, name: str | None, coloured: bool = False) -> SurfaceMaterial:
+        """The material of this name, or the default one of faces with or without colours."""
         if name is not None and name not in self._statements:
-            self._notices.tell("material that no MTL defines", "grey instead")
+            instead = "its vertices' colours instead" if coloured else "grey instead"
+            self._notices.tell("material that no MTL defines", instead)
         elif name is not None:
             self._tell_unread(self._statements[name])
-        return self._made(name)
+            tell_mtl(self._statements[name], self._notices)
+        return self._made(name, coloured)
 
-    def colour_rgba(self, name: str | None) -> NDArray[np.float64]:
+    def colour_rgba(self, name: str | None, coloured: bool = False) -> NDArray[np.float64]:
         """The colour (4,) of the material of this name; tells nothing."""
-        return self._made(name).baseColorFactor
+        return self._made(name, coloured).baseColorFactor
 
-    def _made(self, name: str | None) -> SurfaceMaterial:
+    def _made(self, name: str | None, coloured: bool) -> SurfaceMaterial:
         if name not in self._statements:
             # OBJ has no back faces.
-            return replace(default_material(), doubleSided=True)
-        return from_mtl(name, self._statements[name], self._images.get(name))
+            return replace(default_material(coloured), doubleSided=True)
+        return from_mtl(name, self._statements[name], self._images.get(name), coloured)
 
     def _tell_unread(self, statements: Statements) -> None:
         """Tell maps, and options of the one that is read."""

@@ -25,6 +25,10 @@ class Notices:
             key = (_safe(what), _safe(instead))
             self._counts[key] = self._counts.get(key, 0) + count
 
+    def tell_once(self, what: str, instead: str) -> None:
+        """Say it without a count: for what is read again in each pose."""
+        self._counts[_safe(what), _safe(instead)] = 1
+
     def lines(self) -> tuple[str, ...]:
         """The lines, in the order in which their kinds were first told."""
         shown = [_line(what, instead, count) for (what, instead), count in self._counts.items()]

@@ -1,6 +1,7 @@
 """OBJ with its MTL and textures as placed meshes, one for each material."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from vrut_lite.scene.obj_file import ObjFile, parse_obj
 from vrut_lite.scene.obj_strokes import placed_strokes
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import UnreadFile
+from vrut_lite.scene.vertex_colours import colours_of_obj
 
 
 def read_obj_scene(
@@ -38,6 +40,8 @@ def read_obj_scene(
     """
     folder = SceneFolder(path.parent, budget)
     obj = parse_obj(folder.read(path), budget)
+    if obj.colours is not None:
+        obj = replace(obj, colours=colours_of_obj(obj.colours, notices))
     check_triangles(len(obj.corners))
     library = _library(obj, folder, notices)
     materials = MtlMaterials(library, folder, notices)
@@ -49,7 +53,7 @@ def read_obj_scene(
         shown = name or "geometry"
         check_places(len(placed) + 1)
         geometry = _geometry(obj, shown, corners, budget)
-        material = materials.make(name)
+        material = materials.make(name, coloured=obj.colours is not None)
         if material.baseColorTexture is not None:
             lacking = np.any(~_exist(corners[..., 1], obj.uv), axis=1).sum()
             instead = "left out" if geometry.uv is None else "in one colour of it"
@@ -63,7 +67,8 @@ def _strokes(
 ) -> list[Strokes]:
     notices.tell("points or lines", TOLD_STROKES, sum(len(one.group) for one in obj.strokes))
     groups = {int(group) for one in obj.strokes for group in one.group}
-    rgba = {group: materials.colour_rgba(obj.materials[group]) for group in groups}
+    coloured = obj.colours is not None
+    rgba = {group: materials.colour_rgba(obj.materials[group], coloured) for group in groups}
     return placed_strokes(obj.strokes, obj.positions, obj.colours, rgba, budget)
 
 

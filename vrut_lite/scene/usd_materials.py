@@ -11,7 +11,7 @@ from PIL import Image
 from vrut_lite.daylight.scene_content import AlphaMode
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.images import PixelBudget, decode_image
-from vrut_lite.scene.materials import SurfaceMaterial, default_material
+from vrut_lite.scene.materials import SurfaceMaterial, tell_clipped
 from vrut_lite.scene.notices import Notices
 
 _MASKED = 0.5
@@ -24,11 +24,11 @@ class UsdMaterials:
     def __init__(self, folder: Path, budget: SceneBudget, notices: Notices, time: Any) -> None:
         self._folder, self._notices, self._time = folder.resolve(), notices, time
         self._pixels = PixelBudget(budget)
-        self._made: dict[str, SurfaceMaterial] = {}
+        self._made: dict[str, SurfaceMaterial | None] = {}
         self._pictures: dict[str, Image.Image | None] = {}
 
-    def parts(self, prim: Any, faces: int) -> Iterator[tuple[Faces, SurfaceMaterial]]:
-        """The polygons of each material of a mesh; None for all of them."""
+    def parts(self, prim: Any, faces: int) -> Iterator[tuple[Faces, SurfaceMaterial | None]]:
+        """The polygons of each material of a mesh; None for all of them, or for no material."""
         from pxr import UsdGeom
 
         subsets = UsdGeom.Subset.GetGeomSubsets(
@@ -43,20 +43,22 @@ class UsdMaterials:
         if np.any(left):
             yield np.flatnonzero(left) if subsets else None, self._bound(prim)
 
-    def _bound(self, prim: Any) -> SurfaceMaterial:
+    def _bound(self, prim: Any) -> SurfaceMaterial | None:
         from pxr import UsdShade
 
         material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
         key = str(material.GetPath()) if material else ""
         if key not in self._made:
-            self._made[key] = self._make(material) if material else default_material()
+            self._made[key] = self._make(material) if material else None
         return self._made[key]
 
-    def _make(self, material: Any) -> SurfaceMaterial:
+    def _make(self, material: Any) -> SurfaceMaterial | None:
         shader = material.ComputeSurfaceSource()[0]
         if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
-            self._notices.tell("USD material without UsdPreviewSurface", "grey instead")
-            return default_material()
+            self._notices.tell(
+                "USD material without UsdPreviewSurface", "displayColor or grey instead"
+            )
+            return None
 
         def value(name: str, default: Any) -> Any:
             source = shader.GetInput(name)
@@ -74,6 +76,13 @@ class UsdMaterials:
         alpha, cutoff = float(value("opacity", 1.0)), float(value("opacityThreshold", 0.0))
         blended: AlphaMode = "BLEND" if alpha < 1.0 else "OPAQUE"
         colour = [1.0] * 3 if image is not None else value("diffuseColor", (0.18, 0.18, 0.18))
+        tell_clipped(
+            self._notices,
+            diffuseColor=colour,
+            opacity=alpha,
+            metallic=value("metallic", 0.0),
+            roughness=value("roughness", 0.5),
+        )
         return SurfaceMaterial(
             name=material.GetPrim().GetName(),
             baseColorFactor=np.array([*colour, alpha]),

@@ -7,6 +7,7 @@ out.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ from vrut_lite.daylight.placement import (
 )
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import MAX_FILE_BYTES
+from vrut_lite.scene.materials import SurfaceMaterial, default_material
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
     Mesh,
@@ -33,6 +35,7 @@ from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.usd_materials import UsdMaterials
+from vrut_lite.scene.vertex_colours import within_range
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _MISSING = (
@@ -208,17 +211,21 @@ class _Reader:
         if normals is None and mesh.GetNormalsAttr().HasAuthoredValue():
             values = np.array(mesh.GetNormalsAttr().Get(self._time), np.float64)
             normals = spread.spread(values, mesh.GetNormalsInterpolation(), 3)
+        displayed = self._corner_values(mesh, "displayColor", spread, 3)
         made = []
-        for faces, material in self._materials.parts(prim, len(counts)):
+        for faces, bound in self._materials.parts(prim, len(counts)):
             chosen = np.isin(face, faces) if faces is not None else slice(None)
             part = corners[chosen]
             if not len(part):
                 continue
-            size = geometry_bytes(0, len(part), normals=False, layers=2)
+            material, colours = bound, None
+            if material is None:
+                material, colours = self._displayed(displayed, chosen)
+            size = geometry_bytes(0, len(part), normals=False, layers=2 + (colours is not None))
             self._budget.take(size + MESH_BYTES, f"mesh {ascii(name)[:60]}")
             arrays = {"POSITION": points}
             triangles, arrays = used_vertices(name, indices[part], arrays)
-            if normals is not None or uv is not None:
+            if normals is not None or uv is not None or colours is not None:
                 # Values at corners: each corner is a vertex of its own.
                 arrays = {"POSITION": arrays["POSITION"][triangles.reshape(-1)]}
                 triangles = np.arange(triangles.size).reshape(-1, 3)
@@ -229,15 +236,32 @@ class _Reader:
                 self._budget,
                 normals=None if normals is None else normals[chosen].reshape(-1, 3),
                 uv=None if uv is None else uv[chosen].reshape(-1, 2),
+                colours=colours,
             )
             made.append(make_mesh(geometry, material))
         return made
+
+    def _displayed(
+        self, displayed: Matrix | None, chosen: Any
+    ) -> tuple[SurfaceMaterial, NDArray[np.float32] | None]:
+        """The material of triangles without one, by their linear displayColor.
+
+        A single colour is the material's; several are those of the corners (n, 3), which come
+        beside it.
+        """
+        if displayed is None:
+            return default_material(), None
+        colours = within_range(displayed[chosen].reshape(-1, 3), self._notices)
+        material = default_material(coloured=True)
+        if not (colours == colours[0]).all():
+            return material, colours
+        return replace(material, baseColorFactor=np.append(colours[0], 1.0)), None
 
     def _corner_values(self, mesh: Any, name: str, corners: _Corners, width: int) -> Matrix | None:
         """A primvar at the triangles' corners (F, 3, width)."""
         from pxr import UsdGeom
 
-        primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar(name)
+        primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).FindPrimvarWithInheritance(name)
         if not primvar or not primvar.HasValue():
             return None
         values = np.array(primvar.ComputeFlattened(self._time), np.float64)
