@@ -87,9 +87,10 @@ def pixels_of(data: bytes, head: HdrHead) -> FloatArray:
         ValueError, IndexError: the lines are damaged.
     """
     stored = _lines(data, head)
-    scale = np.where(stored[..., 3] > 0, np.ldexp(1.0, stored[..., 3].astype(int) - 136), 0.0)
+    exponent = stored[..., 3].astype(int) - 136
+    scale = np.where(stored[..., 3] > 0, np.ldexp(1.0, exponent).astype(np.float64), 0.0)
     half = 0.0 if head.rounded else 0.5
-    values = (stored[..., :3] + half) * scale[..., None]
+    values = np.asarray((stored[..., :3] + half) * scale[..., None], np.float64)
     values /= head.colour_correction
     values = rgb_from_xyz(values) if head.xyz else rgb_from_primaries(values, head.primaries)
     if head.by_columns:

@@ -94,16 +94,15 @@ class AllWeather(NamedTuple):
         """
         stated = self._stated_brightness
         shape = np.shape(stated)
-        kind, zenith, drawn = (
-            np.atleast_1d(v).ravel() for v in (self.bin, self.zenith_rad, stated)
-        )
+        kind = np.atleast_1d(self.bin).ravel()
+        zenith, drawn = (np.atleast_1d(values).ravel() for values in (self.zenith_rad, stated))
         outside = np.flatnonzero(~_is_inside(kind, zenith, drawn))
         if outside.size:
             inside = _is_inside(kind[outside, None], zenith[outside, None], _STAND_INS)
             away = np.where(inside, np.abs(_STAND_INS - drawn[outside, None]), np.inf)
             drawn = drawn.copy()
             drawn[outside] = _STAND_INS[np.argmin(away, axis=1)]
-        return drawn.reshape(shape)
+        return np.asarray(drawn.reshape(shape))
 
     @property
     def is_outside(self) -> NDArray[np.bool_]:
