@@ -142,6 +142,26 @@ def test_any_row_is_light_or_refused(rows, values, year_text, tmp_path_factory):
         assert 0.0 <= light.min() <= light.max() <= 1500.0
 
 
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        ("50.0755,14.4378,200", ""),
+        ("-33.9,151.2", "a place 16,088 km away, at 50.1,14.4: its light does not follow this sun"),
+    ],
+)
+def test_weather_of_another_place_is_told(year_file, place, says):
+    """A project may hold weather of one place and the sun of another; a town apart is the same."""
+
+    @click.command()
+    @daylight_options
+    def command(**options):
+        with_options(Project(weather=str(year_file), place=place), options)
+
+    result = CliRunner().invoke(command, [], standalone_mode=False)
+    assert result.exception is None
+    assert result.stderr.endswith(f"{says}\n") if says else result.stderr == ""
+
+
 def test_a_projects_weather_is_told_too(year_text, tmp_path):
     """A file that a project names is as wrong as one that an option names."""
     path = tmp_path / "year.epw"

@@ -24,6 +24,7 @@ from vrut_lite.daylight.haze import (
     AerosolType,
 )
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.daylight.weather_checks import far_from
 from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
@@ -103,9 +104,7 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     if weather is not None:
         if options["place"] is not None:
             raise UserError("--weather and --place both name a place: say one of them")
-        project = at_weather(project, weather)
-    elif project.weather:
-        _tell_weather(project.weather)
+        project = with_weather(project, weather)
     changes = {
         key: value
         for key in ("at", "place", "north_offset_deg")
@@ -123,20 +122,24 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
         changes["haze"] = haze
         project = _without_own_haze(project)
     changes["settings"] = _merged_settings(project, options)
-    return _checked(msgspec.structs.replace(project, **changes))
+    changed = _checked(msgspec.structs.replace(project, **changes))
+    if changed.weather:
+        _tell_weather(changed)
+    return changed
 
 
 def at_weather(project: Project, path: str) -> Project:
     """The project under a file's weather; what is wrong with the file is told on standard error."""
     changed = with_weather(project, path)
-    _tell_weather(path)
+    _tell_weather(changed)
     return changed
 
 
-def _tell_weather(path: str) -> None:
-    """What a file lacks, and where it contradicts the sun or itself."""
-    for line in read_weather(path).lacks:
-        click.echo(f"vrut-lite: {path}: {line}", err=True)
+def _tell_weather(project: Project) -> None:
+    """What its file lacks, and where that contradicts the sun, the place or itself."""
+    weather, place = read_weather(project.weather), project.where()
+    for line in (*weather.lacks, *far_from(weather, place.latitude_deg, place.longitude_deg)):
+        click.echo(f"vrut-lite: {project.weather}: {line}", err=True)
 
 
 def _tolerance(text: str) -> float:

@@ -24,6 +24,8 @@ _FITS, _MUCH_BETTER, _AS_GOOD = 0.12, 0.72, 1.05
 # differ by more than 15 % and 50 W/m^2, for means of an hour have no one sun.
 _CLOSURE_RAD, _MAY_DIFFER = float(np.radians(10.0)), 0.1
 _DIFFERS_BY, _DIFFERS_W_M2 = 0.15, 50.0
+# The sun rises six minutes apart over this distance at 50 degrees.
+_EARTH_M, _FAR_M = 6_371_000.0, 100_000.0
 # Share of sunlit hours whose diffuse light may exceed the global by more than 5 % and 10 W/m^2.
 _MAY_EXCEED = 0.01
 
@@ -53,6 +55,20 @@ def contradictions(weather: SetWeather, global_w_m2: FloatArray) -> tuple[str, .
     # Neither adds up: one fault, one sentence.
     sums = () if moved or exceeded else _unequal_sums(weather, direct, diffuse, global_w_m2)
     return (*moved, *exceeded, *sums)
+
+
+def far_from(weather: SetWeather, latitude_deg: float, longitude_deg: float) -> tuple[str, ...]:
+    """A sentence where a file is of another place than the one whose sun shines on it."""
+    latitudes = np.radians([weather.latitude_deg, latitude_deg])
+    apart = np.radians(longitude_deg - weather.longitude_deg)
+    sines, cosines = np.sin(latitudes).prod(), np.cos(latitudes).prod()
+    away_m = _EARTH_M * float(np.arccos(np.clip(sines + cosines * np.cos(apart), -1.0, 1.0)))
+    if away_m <= _FAR_M:
+        return ()
+    return (
+        f"the weather is that of a place {away_m / 1000.0:,.0f} km away, at "
+        f"{weather.latitude_deg:g},{weather.longitude_deg:g}: its light does not follow this sun",
+    )
 
 
 def _against_sun(weather: SetWeather, direct: FloatArray, diffuse: FloatArray) -> tuple[str, ...]:

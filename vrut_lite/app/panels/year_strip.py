@@ -70,7 +70,7 @@ class YearStrip(QWidget):
             self.instant_chosen.emit(self.instant_at(event.position().x(), event.position().y()))
 
     def event(self, event: QEvent) -> bool:
-        """Tell the hour under the pointer."""
+        """Tell the hour under the pointer, and what is wrong with the file."""
         if event.type() == QEvent.Type.ToolTip and self._weather is not None:
             at = event.pos()  # type: ignore[attr-defined]
             when = self.instant_at(at.x(), at.y())
@@ -81,6 +81,7 @@ class YearStrip(QWidget):
                 f"{hour.cloud_cover or 0.0:.0%} cloud, "
                 f"{hour.direct_normal_w_m2:.0f} + {hour.diffuse_horizontal_w_m2:.0f} W/m²"
             )
+            text = "\n".join((text, *self._weather.lacks))
             QToolTip.showText(event.globalPos(), text, self)  # type: ignore[attr-defined]
             return True
         return super().event(event)
