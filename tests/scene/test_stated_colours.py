@@ -126,6 +126,16 @@ def test_obj_vertex_colours_in_bytes(write_obj: WriteScene) -> None:
     assert "vertex colours up to 255 in the OBJ: divided by 255" in scene.notices
 
 
+@pytest.mark.parametrize("long", [False, True])
+def test_colours_of_some_vertices_are_told(write_obj: WriteScene, long: bool) -> None:
+    """They cannot be drawn with the others, which have none: not in silence, in long files too."""
+    lines = coloured_vertices(COLOURS).splitlines()
+    lines[-1] = "v 0 1 0"
+    filler = "\n" + "# filler\n" * 60_000 if long else ""
+    scene = load_scene(write_obj(vertices="\n".join(lines) + filler))
+    assert "vertex colours of only some vertices of the OBJ: left out" in scene.notices
+
+
 @pytest.mark.parametrize(
     ("statements", "alpha", "told"),
     [

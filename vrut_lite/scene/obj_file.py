@@ -25,6 +25,8 @@ _STROKES = (b"p", b"l")
 _DIGITS = b"0123456789"
 # Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 is none.
 _CORNER = 3
+# Numbers of a vertex with a colour.
+_COLOURED = 6
 _MOST_NUMBER = 2**31 - 2
 _NAME_BYTES = 256
 
@@ -37,7 +39,7 @@ class ObjFile:
     `corners` (F, 3, 3) are the triangles' corners, each with the numbers of its position, texture
     coordinates and normal, counted from 0, -1 if it has none; `group` (F,) is the number of each
     triangle's material in `materials`. `strokes` are its points and its lines. `unread` counts
-    statements that draw something else.
+    statements that draw something else; `lost_colours`: only some of the vertices have colours.
     """
 
     positions: NDArray[np.float64]
@@ -50,6 +52,7 @@ class ObjFile:
     library: str | None
     strokes: list[ObjStrokes]
     unread: dict[str, int]
+    lost_colours: bool
 
 
 @dataclass
@@ -67,6 +70,7 @@ class _Reading:
     group: int = 0
     library: str | None = None
     unread: Counter[str] = field(default_factory=Counter)
+    has_colours: bool = False
     strokes: StatedStrokes = field(init=False)
 
     def __post_init__(self) -> None:
@@ -97,7 +101,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
     for block in _blocks(data):
         read_block(block, reading)
     positions = _joined(reading.numbers[b"v"], 3)
-    coloured = bool(reading.numbers[b"v"]) and positions.shape[1] >= 6
+    coloured = bool(reading.numbers[b"v"]) and positions.shape[1] >= _COLOURED
     corners = np.concatenate([np.zeros((0, 3, _CORNER), np.int32), *reading.corners])
     corners -= 1
     return ObjFile(
@@ -111,6 +115,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
         reading.library,
         reading.strokes.all(len(positions)),
         dict(reading.unread),
+        reading.has_colours and not coloured,
     )
 
 
@@ -158,6 +163,7 @@ def _read_block(block: bytes, reading: _Reading) -> None:
     groups[done:] = reading.group
     for kind, found in zip(_KINDS, plain.rows, strict=True):
         reading.counts[kind] += len(found)
+        reading.has_colours |= kind == b"v" and found.shape[1] >= _COLOURED
         if len(found):
             reading.numbers[kind].append(reading.keep(found))
     if len(plain.corners):
@@ -200,6 +206,8 @@ def _read_words(block: bytes, reading: _Reading) -> None:
             _read_statement(kind, rest, reading, before[b"v"] + len(rows[b"v"]))
     for kind, found in rows.items():
         reading.counts[kind] += len(found)
+        if kind == b"v" and not reading.has_colours:
+            reading.has_colours = any(len(row.split()) >= _COLOURED for row in found)
         if found:
             reading.numbers[kind].append(reading.keep(_numbers(found, 2 if kind == b"vt" else 3)))
     if faces:

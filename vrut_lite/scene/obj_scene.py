@@ -45,6 +45,8 @@ def read_obj_scene(
     check_triangles(len(obj.corners))
     library = _library(obj, folder, notices)
     materials = MtlMaterials(library, folder, notices)
+    if obj.lost_colours:
+        notices.tell("vertex colours of only some vertices of the OBJ", "left out")
     for kind, count in obj.unread.items():
         notices.tell(f"{kind} statement of the OBJ", "not drawn", count)
     placed: list[PlacedMesh] = []
