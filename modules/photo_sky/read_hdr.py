@@ -65,7 +65,7 @@ def read_head(data: bytes) -> HdrHead:
     """The head of a file.
 
     Raises:
-        ValueError: it is not Radiance's, or a value in it is none.
+        ValueError: the head is not Radiance's, or a value in it is not valid.
     """
     if not data.startswith(b"#?"):
         raise ValueError("no head")

@@ -13,7 +13,7 @@ from vrut_lite.numeric_types import FloatArray
 
 _MOST_PIXELS = 64_000_000
 _SUFFIXES = (".exr", ".hdr", ".pic")
-# Of the value 1 in an EXR that does not say it: W m^-2 sr^-1, as this program writes.
+# Luminance of the value 1 in an EXR without whiteLuminance: 1 W m^-2 sr^-1, as in our files.
 USUAL_CD_M2 = LUMENS_PER_WATT
 
 

@@ -1,4 +1,4 @@
-"""What the heads of HDR pictures say is honoured: unit, colours, order and packing of pixels."""
+"""The heads of HDR pictures are honoured: unit, colours, order and packing of pixels."""
 
 import os
 import subprocess
@@ -167,8 +167,8 @@ def test_own_files_come_back_unbiased(tmp_path):
     assert abs(float(ratio.mean()) - 1.0) < 2e-4
     largest = picture.max(axis=-1, keepdims=True)
     assert (np.abs(ratio - 1.0) * picture / largest).max() <= 1.0 / 256.0
-    # Of other programs, which cut mantissas off, half a step is added: also where they copied
-    # this program's head.
+    # Half a step is added to files of other programs, which cut mantissas off, even where they
+    # copied this program's head.
     data = (tmp_path / "sky.hdr").read_bytes()
     (tmp_path / "sky.hdr").write_bytes(data.replace(b"\nFORMAT", b"\n\tpfilt -1\nFORMAT", 1))
     halves = read_panorama(tmp_path / "sky.hdr").pixels / picture

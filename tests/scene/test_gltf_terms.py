@@ -22,7 +22,7 @@ def read(write_square: WriteScene, extensions: dict[str, Any], **more: Any) -> M
         document["extensionsRequired"] = list(named)
 
     loaded = load_scene(write_square(edit))
-    # Nothing is left out; a number that is changed is told.
+    # Nothing is left out; each changed number has a notice.
     assert all(line.endswith(" is outside 0 to 1: clipped") for line in loaded.notices)
     return packed(loaded).materials.all()[0]
 

@@ -1,4 +1,4 @@
-"""Colours that a file states arrive as they are meant; what is changed is told."""
+"""Colours that a file states arrive as they are meant; every change has a notice."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ CLIPPED = "vertex colours outside 0 to 1: clipped"
 
 
 def linear(encoded: Any) -> np.ndarray:
-    """IEC 61966-2-1, written anew."""
+    """Decodes sRGB by IEC 61966-2-1, independently of the code under test."""
     c = np.asarray(encoded, float)
     return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
 

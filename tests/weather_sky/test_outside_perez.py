@@ -65,7 +65,7 @@ def test_direct_light_without_diffuse_is_no_night():
 
 
 def test_every_kind_of_sky_has_a_neighbour():
-    """Of all kinds, suns and brightnesses: both factors above 0, peaks as inside the domain."""
+    """Both factors are above 0 for all kinds, suns, brightnesses; most states stay as they are."""
     clearness, zenith, brightness = (
         grid.ravel()
         for grid in np.meshgrid(

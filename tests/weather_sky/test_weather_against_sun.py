@@ -1,4 +1,4 @@
-"""Weather that contradicts the sun of its place, or itself, is told with what would fit."""
+"""Weather that contradicts the sun of its place, or itself, is reported with the better reading."""
 
 from pathlib import Path
 
@@ -75,7 +75,7 @@ def test_columns_that_contradict_each_other_are_told(year_text, told):
 @pytest.mark.parametrize("file", ["723170TYA.CSV", "703165TY.csv"])
 @pytest.mark.parametrize("late_h", [0.0, 0.5, -0.5, 1.0])
 def test_real_years(file, late_h):
-    """Greensboro and Sand Point by TMY3: nothing is told as they are, half an hour off it is."""
+    """Greensboro and Sand Point by TMY3: no line as they are, one when half an hour off."""
     pvlib = pytest.importorskip("pvlib")
     table, head = pvlib.iotools.read_tmy3(
         Path(pvlib.__file__).parent / "data" / file, map_variables=True
@@ -124,7 +124,7 @@ def test_any_shift_is_found(year_file, data):
     ),
 )
 def test_any_row_is_light_or_refused(rows, values, year_text, tmp_path_factory):
-    """Whatever cells hold: finite light within the sun's, or refused."""
+    """Any cells give finite light within the sun's, or a refusal."""
     lines = year_text.splitlines()
     for row in rows:
         parts = lines[HEAD + row].split(",")

@@ -129,14 +129,14 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
 
 
 def at_weather(project: Project, path: str) -> Project:
-    """The project under a file's weather; what is wrong with the file is told on standard error."""
+    """The project under a file's weather; prints the file's faults to standard error."""
     changed = with_weather(project, path)
     _tell_weather(changed)
     return changed
 
 
 def _tell_weather(project: Project) -> None:
-    """What its file lacks, and where that contradicts the sun, the place or itself."""
+    """Prints what a project's file lacks, and where it contradicts sun, place or itself."""
     weather, place = read_weather(project.weather), project.where()
     for line in (*weather.lacks, *far_from(weather, place.latitude_deg, place.longitude_deg)):
         click.echo(f"vrut-lite: {project.weather}: {line}", err=True)

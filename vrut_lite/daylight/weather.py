@@ -31,8 +31,8 @@ class SetWeather(Input, frozen=True, kw_only=True):
     first from midnight to one on the 1st of January: 8,760, or 8,784 with a 29th of February.
     `path` names the file, which nobody reads again. Irradiances are broadband: watts of all
     wavelengths. `cloud_cover` is a share of the sky, empty where the file does not tell. `lacks`
-    says, a line each, what the file does not have and what stands in, and where it contradicts the
-    sun of its place or itself.
+    has a line for each thing that the file does not have, with its replacement, and for each
+    contradiction with the sun of its place or within the file.
     """
 
     path: str

@@ -68,7 +68,7 @@ class SurfaceMaterial:
 def default_material(coloured: bool = False) -> SurfaceMaterial:
     """Matt mid-grey, for a mesh that names no material; white where its vertices have colours.
 
-    glTF's own default is a white metal, which shows what it mirrors and no colour of its own.
+    glTF's default is a white metal, which shows reflections only.
     """
     albedo = 1.0 if coloured else DEFAULT_ALBEDO
     rgba = np.array([albedo] * 3 + [1.0])
@@ -255,7 +255,7 @@ def _numbers(words: Sequence[str], size: int, default: float) -> list[float]:
 
 
 def _stated(words: Sequence[str], size: int) -> list[float] | None:
-    """The numbers as they stand; None if they are none."""
+    """Unclamped numbers of a statement; None if they are not numbers."""
     try:
         numbers = [float(word) for word in words[:size]]
     except ValueError:

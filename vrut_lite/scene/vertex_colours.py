@@ -1,4 +1,4 @@
-"""Colours of vertices as the formats state them, as linear values in [0, 1]; changes are told."""
+"""Vertex colours of all formats as linear values in [0, 1]; changes have notices."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ def within_range(colours: NDArray[Any], notices: Notices) -> NDArray[np.float32]
     """Linear colours (V, 3 or 4) in [0, 1]."""
     values = np.asarray(colours, np.float32)
     clipped = np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0)
-    # Of packed and quantised files the last digit may lie outside.
+    # The last digit of packed and quantised values may lie outside.
     if not np.allclose(clipped, values, rtol=0.0, atol=1e-3):
         notices.tell_once("vertex colours outside 0 to 1", "clipped")
     return clipped

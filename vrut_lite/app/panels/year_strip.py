@@ -70,7 +70,7 @@ class YearStrip(QWidget):
             self.instant_chosen.emit(self.instant_at(event.position().x(), event.position().y()))
 
     def event(self, event: QEvent) -> bool:
-        """Tell the hour under the pointer, and what is wrong with the file."""
+        """Show the hour under the pointer, and the file's faults."""
         if event.type() == QEvent.Type.ToolTip and self._weather is not None:
             at = event.pos()  # type: ignore[attr-defined]
             when = self.instant_at(at.x(), at.y())
