@@ -106,6 +106,16 @@ def test_volume_in_twilight(elevation_deg: float) -> None:
     assert np.isfinite(light).all()
 
 
+@pytest.mark.parametrize("sun_deg", [-16.0, -17.3, -18.0])
+def test_no_sunlight_in_the_planets_shadow(sun_deg: float) -> None:
+    """In deep twilight the first hundred kilometres lie in the planet's shadow, as high as they
+    reach: light scattered once is zero there. Rounding that left 6e-8 of each slice lit made air
+    18 degrees after sunset up to 23 % too red."""
+    volume = air_volume(field(), 2.0, towards(sun_deg), 1e5)
+    assert light_of(volume)[0].max() > 0.0
+    assert not light_of(volume)[1:].any()
+
+
 def _errors(
     solved: SourceField, altitude_m: float, reach_m: float, sun_deg: float, seed: int
 ) -> FloatArray:

@@ -14,6 +14,9 @@ from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place
 _f4 = np.float32
 _OUT_OF_REACH = np.float32(3e38)
 _TINY = np.float32(1e-7)
+# Rounding of a bin's dark share must leave none of it lit: 6e-8 of the sun's light outshines the
+# sky 18 degrees after sunset.
+_OVER_ONE = np.float32(1.0 + 1e-6)
 
 
 @fast
@@ -174,7 +177,7 @@ def _place_suns(air, altitude, bins, b, columns, cells):  # type: ignore[no-unty
     span = (math.sqrt(squared) + math.sqrt(whole) - (top - there)) / r
     scale, last = _f4((columns - 1) / span), _f4(columns - 1.001)
     start, stop = _f4(bins.edge[b]), _f4(bins.edge[b + 1])
-    per_metre = _f4(1.0 / max(bins.edge[b + 1] - bins.edge[b], 1e-30))
+    per_metre = _OVER_ONE / max(stop - start, _f4(1e-30))
     mu_s, nu, begin, end = cells.mu_s, cells.nu, cells.shadow_from, cells.shadow_to
     for n in range(mu_s.size):
         cosine = (radius * mu_s[n] + distance * nu[n]) * inverse_r
