@@ -1,8 +1,9 @@
 """Zenith cosines mu of the rows of an `AirVolume`.
 
-Rows above the horizon: mu = mu_h + (mu_top - mu_h) x^2, x uniform in [0, 1]: dense toward the
-horizon, where radiance changes fast. mu_top is the zenith, or the edge of the air for an eye above
-the air.
+Rows above the horizon: mu = mu_h + (1 - mu_h) x^2 (2 - x^2), x uniform in [0, 1]: dense toward the
+horizon, where radiance changes fast, and uniform in the angle about the zenith, across which light
+has a slope. For an eye above the air mu = mu_h + (mu_top - mu_h) x^2, with mu_top the edge of the
+air.
 
 Rows below the horizon: mu = mu_h - (1 + mu_h) d with d = c x^2 / (1 - (1 - c) x^2). c is 1 for an
 eye on the ground or far in space. It is small for an eye high in the air, which makes rows denser
@@ -56,8 +57,7 @@ def grid_of(volume: AirVolume) -> Grid:
 
 def horizon_depth(grid: AirVolume | Grid) -> FloatArray:
     """1 + mu (2,) of the ground's horizon, and of the zenith or, from above the air, its edge."""
-    inside = grid.observer_altitude_m <= grid.top_altitude_m
-    edge = 2.0 if inside else _grazing_depth(grid, grid.top_altitude_m)
+    edge = 2.0 if _inside(grid) else _grazing_depth(grid, grid.top_altitude_m)
     return np.array([_grazing_depth(grid, 0.0), edge])
 
 
@@ -65,6 +65,8 @@ def row_heights(grid: Grid) -> FloatArray:
     """1 + mu (rows,), first the rows above the horizon, both parts outward from the horizon."""
     horizon, top = horizon_depth(grid)
     up = np.linspace(0.0, 1.0, grid.rows_above) ** 2
+    if _inside(grid):
+        up = up * (2.0 - up)
     below, place = rows_below(grid), np.linspace(0.0, 1.0, grid.rows_below)
     x = np.interp(place, [0.0, below.moved_place, 1.0], [0.0, below.moved_x, 1.0])
     c = below.crowding
@@ -78,7 +80,10 @@ def rows_of(grid: Grid, one_plus: FloatArray) -> tuple[FloatArray, NDArray[np.bo
     """Fractional row (...,) of a height 1 + mu, and whether it is below the horizon."""
     horizon, top = horizon_depth(grid)
     is_below = one_plus < horizon
-    up = np.sqrt(np.clip((one_plus - horizon) / (top - horizon), 0.0, 1.0))
+    squared = np.clip((one_plus - horizon) / (top - horizon), 0.0, 1.0)
+    if _inside(grid):
+        squared = squared / (1.0 + np.sqrt(1.0 - squared))
+    up = np.sqrt(squared)
     below, down = rows_below(grid), np.clip((horizon - one_plus) / horizon, 0.0, 1.0)
     c = below.crowding
     x = np.sqrt(down / (c + (1.0 - c) * down))
@@ -100,6 +105,10 @@ def rows_below(grid: AirVolume | Grid) -> RowsBelow:
     if not (0.0 < x < 1.0 and 0 < row < last):
         return RowsBelow(c, 0.5, 0.5)
     return RowsBelow(c, x, row / last)
+
+
+def _inside(grid: AirVolume | Grid) -> bool:
+    return grid.observer_altitude_m <= grid.top_altitude_m
 
 
 def _bend_depth(grid: AirVolume | Grid) -> float:

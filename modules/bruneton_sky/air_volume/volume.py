@@ -38,7 +38,7 @@ class AirSizes(NamedTuple):
     """
 
     slices: int = 32
-    rows_above: int = 32
+    rows_above: int = 44
     rows_below: int = 24
     columns: int = 32
     steps: int = 2

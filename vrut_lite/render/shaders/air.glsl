@@ -60,8 +60,10 @@ AirRay air_ray(vec3 d) {
     float one_plus = d.y < 0.0 ? dot(d.xz, d.xz) / (1.0 - d.y) : 1.0 + d.y;
     float above = one_plus - air.horizon_depth;
     // Rows above and below the horizon are separate blocks; filtering must not mix them.
+    float squared = clamp(above / air.depth_above_horizon, 0.0, 1.0);
+    if (air.above_top_m <= 0.0) squared /= 1.0 + sqrt(1.0 - squared);
     float row = above >= 0.0
-        ? sqrt(min(above / air.depth_above_horizon, 1.0)) * (air.rows_above - 1.0)
+        ? sqrt(squared) * (air.rows_above - 1.0)
         : air.rows_above + row_below(min(-above / air.horizon_depth, 1.0)) * (air.rows_below - 1.0);
     float level = length(d.xz);
     vec2 azimuth = level > 1e-12 ? d.xz / level : vec2(0.0, -1.0);
