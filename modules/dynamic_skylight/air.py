@@ -39,13 +39,16 @@ from vrut_lite.numeric_types import FloatArray, Vector
 
 GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
 _MOLECULES_M = 8000.0
-SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 40, 24, 32
+# From the ground the rows above the horizon and the columns are the twilight table's own: that is
+# bilinear, and chords across its kinks would be up to 7 % too bright, a degree above the horizon.
+SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 64, 24, 32
 _MOST_SUNLIT = 0.9
 # Largest factor on light at high altitudes, where little air must make the sky's light.
 _LEAST_LOST = 0.02
 # The model's radiance has an infinite slope on the horizon, which would draw a line across the
-# hills at the eye's level: within half a degree of it the sky a little higher is taken.
-_SOFT_MU = 0.006
+# hills at the eye's level: the sky `_SOFT_MU` higher is taken there, ever less to both sides, and
+# from `_SHARP_MU` (1 degree) up none: there the air must not outshine the sky behind it.
+_SOFT_MU, _SHARP_MU = 0.006, 0.0174
 # The first node is at the eye, where light is a limit: it is taken at this share of a slice.
 _FIRST_SHARE = 0.01
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
@@ -131,7 +134,9 @@ def _mean_light(daylight: Daylight, grid: Grid, rays: NodeRays, layers: Layers) 
 def _sky_behind(daylight: Daylight, rays: NodeRays, rows_above: int) -> FloatArray:
     """The sky's radiance (rows, columns, 3); below the level, more and more that on the horizon."""
     up = np.where(np.arange(rays.mu.size) < rows_above, np.maximum(rays.mu, 0.0), rays.mu)
-    mu = np.minimum(0.5 * (up + np.hypot(up, 2.0 * _SOFT_MU)), 1.0)
+    higher = 0.5 * (np.hypot(up, 2.0 * _SOFT_MU) - up)
+    fade = (1.0 - np.clip(up / _SHARP_MU, 0.0, 1.0) ** 2) ** 2
+    mu = up + higher * fade
     sun = daylight.sky.sun_elevation_rad
     level = np.sqrt((1.0 - mu) * (1.0 + mu)) * np.cos(sun)
     nu = mu[:, None] * np.sin(sun) + level[:, None] * column_cosines(rays.nu.shape[1])
