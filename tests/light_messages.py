@@ -4,7 +4,7 @@ import numpy as np
 from air_phases import lobe
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.air import AirChanged, AirVolume, SecondLight
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry import spherical_harmonics
@@ -41,6 +41,11 @@ def radiance_of(background):
         ground_radiance_rgb=background.ground_radiance_rgb,
         source=background.source,
     )
+
+
+def second_light(light, direction=(0.6, 0.0, 0.8)):
+    """Light (half) of a second body in air, by default of one on the horizon."""
+    return SecondLight(light=Array(light), radiance_scale=0.5, direction=direction)
 
 
 def small_air(light, **changes):

@@ -5,11 +5,11 @@ from datetime import UTC, datetime
 import msgspec
 import numpy as np
 from grey_materials import grey_materials
-from light_messages import small_air
+from light_messages import second_light, small_air
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.aerosols.own import OwnAerosol
-from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.air import AirChanged, AirVolume, SecondLight
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudForm, CloudLayer, CloudsChanged
@@ -73,7 +73,8 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 UP, NOON = (0.0, 1.0, 0.0), datetime(2026, 6, 21, 12, tzinfo=UTC)
-AIR = small_air(np.ones((3, 2, 4, 2, 3), np.float16)).volume
+AIR_LIGHT = np.ones((3, 2, 4, 2, 3), np.float16)
+AIR = small_air(AIR_LIGHT).volume
 CLOUDS = CloudLayer(
     base_m=1000.0, thickness_m=800.0, extinction_per_m=0.05, coverage=0.5, threshold=0.4,
     column_density=0.2, drift_m=(0.0, 10.0),
@@ -107,6 +108,7 @@ SCENE = SceneOpened(
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
     AirVolume
+    | SecondLight
     | CloudForm
     | CloudLayer
     | ViewShader
@@ -208,6 +210,7 @@ SOUND = [
     ),
     SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
     AirChanged(volume=AIR, source="s"),
+    small_air(AIR_LIGHT, second=second_light(AIR_LIGHT)),
     CloudinessChanged(
         cover=0.5, global_share=None, direct_share=0.8, sun_elevation_rad=0.3, source="s"
     ),

@@ -5,7 +5,8 @@ import math
 import msgspec
 import numpy as np
 import pytest
-from message_samples import AIR, LAID, SOUND, SURFACE_LIGHT, named, spoilt
+from light_messages import second_light, small_air
+from message_samples import AIR, AIR_LIGHT, LAID, SOUND, SURFACE_LIGHT, named, spoilt
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged
@@ -16,15 +17,19 @@ from vrut_lite.errors import UserError
 
 
 @pytest.mark.parametrize(
-    ("slices", "fits"), [(2, True), (682, True), (683, False), (2000, False), (1, False)]
-)
-def test_air_fits_a_3d_texture(slices, fits):
-    """The three kinds of light share one 3-D texture of at most 2048 layers."""
-    volume = msgspec.structs.replace(
-        AIR,
-        light=Array(np.ones((3, slices, 4, 2, 3), np.float16)),
-        extinction=Array(np.ones((slices, 4, 3), np.float32)),
-    )
+    ("slices", "bodies", "fits"),
+    [
+        (2, 1, True), (682, 1, True), (683, 1, False), (2000, 1, False), (1, 1, False),
+        (2, 2, True), (341, 2, True), (342, 2, False), (1, 2, False),
+    ],
+)  # fmt: skip
+def test_air_fits_a_3d_texture(slices, bodies, fits):
+    """The three kinds of light share one 3-D texture of at most 2048 layers; with those of a second
+    body there is room for half as many slices."""
+    light = Array(np.ones((3, slices, 4, 2, 3), np.float16))
+    extinction = Array(np.ones((slices, 4, 3), np.float32))
+    second = second_light(light.values.copy()) if bodies == 2 else None
+    volume = msgspec.structs.replace(AIR, light=light, extinction=extinction, second=second)
     message = AirChanged(volume=volume, source="s")
     if fits:
         message.check()
@@ -34,12 +39,13 @@ def test_air_fits_a_3d_texture(slices, fits):
 
 
 @pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf, 6e4])
-@pytest.mark.parametrize("name", ["cube", "light", "extinction", "irradiance_sh_rgb"])
+@pytest.mark.parametrize("name", ["cube", "light", "second", "extinction", "irradiance_sh_rgb"])
 def test_values_of_arrays_are_checked_on_request(name, odd):
     """`check_arrays` finds a single invalid value in an array."""
     sample = {
         "cube": SOUND[[named(m) for m in SOUND].index("BackgroundChanged")],
         "light": AirChanged(volume=AIR, source="s"),
+        "second": small_air(AIR_LIGHT, second=second_light(AIR_LIGHT)),
         "extinction": AirChanged(volume=AIR, source="s"),
         "irradiance_sh_rgb": AmbientChanged(
             irradiance_sh_rgb=Array(np.ones((25, 3), np.float64)), source="s"
@@ -47,6 +53,8 @@ def test_values_of_arrays_are_checked_on_request(name, odd):
     }[name]
     place = ("volume", name) if isinstance(sample, AirChanged) else (name,)
     carrier = sample.volume if len(place) == 2 else sample
+    if name == "second":
+        place, carrier, name = (*place, "light"), carrier.second, "light"
     values = getattr(carrier, name).values.copy()
     values.ravel()[values.size // 2] = odd * (1e30 if name == "irradiance_sh_rgb" else 1.0)
     changed = spoilt(sample, place, Array(values))

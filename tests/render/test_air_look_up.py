@@ -5,6 +5,8 @@ import pytest
 from air_phases import lobe
 from air_stage import EARTH_M, volume_of
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import SecondLight
 from vrut_lite.daylight.air_volume import look_up_air
 
 pytestmark = pytest.mark.gl
@@ -25,13 +27,15 @@ void main() {
 def on_gpu(owner, volume, rays, ground_level_m=0.0):
     """What the shader finds for rays (n, 4), direction and distance: (n, 3, 4)."""
     from vrut_lite.render.air import AirOnGpu, AirSurroundings
-    from vrut_lite.render.shader_files import shader_source
+    from vrut_lite.render.near_air import second_light
+    from vrut_lite.render.shader_files import defined, shader_source
 
     def work(context):
         air = AirOnGpu(context)
         air.show(volume)
         air.bind(AirSurroundings(volume.observer_altitude_m, ground_level_m, True, np.eye(4)))
-        probe = context.compute_shader("#version 430 core\n" + shader_source("air.glsl") + PROBE)
+        source = "#version 430 core\n" + shader_source("air.glsl") + PROBE
+        probe = context.compute_shader(defined(source, dict.fromkeys(second_light(volume), 1)))
         given = context.buffer(rays.astype(np.float32).tobytes())
         found = context.buffer(reserve=48 * len(rays))
         given.bind_to_storage_buffer(1)
@@ -45,13 +49,22 @@ def on_gpu(owner, volume, rays, ground_level_m=0.0):
     return owner.call(work)
 
 
-def random_volume(random, altitude_m):
-    """Nodes that differ from their neighbours by as much as real ones do."""
+def random_volume(random, altitude_m, bodies=1):
+    """Nodes that differ from their neighbours by as much as real ones do, in the light of one body
+    or two."""
     nodes = {"slices": 24, "rows_above": 20, "rows_below": 16, "columns": 9}
     shape = (nodes["slices"], nodes["rows_above"] + nodes["rows_below"], nodes["columns"], 3)
     parts = {name: 8.0 + random.uniform(-2, 2, shape) for name in ("shaded", "direct", "aerosol")}
     extinction = 3e-5 * random.uniform(0.8, 1.2, (*shape[:2], 3))
-    sun = random.normal(size=3)
+    sun, moon = random.normal(size=(2, 3))
+    second = None
+    if bodies == 2:
+        light = 4.0 + random.uniform(-1, 1, (3, *shape))
+        second = SecondLight(
+            light=Array(light.astype(np.float16)),
+            radiance_scale=0.5,
+            direction=tuple(moon / np.linalg.norm(moon)),
+        )
     return volume_of(
         extinction,
         **parts,
@@ -61,6 +74,7 @@ def random_volume(random, altitude_m):
         observer_altitude_m=altitude_m,
         reach_m=3e5,
         sun_direction=tuple(sun / np.linalg.norm(sun)),
+        second=second,
     )
 
 
@@ -80,14 +94,15 @@ def directions(random, altitude_m, count):
     return np.stack([across * np.sin(turn), mu, -across * np.cos(turn)], axis=-1)
 
 
+@pytest.mark.parametrize("bodies", [1, 2])
 @pytest.mark.parametrize("altitude_m", [0.0, 1.7, 300.0, 12e3, 6e4, 61e3, 4e5, 3.6e7])
-def test_the_shader_finds_what_the_twin_finds(gl_owner, altitude_m):
+def test_the_shader_finds_what_the_twin_finds(gl_owner, altitude_m, bodies):
     """Any direction and distance, from the ground to a geostationary orbit: within 1e-3.
 
     Of itself, or of what light and transmittance are behind much air (about 2, and 1).
     """
     random = np.random.default_rng(7)
-    volume = random_volume(random, altitude_m)
+    volume = random_volume(random, altitude_m, bodies)
     view = directions(random, altitude_m, 4096)
     # The rays as the shader gets them.
     view = view.astype(np.float32).astype(float)

@@ -1,5 +1,6 @@
 """The small table of near air against all of the air, on a planet that is not Earth."""
 
+import msgspec
 import numpy as np
 import pytest
 from air_phases import lobe
@@ -9,6 +10,7 @@ from stateful_backend import opened
 from term_stage import material
 from test_air_frame import EYE, scene_of, show_light, uniform_sky, wall
 
+from vrut_lite.daylight.air import SecondLight
 from vrut_lite.daylight.air_volume import node_rays, slice_shares
 from vrut_lite.render.near_air import NearAir, reach_m
 
@@ -43,14 +45,18 @@ def planet_air(altitude_m=1.7, **changes):
     )
 
 
+@pytest.mark.parametrize("bodies", [1, 2])
 @pytest.mark.parametrize("albedo", [0.0, 1.0])
 @pytest.mark.parametrize("share", [0.05, 0.5])
 def test_before_near_walls_the_small_table_is_all_of_the_air(
-    gl_backend, tmp_path, monkeypatch, albedo, share
+    gl_backend, tmp_path, monkeypatch, albedo, share, bodies
 ):
     """Black and white walls at parts of its reach, from below the horizon to above: within 1e-3 of
     what is seen, or 1e-4 of the sky."""
     volume = planet_air()
+    if bodies == 2:
+        moon = SecondLight(light=volume.light, radiance_scale=2.0, direction=(-0.6, 0.0, -0.8))
+        volume = msgspec.structs.replace(volume, second=moon)
     distance_m = share * reach_m(volume)
     backend = gl_backend(size_px=(48, 32))
     backend.change(scene=opened(scene_of(tmp_path, wall(distance_m, albedo))))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from air_phases import lobe
 from bridge_samples import BACKGROUND
-from light_messages import small_air
+from light_messages import second_light, small_air
 from zenoh_bridge.frames import encode_frame, read_frame, remote_message
 from zenoh_bridge.shareable import revive
 
@@ -18,6 +18,7 @@ from vrut_lite.recording.codec import arrays_of, to_plain
 
 LIGHT = np.linspace(0, 9, 3 * 3 * 4 * 2 * 3).astype(np.float16).reshape(3, 3, 4, 2, 3)
 AIR = small_air(LIGHT.copy(), sun_direction=(0.0, 0.6, -0.8))
+AIR_OF_TWO = small_air(LIGHT.copy(), second=second_light(LIGHT.copy()))
 NO_AIR = AirChanged(volume=None, source="sample")
 
 
@@ -27,7 +28,7 @@ def fetched(message):
     return lambda handle: arrays[handle["$array"]]
 
 
-@pytest.mark.parametrize("message", [AIR, NO_AIR])
+@pytest.mark.parametrize("message", [AIR, AIR_OF_TWO, NO_AIR])
 def test_air_crosses(message):
     """Air arrives as it was sent, its arrays fetched by digest."""
     frame = read_frame(encode_frame(message, 2**16), "AirChanged", 2**16, 2**20)

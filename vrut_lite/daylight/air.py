@@ -17,6 +17,31 @@ _MOST_EXTINCTION_PER_M = 1e3
 _MOST_ANGLES, _MOST_PHASE = 8192, 1e9
 
 
+class SecondLight(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Light of a second body, scattered by the air of an `AirVolume`; no shadow removes it.
+
+    Attributes:
+        light: as the volume's, at the same nodes, but with columns counted from this body's azimuth
+            and phase functions of the angle to this body.
+        radiance_scale: of this light, a power of two.
+        direction: to the body, in world axes.
+    """
+
+    light: Array
+    radiance_scale: float
+    direction: Vector
+
+    def check(self, shape: tuple[int, ...]) -> None:
+        """Light of the volume's `shape`, a scale and a direction.
+
+        Raises:
+            UserError: a field is invalid.
+        """
+        checks.array(self, "light", shape, ("<f2",))
+        check_scale(self)
+        checks.direction(self, "direction")
+
+
 class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The air between an eye and surfaces in all directions, up to a reach.
 
@@ -37,6 +62,8 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             angles uniform in sin(angle / 2).
         rows_above, rows_below: of the rows, how many lie above and below the horizon.
         reach_m: how much of a ray's air the slices span at most, from where it enters the air.
+        sun_direction: to the body whose light this is, whose shadows the scene casts.
+        second: the light of another body, the sun or the moon; None where one lights the air.
     """
 
     light: Array | GpuTexture
@@ -51,6 +78,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     ground_radius_m: float
     top_altitude_m: float
     sun_direction: Vector
+    second: SecondLight | None = None
 
     def check(self) -> None:
         """Tables whose shapes match, with at least two nodes along each axis.
@@ -62,14 +90,19 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             checks.whole(self, name, 2, LARGEST_VOLUME // 2)
         checks.instance(self, "extinction", Array)
         rows = self.rows_above + self.rows_below
-        # The slices of the three kinds of light lie in one texture.
-        most = -(LARGEST_VOLUME // 3)
+        checks.instance(self, "second", (SecondLight, type(None)))
+        # The slices of the three kinds of light, of one body or two, lie in one texture.
+        most = -(LARGEST_VOLUME // (3 if self.second is None else 6))
         checks.array(self, "extinction", (most, rows, 3), ("<f4",))
         slices = self.extinction.shape[0]
         if slices < 2:
             checks.refuse(self, "extinction", "have two slices or more")
+        shape = (3, slices, rows, self.columns, 3)
+        if self.second is not None:
+            checks.instance(self, "light", Array)
+            self.second.check(shape)
         if not isinstance(self.light, GpuTexture):
-            checks.array(self, "light", (3, slices, rows, self.columns, 3), ("<f2",))
+            checks.array(self, "light", shape, ("<f2",))
         check_scale(self)
         checks.instance(self, "aerosol_phase", Array)
         checks.array(self, "aerosol_phase", (-_MOST_ANGLES, 3), ("<f4",))
@@ -87,9 +120,10 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         Raises:
             UserError: there is none such.
         """
-        if isinstance(self.light, Array):
-            most = MOST_LIGHT / self.radiance_scale
-            checks.contents(self, "light", -most, most)
+        for source in (self, self.second):
+            if source is not None and isinstance(source.light, Array):
+                most = MOST_LIGHT / source.radiance_scale
+                checks.contents(source, "light", -most, most)
         checks.contents(self, "extinction", 0.0, _MOST_EXTINCTION_PER_M)
         checks.contents(self, "aerosol_phase", 0.0, _MOST_PHASE)
 

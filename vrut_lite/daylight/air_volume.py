@@ -6,7 +6,8 @@ under the ground's level. Slices lie at the shares u (2 b + (1 - 2 b) u) of the 
 [0, 1]: dense near an eye on the ground (b = 0), uniform at 5 km, and dense near the ground, where
 the haze is, for a higher eye. Rows are zenith angles of view directions: see `air_rows`. Columns
 are t = sin(phi / 2), uniform in [0, 1], with phi the azimuth from the sun: light is symmetric about
-the sun's vertical plane.
+the sun's vertical plane. A second body's light has the same slices and rows; its columns count from
+that body's azimuth.
 
 A ray does not end at the ground's level: below it the air is that of altitude 0. So values are
 continuous at the horizon, and objects below the level get air too.
@@ -20,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, Grid, grid_of, row_heights, rows_of
 from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 # At this altitude slices are uniform.
 _EVEN_ALTITUDE_M = 5000.0
@@ -33,7 +34,8 @@ _LEAST_EXTINCTION_PER_M = 1e-15
 class AirLight(NamedTuple):
     """Air between eye and points (...,): transmittance (..., 3) and added radiance (..., 3).
 
-    `shaded` is the radiance that remains in shadow, `sunlit` the part that the sun adds.
+    `shaded` is the radiance that remains in the shadow of the scene, `sunlit` what the body that
+    casts it adds.
     """
 
     transmittance: FloatArray
@@ -142,16 +144,23 @@ def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) 
     depth = _slice_of(inside_m / span, grid.observer_altitude_m) * (
         len(volume.extinction.values) - 1
     )
-    column = _columns_of(volume, view)
-    extinction = _blend(log_extinction(volume)[:, :, None], depth, row, np.zeros_like(column))
+    extinction = _blend(log_extinction(volume)[:, :, None], depth, row, np.zeros_like(depth))
     optical_depth = np.exp(extinction) * inside_m[..., None]
-    weight = -np.expm1(-optical_depth) * volume.radiance_scale
-    shaded, direct, aerosol = (
-        weight * _blend(part, depth, row, column) for part in light_of(volume)
-    )
-    nu = view @ np.asarray(volume.sun_direction)
-    sunlit = direct * molecules_phase(nu)[..., None]
-    sunlit += aerosol * aerosol_phase(volume, nu)
+    absorbed = -np.expm1(-optical_depth)
+
+    def light(
+        kinds: NDArray[np.floating], scale: float, direction: Vector
+    ) -> tuple[FloatArray, FloatArray]:
+        """Radiance (..., 3) of one body's light scattered again, and scattered once."""
+        column = _columns_of(direction, view) * (volume.columns - 1)
+        again, direct, aerosol = (_blend(kind, depth, row, column) for kind in kinds)
+        nu = view @ np.asarray(direction)
+        once = direct * molecules_phase(nu)[..., None] + aerosol * aerosol_phase(volume, nu)
+        return scale * absorbed * again, scale * absorbed * once
+
+    shaded, sunlit = light(light_of(volume), volume.radiance_scale, volume.sun_direction)
+    if (second := volume.second) is not None:
+        shaded = shaded + sum(light(second.light.values, second.radiance_scale, second.direction))
     return AirLight(np.exp(-optical_depth), shaded, sunlit)
 
 
@@ -228,12 +237,12 @@ def _rows_of(grid: Grid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_
     return rows_of(grid, one_plus)
 
 
-def _columns_of(volume: AirVolume, view: FloatArray) -> FloatArray:
-    """Fractional column (...,); the zenith, which has no azimuth, gets the first."""
-    azimuth = _level(np.asarray(volume.sun_direction, dtype=float))
+def _columns_of(direction: Vector, view: FloatArray) -> FloatArray:
+    """Place (...,) between the columns, from 0 at a body's azimuth to 1; the zenith gets 0."""
+    azimuth = _level(np.asarray(direction, dtype=float))
     # Half the chord between horizontal unit vectors is the sine of half the azimuth.
     chord = np.linalg.norm(_level(view) - azimuth, axis=-1)
-    return np.minimum(0.5 * chord, 1.0) * (volume.columns - 1)
+    return np.minimum(0.5 * chord, 1.0)
 
 
 def _level(direction: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air import AirVolume, SecondLight
 from vrut_lite.daylight.air_volume import light_of
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight
@@ -24,14 +24,9 @@ from vrut_lite.daylight.sky import NO_LAMPS
 from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
 from vrut_lite.daylight.sun import Body, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.geometry.spherical_harmonics import (
-    evaluate_irradiance,
-    horizontal_irradiance,
-    irradiance_coefficients,
-)
+from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
-_UP = np.array([0.0, 1.0, 0.0])
 # Edge of the cube that the glow's light on the scene is integrated from.
 _LIGHT_SIZE = 32
 # Of evenly lit air, the light that it sends on over that which falls on it from all sides, where
@@ -42,8 +37,9 @@ _AIR_GLOWS = 0.5
 _NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG, _FADES_OUT_DEG = 0.5, 1.0, -19.0, 1.0
 # Dandekar and Turtle (1971): the zenith in totality over that of day.
 _LEFT_IN_TOTALITY = 1e-4
-# Below this irradiance (W m^-2) a body lights no air.
-_DARKEST_IRRADIANCE = 1e-12
+# Share of the key light's air below which the other body's is left out. Near the moon its air is a
+# hundred times as bright as on average: a thousandth of all at most.
+_LEAST_SHARE = 1e-5
 
 
 def night_share(sun: SunMoved) -> float:
@@ -214,42 +210,51 @@ class SkyAtNight(Sky):
     # --- the air ---------------------------------------------------------------------------
 
     def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
-        """The air in the key light, as bright as both bodies make it, and the glow in it.
+        """The air in the light of both bodies, each in its own place, and the glow in it.
 
-        A volume has one source: where both bodies light the air, the other's light comes from the
-        key light's side too.
+        Shadows are those of the key light; the other body's light is the volume's `second`.
         """
-        by_moon = self.key == "moon" and self.by_moon is not None
-        lit_by = self.by_moon if by_moon and self.by_moon is not None else self.by_sun
-        volume = lit_by.air(eye_height_m, reach_m)
-        if volume is None or isinstance(volume.light, GpuTexture):
-            return volume
-        sun, moon, glow = self._on_level_ground
-        alone = moon / self._moon_share if by_moon else sun / np.maximum(self._sun_left, 1e-30)
-        lit = alone > _DARKEST_IRRADIANCE
-        factor = np.where(lit, (sun + moon) / np.where(lit, alone, 1.0), 0.0)
-        light = light_of(volume).astype(np.float64) * (volume.radiance_scale * factor)
-        light[0] += _AIR_GLOWS / np.pi * glow
-        values, scale = encode_float16(light)
-        return msgspec.structs.replace(volume, light=Array(values), radiance_scale=scale)
+        lights = []
+        for sky, share in self._lights_of_air:
+            volume = sky.air(eye_height_m, reach_m)
+            if volume is None:
+                return None
+            lights.append((volume, _share_of(volume, share)))
+        (volume, light), *others = lights
+        second = None
+        if others and others[0][1].mean() > _LEAST_SHARE * light.mean():
+            values, scale = encode_float16(others[0][1])
+            direction = others[0][0].sun_direction
+            second = SecondLight(light=Array(values), radiance_scale=scale, direction=direction)
+        values, scale = encode_float16(light + self._glow_of_air)
+        return msgspec.structs.replace(
+            volume, light=Array(values), radiance_scale=scale, second=second
+        )
 
-    @cached_property
-    def _on_level_ground(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Irradiance (3,) of level ground by the sun's sky, by the moon's and by the glow."""
-        sun, moon, glow = np.zeros((3, 3))
-        if self.sunlit:
-            sky = evaluate_irradiance(np.asarray(self.by_sun.ambient()), _UP)
-            sun = np.maximum(self._sun_left * sky, 0.0)
+    @property
+    def _lights_of_air(self) -> list[tuple[Sky, FloatArray]]:
+        """Sky and share (3,) of one body that lights the air, or two, the key light's first."""
+        bodies = [(self.by_sun, self._sun_left)]
         if self.by_moon is not None:
-            sky = evaluate_irradiance(np.asarray(self.by_moon.ambient()), _UP)
-            moon = np.maximum(self._moon_share * sky, 0.0)
+            bodies.insert(0 if self.key == "moon" else 1, (self.by_moon, self._moon_share))
+        return [body for body in bodies if body[1].any()] or bodies[:1]
+
+    @property
+    def _glow_of_air(self) -> Float32Array:
+        """Radiance (3 kinds, 1, 1, 1, 3) of air in the glow: of no direction, and in no shadow."""
+        kinds = np.zeros((3, 1, 1, 1, 3), np.float32)
         if self.glow is not None:
-            glow = self.share * _on_level(self.glow)
-        return sun, moon, glow
+            kinds[0] = _AIR_GLOWS / np.pi * self.share * _on_level(self.glow)
+        return kinds
 
 
 _NOBODY = Sky()
 _BLACK = (0.0, 0.0, 0.0)
+
+
+def _share_of(volume: AirVolume, share: FloatArray) -> Float32Array:
+    """A share (3,) of a volume's light (3, slices, rows, columns, 3), W m^-2 sr^-1."""
+    return light_of(volume).astype(np.float32) * (volume.radiance_scale * share).astype(np.float32)
 
 
 # A map of the glow serves for minutes.

@@ -59,6 +59,8 @@ PRODUCTS: Kinds = (
 )
 # Edge of the cube that lights the scene, used when the consumer gives no size.
 LIGHT_SIZE = 64
+# Share by which moonlight may differ while the moon is drawn where it was: a phase's in an hour.
+_UNSEEN_MOONLIGHT = 0.005
 # Messages that depend on the eye's place.
 SEEN: Kinds = (BackgroundChanged, AirChanged)
 
@@ -283,7 +285,8 @@ class SkyModule(Module):
         moon, by_moon, share = night.moon, None, night_share(hour.sun)
         if moon is not None and share > 0.0:
             of_moon = now = msgspec.structs.replace(hour, sun=moon.place, body="moon")
-            if self._moon is not None:
+            # In an eclipse its light changes faster than its place.
+            if self._moon is not None and _as_bright(self._moon[0], moon):
                 before, then = self._moon
                 unseen = self.light(then, quality, self._preparation.latest).unseen(then, quality)
                 of_moon = then.unless_unseen(now, unseen)
@@ -408,6 +411,12 @@ class SkyModule(Module):
         if self._gpu_failed:
             self.ledger.skip("GpuJob: the GPU failed")
         return not self._gpu_failed
+
+
+def _as_bright(before: MoonLight, now: MoonLight) -> bool:
+    """Whether the moon's light differs unseen."""
+    one, other = np.array(before.of_sunlight_rgb), np.array(now.of_sunlight_rgb)
+    return bool(np.all(np.abs(other - one) <= _UNSEEN_MOONLIGHT * one))
 
 
 def _spectrum_seen(sky: Sky, direction: Vector, source: str) -> SpectrumSeen:

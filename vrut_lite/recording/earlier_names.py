@@ -69,10 +69,12 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     # A sky's own haze had to be a number.
     if name == "Fault" and "error" in message:
         added["error"] = _HAZE_REFUSED.sub(r"\1, or none, not ", str(message["error"]))
-    # The aerosol's phase function was three numbers.
+    # One body lit the air, and the aerosol's phase function was three numbers.
     volume = message.get("volume")
-    if name == "AirChanged" and volume and isinstance(volume["aerosol_phase"], list):
-        added["volume"] = {**volume, "aerosol_phase": UNKNOWN}
+    if name == "AirChanged" and volume and "second" not in volume:
+        phase = volume["aerosol_phase"]
+        phase = UNKNOWN if isinstance(phase, list) else phase
+        added["volume"] = {**volume, "aerosol_phase": phase, "second": None}
     # There was one layer, of droplets; its form was the same for all.
     if name == "CloudsChanged" and "layer" in message:
         layer = message["layer"]

@@ -14,8 +14,9 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.numeric_types import Vector
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.near_air import NearAir
+from vrut_lite.render.near_air import NearAir, second_light
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
 
@@ -50,9 +51,11 @@ class FrameAir(NamedTuple):
     near: NearAir | None = None
 
     @classmethod
-    def of(cls, around: AirSurroundings, shafts: bool, near: NearAir | None) -> "FrameAir":
+    def of(
+        cls, volume: AirVolume, around: AirSurroundings, shafts: bool, near: NearAir | None
+    ) -> "FrameAir":
         """Defines of a frame with air; a sky whose air is included needs no more."""
-        mesh = ("AIR", "LIGHT_SHAFTS") if shafts else ("AIR",)
+        mesh = ("AIR", *second_light(volume), *(("LIGHT_SHAFTS",) if shafts else ()))
         return cls(mesh, mesh if shafts or around.ground_is_bare else (), near)
 
 
@@ -85,8 +88,12 @@ class AirOnGpu:
             self._radiance = _between_nodes(self._context, volume.light.opaque)
             return
         light = _padded(volume.light.values, np.float32)
-        _, slices, rows, columns, _ = light.shape
-        self._uploaded = self._written(self._uploaded, light, (columns, rows, 3 * slices))
+        if (second := volume.second) is not None:
+            of_second = _padded(second.light.values, np.float32)
+            of_second *= np.float32(second.radiance_scale / volume.radiance_scale)
+            light = np.concatenate([light, of_second])
+        kinds, slices, rows, columns, _ = light.shape
+        self._uploaded = self._written(self._uploaded, light, (columns, rows, kinds * slices))
         self._radiance = self._uploaded
 
     def bind(self, around: AirSurroundings) -> None:
@@ -149,10 +156,13 @@ def _packed(volume: AirVolume, around: AirSurroundings) -> bytes:
     ground_radius = radius + around.ground_level_m
     above_ground_m = max(around.eye_altitude_m - around.ground_level_m, 0.0)
     bare = around.ground_is_bare
+    second = volume.sun_direction if volume.second is None else volume.second.direction
     return AIR.packed(
         sun_direction=volume.sun_direction,
         reach_m=volume.reach_m,
-        sun_azimuth=_azimuth(volume),
+        sun_azimuth=_azimuth(volume.sun_direction),
+        second_direction=second,
+        second_azimuth=_azimuth(second),
         horizon_depth=horizon,
         depth_above_horizon=top - horizon,
         slices=volume.extinction.shape[0],
@@ -177,9 +187,9 @@ def _packed(volume: AirVolume, around: AirSurroundings) -> bytes:
     )
 
 
-def _azimuth(volume: AirVolume) -> NDArray[np.float64]:
-    """The sun's, as a unit vector (2,) (x, z); north for a sun in the zenith."""
-    across = np.array(volume.sun_direction)[[0, 2]]
+def _azimuth(direction: Vector) -> NDArray[np.float64]:
+    """A body's, as a unit vector (2,) (x, z); north for one in the zenith."""
+    across = np.array(direction)[[0, 2]]
     length = np.linalg.norm(across)
     return across / length if length > 1e-12 else np.array([0.0, -1.0])
 

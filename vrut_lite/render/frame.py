@@ -191,7 +191,7 @@ class Frame:
             self.ledger.did("light shafts")
         self.ledger.did("air")
         near = None if shafts else self._near_air.draw(self._air.volume, view, state.size_px)
-        return FrameAir.of(around, shafts, near)
+        return FrameAir.of(self._air.volume, around, shafts, near)
 
     def _seen(self, scene: PyrenderScene, view: View, skips: FrameSkips) -> list[PlacedPrimitive]:
         """Meshes that may be in the picture."""

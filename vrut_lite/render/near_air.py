@@ -14,7 +14,10 @@ from vrut_lite.daylight.air_volume import node_rays, slice_shares
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
+from vrut_lite.render.shader_files import Defines
 
+# Defined in shaders of air that two bodies light.
+SECOND_LIGHT = "SECOND_LIGHT"
 # As near_air.glsl has it.
 NEAR_AIR_UNIT = 36
 # Of what is near, in any channel, and by which share the air may change on the way: a picture
@@ -42,7 +45,8 @@ class NearAirTable:
 
     def __init__(self, context: Any):
         self._context = context
-        self._screen = FullScreen(context, "near_air.frag")
+        # By the bodies that light the air.
+        self._screens: dict[Defines, FullScreen] = {}
         self._textures = [context.texture(_NODES, 4, dtype="f4") for _ in "12"]
         for texture in self._textures:
             texture.filter = (context.LINEAR, context.LINEAR)
@@ -60,21 +64,33 @@ class NearAirTable:
         # From a picture's edge to its edge, where pixels lie between these.
         to_edges = np.diag([*(n / (n - 1.0) for n in _NODES), 1.0, 1.0])
         ray_from_clip = np.linalg.inv(view.clip_from_eye) @ to_edges
-        self._screen.set("ray_from_clip", ray_from_clip.T.ravel())
-        self._screen.set("metres", 0.5 * near.reach_m)
+        screen = self._screen_of(volume)
+        screen.set("ray_from_clip", ray_from_clip.T.ravel())
+        screen.set("metres", 0.5 * near.reach_m)
         self._context.disable(
             self._context.DEPTH_TEST | self._context.CULL_FACE | self._context.BLEND
         )
         self._buffer.use()
-        self._screen.draw()
+        screen.draw()
         for number, texture in enumerate(self._textures):
             texture.use(location=NEAR_AIR_UNIT + number)
         return near
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        for thing in (self._buffer, *self._textures, self._screen):
+        for thing in (self._buffer, *self._textures, *self._screens.values()):
             thing.release()
+
+    def _screen_of(self, volume: AirVolume) -> FullScreen:
+        defines = second_light(volume)
+        if defines not in self._screens:
+            self._screens[defines] = FullScreen(self._context, "near_air.frag", defines)
+        return self._screens[defines]
+
+
+def second_light(volume: AirVolume) -> Defines:
+    """The define of a volume that two bodies light; none of one body's."""
+    return () if volume.second is None else (SECOND_LIGHT,)
 
 
 def reach_m(volume: AirVolume) -> float:

@@ -79,9 +79,11 @@ AIR = UniformBlock(
     "air",
     binding=0,
     fields={
-        "sun_direction": ("vec3", "of the volume's own sun"),
+        "sun_direction": ("vec3", "of the body whose shadows the scene casts"),
         "reach_m": ("float", "how much of a ray's air the slices span at most"),
         "sun_azimuth": ("vec2", "unit vector, world x and z"),
+        "second_direction": ("vec3", "of the other body"),
+        "second_azimuth": ("vec2", "unit vector, world x and z"),
         "horizon_depth": ("float", "1 + mu of the tables' horizon"),
         "depth_above_horizon": ("float", "from there to their highest row"),
         "slices": ("float", "by distance"),

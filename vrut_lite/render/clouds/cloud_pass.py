@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.moving_targets import MovingTargets
+from vrut_lite.render.near_air import SECOND_LIGHT
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Pieces
@@ -87,7 +88,7 @@ class CloudPass:
                 are taken over. None: the picture is a still.
             sample: of a still's pictures, which; the first comes first.
         """
-        defines = (*(name for name in air if name == "AIR"),)
+        defines = (*(name for name in air if name in ("AIR", SECOND_LIGHT)),)
         depth = self._depths.get(targets.size)
         depth.copy(targets.buffer)
         depth.use(location=4)

@@ -2,18 +2,27 @@
 // daylight/air_volume.py, which defines where the tables' nodes lie.
 
 //!include air_block.glsl
-layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice
+layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice;
+                                                        // then those of a second body
 layout(binding = 13) uniform sampler2D air_extinction;  // its logarithm; rows by slices
 layout(binding = 26) uniform sampler2D air_phase;       // of aerosol, by the sine of half the angle
 
 const float MISSES_AIR = 1e30;
 const float AIR_PI = 3.14159265;
 
-struct AirRay {
-    float row;
+// A ray as seen from the sun or the moon, whose light the air scatters.
+struct AirBody {
     float column;
     float phase;    // of molecules, sr^-1
     vec3 aerosol;   // that of aerosol
+};
+
+struct AirRay {
+    float row;
+    AirBody key;
+#ifdef SECOND_LIGHT
+    AirBody second;
+#endif
     float entry_m;  // distance from the eye to the air
     float span_m;   // length of the ray that the slices cover
 };
@@ -55,6 +64,19 @@ float row_below(float down) {
         : 1.0 - (1.0 - x) * (1.0 - moved_place) / (1.0 - moved_x);
 }
 
+AirBody air_body(vec3 d, vec3 direction, vec2 body_azimuth) {
+    float level = length(d.xz);
+    vec2 azimuth = level > 1e-12 ? d.xz / level : vec2(0.0, -1.0);
+    float column = min(0.5 * distance(azimuth, body_azimuth), 1.0) * (air.columns - 1.0);
+    // 1 - nu as half the squared chord keeps its precision beside the body.
+    vec3 chord = d - direction;
+    float squared = dot(chord, chord), nu = 1.0 - 0.5 * squared;
+    float phase = 3.0 / (16.0 * AIR_PI) * (1.0 + nu * nu);
+    float angles = float(textureSize(air_phase, 0).x);
+    float place = min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5;
+    return AirBody(column, phase, textureLod(air_phase, vec2(place / angles, 0.5), 0.0).rgb);
+}
+
 AirRay air_ray(vec3 d) {
     // 1 + mu without cancellation near the nadir: a distant observer sees the planet only there.
     float one_plus = d.y < 0.0 ? dot(d.xz, d.xz) / (1.0 - d.y) : 1.0 + d.y;
@@ -65,18 +87,14 @@ AirRay air_ray(vec3 d) {
     float row = above >= 0.0
         ? sqrt(squared) * (air.rows_above - 1.0)
         : air.rows_above + row_below(min(-above / air.horizon_depth, 1.0)) * (air.rows_below - 1.0);
-    float level = length(d.xz);
-    vec2 azimuth = level > 1e-12 ? d.xz / level : vec2(0.0, -1.0);
-    float column = min(0.5 * distance(azimuth, air.sun_azimuth), 1.0) * (air.columns - 1.0);
-    // 1 - nu as half the squared chord keeps its precision beside the sun.
-    vec3 chord = d - air.sun_direction;
-    float squared = dot(chord, chord), nu = 1.0 - 0.5 * squared;
-    float phase = 3.0 / (16.0 * AIR_PI) * (1.0 + nu * nu);
-    float angles = float(textureSize(air_phase, 0).x);
-    float place = min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5;
-    vec3 aerosol = textureLod(air_phase, vec2(place / angles, 0.5), 0.0).rgb;
     vec2 entry = air_entry(d);
-    return AirRay(row, column, phase, aerosol, entry.x, air_span_m(entry.y, above < 0.0));
+    AirBody key = air_body(d, air.sun_direction, air.sun_azimuth);
+    float span_m = air_span_m(entry.y, above < 0.0);
+#ifdef SECOND_LIGHT
+    return AirRay(row, key, air_body(d, air.second_direction, air.second_azimuth), entry.x, span_m);
+#else
+    return AirRay(row, key, entry.x, span_m);
+#endif
 }
 
 // 1 - exp(-x) that keeps its relative precision for thin air.
@@ -85,8 +103,8 @@ vec3 absorbed(vec3 x) {
 }
 
 // Nodes are at the middles of texels.
-vec3 air_part(float part, float slice, AirRay ray) {
-    vec3 node = vec3(ray.column, ray.row, part * air.slices + slice);
+vec3 air_part(float part, float slice, float row, float column) {
+    vec3 node = vec3(column, row, part * air.slices + slice);
     return textureLod(air_radiance, (node + 0.5) / vec3(textureSize(air_radiance, 0)), 0.0).rgb;
 }
 
@@ -106,8 +124,23 @@ vec3 optical_depth_of(AirRay ray, float inside_m) {
     return exp(textureLod(air_extinction, at, 0.0).rgb) * inside_m;
 }
 
+vec3 once_mean(AirBody body, float first, float slice, float row) {
+    return air_part(first + 1.0, slice, row, body.column) * body.phase
+        + air_part(first + 2.0, slice, row, body.column) * body.aerosol;
+}
+
 vec3 sunlit_mean(AirRay ray, float slice) {
-    return air_part(1.0, slice, ray) * ray.phase + air_part(2.0, slice, ray) * ray.aerosol;
+    return once_mean(ray.key, 0.0, slice, ray.row);
+}
+
+// What stays in the scene's shadow: light scattered again, and all of the second body's.
+vec3 shaded_mean(AirRay ray, float slice) {
+    vec3 light = air_part(0.0, slice, ray.row, ray.key.column);
+#ifdef SECOND_LIGHT
+    light += air_part(3.0, slice, ray.row, ray.second.column)
+        + once_mean(ray.second, 3.0, slice, ray.row);
+#endif
+    return light;
 }
 
 vec3 sunlit_before(AirRay ray, float metres) {
@@ -121,7 +154,7 @@ AirLight air_before(AirRay ray, float metres) {
     vec3 optical_depth = optical_depth_of(ray, inside_m);
     vec3 weight = absorbed(optical_depth) * air.radiance_scale;
     float slice = slice_at(ray, inside_m);
-    return AirLight(exp(-optical_depth), weight * air_part(0.0, slice, ray),
+    return AirLight(exp(-optical_depth), weight * shaded_mean(ray, slice),
                     weight * sunlit_mean(ray, slice));
 }
 

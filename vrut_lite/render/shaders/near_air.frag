@@ -13,7 +13,7 @@ layout(location = 1) out vec4 mean_extinction; // m^-1
 void main() {
     AirRay seen = air_ray(normalize(ray));
     float inside_m = metres_in_air(seen, metres), slice = slice_at(seen, inside_m);
-    vec3 light = air_part(0.0, slice, seen) + sunlit_mean(seen, slice);
+    vec3 light = shaded_mean(seen, slice) + sunlit_mean(seen, slice);
     mean_radiance = vec4(light * air.radiance_scale, 1.0);
     mean_extinction = vec4(optical_depth_of(seen, inside_m) / inside_m, 1.0);
 }
