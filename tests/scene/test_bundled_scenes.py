@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from light_transport.rays.trace import first_hits
+from light_transport.rays.tree import tree_over
 from loaded_scenes import front_cosines
 
 from vrut_lite.errors import UserError
@@ -17,6 +19,8 @@ from vrut_lite.scene.loading import LoadedScene, load_scene
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = ROOT / "scenes"
 NAMES = ["sundial.glb", "street.obj", "spheres.glb", "pavilion.gltf"]
+# About the pavilion's radius with its trees: rays are traced in single precision.
+_PAVILION_M = 20.0
 ASSETS = {".glb", ".gltf", ".bin", ".obj", ".mtl", ".png"}
 
 
@@ -181,3 +185,20 @@ def test_mangled_files_load_or_are_refused(tmp_path: Path, seed: int) -> None:
         scene = load_scene(tmp_path / name)
         assert np.all(np.isfinite([scene.lower_m, scene.upper_m]))
         assert scene.triangles > 0
+
+
+def test_no_sky_is_seen_between_the_pavilions_ceiling_and_its_ring() -> None:
+    """Who stands below sees fronts alone along the rim: a low sun made dots of light there."""
+    corners = np.concatenate(
+        [place.world_triangles() for place in load_scene(SCENES / "pavilion.gltf").meshes]
+    )
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    tree = tree_over(corners / _PAVILION_M, np.ones(len(corners), np.float32))
+    turn, height = np.meshgrid(np.radians(np.linspace(0, 360, 1501)), [4.1493, 4.1507])
+    rim = np.stack([2.597 * np.cos(turn), height, 2.597 * np.sin(turn)], axis=-1).reshape(-1, 3)
+    for eye in ((0.0, 1.7, 0.0), (1.0, 2.2, 0.5), (-0.7, 1.2, 1.1)):
+        towards = (rim - eye) / np.linalg.norm(rim - eye, axis=1, keepdims=True)
+        met, _ = first_hits(tree, np.broadcast_to(eye, rim.shape) / _PAVILION_M, towards)
+        # Single precision may miss a corner; half of all rays found the gap.
+        assert np.mean(np.einsum("ri,ri->r", towards, faces[met]) >= 0.0) < 1e-3
+        assert (met >= 0).all()

@@ -9,6 +9,7 @@ from tools.scenes.shapes import Shape, box, disc, joined, lathe, sphere
 _COLUMNS = 8
 _FLOOR_M = 0.48
 _SLAB_PAIR_M = 1.2
+_RING_SEGMENTS = 64
 # East, south (metres), height relative to the model, for each of the two kinds of tree.
 _CONIFERS = [(-9.0, -8.0, 1.2), (-12.5, -3.0, 0.9), (7.5, -11.0, 1.35), (12.0, 3.5, 1.0)]
 _BROADLEAVES = [(9.5, -4.0, 1.0), (-13.0, 2.5, 0.9), (3.0, -13.0, 1.25), (-4.0, -12.5, 1.05)]
@@ -99,7 +100,7 @@ def _column() -> Shape:
 def _entablature() -> Shape:
     """The ring on the columns, outside up, top, and down inside."""
     outside = [(2.6, 3.53), (3.22, 3.53), (3.22, 3.83), (3.3, 3.83), (3.3, 3.95), (3.5, 4.05)]
-    return lathe([*outside, (3.5, 4.15), (2.6, 4.15), (2.6, 3.53)], 64)
+    return lathe([*outside, (3.5, 4.15), (2.6, 4.15), (2.6, 3.53)], _RING_SEGMENTS)
 
 
 def _dome() -> Shape:
@@ -114,7 +115,8 @@ def _ceiling() -> Shape:
     angle = np.radians(np.linspace(90.0, 0.0, 9))
     profile = np.stack([2.6 * np.cos(angle), 4.15 + 1.4 * np.sin(angle)], axis=1)
     profile[0, 0] = 0.0
-    return lathe(profile, 48, smooth=True)
+    # As many segments as the ring has that it ends on: between two polygons the sky is seen.
+    return lathe(profile, _RING_SEGMENTS, smooth=True)
 
 
 def _trunk(height_m: float) -> Shape:
