@@ -2,17 +2,18 @@
 
     python -m tools.path_traced.creases [--rooms 30] [--mitsuba 40] [SCENE ...]
 
-Creases are texels within two texels of a surface that faces otherwise by more than 20 degrees: edges,
-corners, and the feet of what stands on a surface. At random visible points in them the map is looked
-up as the frame does it; the reference are 4,096 rays from each point, which end on the patches of a
-map of twice as many texels. Errors are of luminance, without the key light's own, relative to the
-reference plus a twentieth of the geometric mean of all points: rms, the median, and how many are above 25 %. Scenes
-have the light of noon in Prague; rooms, an even sky and a sun, are random ones with columns, tables
-and beams. With `--mitsuba N`, N of the points also have the light that mitsuba finds there.
+Creases are places within two texels of a surface that faces otherwise by more than 20 degrees:
+edges, corners, and the feet of what stands on a surface. At random visible points of them the map
+is looked up as the frame does it. The reference are 4,096 rays from each point, which end on the
+patches of a map of twice as many texels. Errors are of luminance, without the key light's own,
+relative to the reference plus a twentieth of the geometric mean of all points. Scenes have the
+light of noon in Prague; their points are those that an eye at their own camera sees that turns
+around. Rooms, under an even sky and a sun, are random ones with columns, tables and beams. With
+`--mitsuba N`, N of the points also have the light that mitsuba finds there.
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.rays.ray_starts import OFF
+from light_transport.rays.trace import first_hits
 from light_transport.surfaces.surfaces import GROUND, Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
 from light_transport.tolerance_knobs import Room, hour_of, scene_of
@@ -34,7 +36,7 @@ from tools.scenes.crease_rooms import crease_room, inside_of
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.numeric_types import BoolArray, FloatArray
+from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 
 SCENES = (
     "large/hall.toml", "work/indoor.glb", "work/room.glb", "work/ground.glb", "street.toml",
@@ -48,23 +50,28 @@ _TEXELS_AWAY = 2.0
 # Cosines between which a surface faces otherwise; beyond are backs of plates.
 _OTHERWISE = -0.9, np.cos(np.radians(20.0))
 _LEAST_FREE, _LEAST_OF_MEAN = 0.9, 0.05
-# Gaps are narrower than so many texels (harmonic mean distance of what is seen): no eye looks there.
+# Gaps are narrower than so many texels (harmonic mean distance of what is seen): no eye looks
+# there.
 _LEAST_ROOM = 0.3
 _SAMPLES, _BOUNCES = 2048, 24
 
 
 class Points(NamedTuple):
-    """Points (P) on surfaces: world places and face normals (P, 3), places in the map (P, 2)."""
+    """Points (P) on surfaces: world places and face normals (P, 3), places in the map (P, 2).
+
+    `look_up_px` is where the frame looks: in charts of one texel's width that texel's middle.
+    """
 
     place_m: FloatArray
     normal: FloatArray
     uv_px: FloatArray
+    look_up_px: FloatArray
 
 
 def crease_points(
-    bake: Bake, surfaces: Surfaces, layout: Layout, within_m: FloatArray | None = None
+    bake: Bake, surfaces: Surfaces, layout: Layout, which: Callable[[FloatArray, Bake], BoolArray]
 ) -> Points:
-    """Random points in crease texels, evenly by area, some of which no eye may see."""
+    """Random points at creases, evenly by area: `which` of places (P, 3), world axes."""
     count = _POINTS
     rng = np.random.default_rng(0)
     texels, radius = bake.texels, surfaces.radius_m
@@ -80,7 +87,8 @@ def crease_points(
     weights = np.stack([1.0 - root, root * (1.0 - along), root * along], axis=1)
     place = np.einsum("pk,pkc->pc", weights, surfaces.corners_m[own[drawn]])
     uv = np.einsum("pk,pkc->pc", weights, layout.uv_px[own[drawn]].astype(float))
-    found = Points(place, faces[own[drawn]], uv)
+    look_up = np.einsum("pk,pkc->pc", weights, look_ups_px(layout)[own[drawn]])
+    found = Points(place, faces[own[drawn]], uv, look_up)
     share = np.full(_CANDIDATES, area.sum() / _CANDIDATES)
     ground = _ground_points(bake, rng)
     found = Points(*(np.concatenate(both) for both in zip(found, ground[0], strict=True)))
@@ -90,11 +98,8 @@ def crease_points(
     others = cKDTree(texels.place[:fronts] * radius)
     facing = faces[texels.triangle[:fronts]]
     width = texels.width[np.maximum(texel, 0)] * radius
-    is_asked = texel >= 0
-    if within_m is not None:
-        place_m = found.place_m + surfaces.centre_m
-        is_asked &= ((place_m > within_m[0]) & (place_m < within_m[1])).all(axis=1)
-    kept = np.flatnonzero(is_asked)
+    off = 10.0 * OFF * radius * found.normal
+    kept = np.flatnonzero((texel >= 0) & which(found.place_m + surfaces.centre_m + off, bake))
     if len(kept) > 40 * count:
         kept = rng.choice(kept, 40 * count, replace=False, p=share[kept] / share[kept].sum())
         share = np.ones(len(share))
@@ -108,7 +113,44 @@ def crease_points(
     kept = kept[is_crease]
     chance = share[kept] / share[kept].sum()
     kept = rng.choice(kept, min(3 * count, np.count_nonzero(chance)), replace=False, p=chance)
-    return Points(found.place_m[kept] + surfaces.centre_m, found.normal[kept], found.uv_px[kept])
+    return Points(
+        found.place_m[kept] + surfaces.centre_m,
+        found.normal[kept],
+        *(each[kept] for each in found[2:]),
+    )
+
+
+def in_box(corners_m: FloatArray) -> Callable[[FloatArray, Bake], BoolArray]:
+    """Those within a box, by two of its corners (2, 3)."""
+    return lambda place_m, _: ((place_m > corners_m[0]) & (place_m < corners_m[1])).all(axis=1)
+
+
+def seen_from(eye_m: Vector) -> Callable[[FloatArray, Bake], BoolArray]:
+    """Those that an eye sees that turns around."""
+
+    def which(place_m: FloatArray, bake: Bake) -> BoolArray:
+        surfaces = bake.surfaces
+        places = (place_m - surfaces.centre_m) / surfaces.radius_m
+        towards = (np.asarray(eye_m) - surfaces.centre_m) / surfaces.radius_m - places
+        distance = np.linalg.norm(towards, axis=1)
+        _, free = first_hits(bake.tree, places, towards / distance[:, None])
+        return np.asarray(free >= distance)
+
+    return which
+
+
+def look_ups_px(layout: Layout) -> FloatArray:
+    """Where the frame looks corners (F, 3, 2) of triangles up, by the layout's message."""
+    message, found, first = layout.message, np.full(layout.uv_px.shape, np.nan), 0
+    for part, number in enumerate(message.part_shape.values.tolist()):
+        if number < 0:
+            first += int(np.argmax(~np.isnan(layout.uv_px[first:, 0, 0])))
+            continue
+        shape = message.shape(number)
+        rows = slice(first, first + len(shape.triangles))
+        found[rows] = shape.uv[shape.triangles] + message.part_corner_px.values[part]
+        first = rows.stop
+    return found
 
 
 def _faces_otherwise(facing: FloatArray, normal: FloatArray) -> bool:
@@ -127,7 +169,7 @@ def _ground_points(bake: Bake, rng: np.random.Generator) -> tuple[Points, FloatA
     x, z = (away + geometry.ground[5:7]).T
     place = np.stack([x, np.full(len(x), geometry.ground[7]), z], axis=1) * radius
     normal = np.tile([0.0, 1.0, 0.0], (len(rows), 1))
-    return Points(place, normal, at), texels.area[rows].astype(float)
+    return Points(place, normal, at, at), texels.area[rows].astype(float)
 
 
 def looked_up(texels: FloatArray, uv_px: FloatArray) -> FloatArray:
@@ -156,21 +198,19 @@ class Found(NamedTuple):
 
 
 def found_in(
-    scene: SceneOpened, hour: Hour, within_m: FloatArray | None = None, texels: int | None = None
+    scene: SceneOpened, hour: Hour, which: Callable[[FloatArray, Bake], BoolArray]
 ) -> tuple[Found, Bake, Surfaces]:
-    """The light of both at crease points of a scene, at the usual quality.
-
-    `within_m` (2, 3): corners of the box that they lie in.
-    """
+    """The light of both at crease points of a scene, at the usual quality."""
     quality = quality_for(DEFAULT_TOLERANCE)
-    texels = texels or quality.texels
     surfaces = surfaces_of(scene)
-    layout = lay_out(scene, surfaces, None, texels)
+    layout = lay_out(scene, surfaces, None, quality.texels)
     bake = Bake(surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
     bake.add_rays(quality.rays)
-    fine = Bake(surfaces, lay_out(scene, surfaces, None, 2 * texels), 2, 2.0, 1e-3, bake.tree)
+    fine = Bake(
+        surfaces, lay_out(scene, surfaces, None, 2 * quality.texels), 2, 2.0, 1e-3, bake.tree
+    )
     fine.add_rays(64)
-    points = crease_points(bake, surfaces, layout, within_m)
+    points = crease_points(bake, surfaces, layout, which)
     # An even chance for points on facets: a hair off the surface, as the map's own rays.
     places_m = points.place_m + OFF * surfaces.radius_m * points.normal
     true = light_at(fine, places_m, points.normal, hour, _RAYS // 32, 2)
@@ -181,7 +221,7 @@ def found_in(
     points = Points(*(each[seen] for each in points))
     true = light_at(fine, places_m[seen], points.normal, hour, _RAYS, 2)
     by_map = luminance(bake.light(hour).texels[..., :3].astype(float))
-    light = looked_up(by_map, points.uv_px)
+    light = looked_up(by_map, points.look_up_px)
     expected = np.asarray(luminance(true.irradiance_rgb), float)
     mean = float(np.exp(np.mean(np.log(expected + 1e-3 * expected.mean()))))
     return Found(points, light, expected, _LEAST_OF_MEAN * mean), bake, surfaces
@@ -244,10 +284,14 @@ def by_mitsuba(surfaces: Surfaces, hour: Hour, points: Points) -> FloatArray:
 
 
 def row(
-    caption: str, scene: SceneOpened, hour: Hour, traced: int, within_m: FloatArray | None = None
+    caption: str,
+    scene: SceneOpened,
+    hour: Hour,
+    which: Callable[[FloatArray, Bake], BoolArray],
+    traced: int,
 ) -> tuple[str, FloatArray]:
     """A line of the table, and the errors."""
-    found, _, surfaces = found_in(scene, hour, within_m)
+    found, _, surfaces = found_in(scene, hour, which)
     error = found.error
     cells = [
         f"{len(error)}", f"{_rms(error):.1%}", f"{np.median(np.abs(error)):.1%}",
@@ -284,12 +328,14 @@ def main() -> None:
     for name in chosen.scenes:
         for case, state in states(name, "dynamic_skylight", ("12:30",)):
             assert state.scene is not None
-            line, _ = row(case.caption, state.scene, hour_of_state(state), chosen.mitsuba)
+            assert state.camera is not None
+            which, hour = seen_from(state.camera.eye_m), hour_of_state(state)
+            line, _ = row(case.caption, state.scene, hour, which, chosen.mitsuba)
             print(line, flush=True)
     errors = []
     for caption, room in rooms(chosen.rooms):
-        within_m = inside_of(room)
-        line, error = row(caption, scene_of(room), hour_of(room), chosen.mitsuba, within_m)
+        which = in_box(inside_of(room))
+        line, error = row(caption, scene_of(room), hour_of(room), which, chosen.mitsuba)
         errors.append(error)
         print(line, flush=True)
     if errors:

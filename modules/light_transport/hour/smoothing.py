@@ -1,11 +1,10 @@
 """Noise is smoothed along surfaces, where light cannot change fast.
 
 The bound is the harmonic mean distance R to the surfaces that a texel sees (Ward and Heckbert
-1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel. Neighbours
-exchange light symmetrically, so that none is lost. Along an edge, where R is small and the same,
-light
-changes slowly too.
-
+1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel, and by a
+half at least: along an edge, where R is small, light changes slowly too. All of it is multiplied by
+(R_i / R_j)^4, the smaller above: towards an edge light changes as R does, and the dark foot of a
+wall must not spread. Neighbours exchange light symmetrically, so that none is lost.
 """
 
 from typing import NamedTuple
@@ -23,7 +22,7 @@ _SHARE_OF_ROOM = 0.3
 # With four neighbours the texel itself keeps as much as each of them gives.
 _MOST = 0.2
 _ALIKE_POWER = 8
-# Neighbours with the same room mix at least so much; with a third of it hardly.
+# Neighbours with the same room mix at least so much; with a third of it hardly at all.
 _SAME_ROOM, _ROOM_POWER = 0.5, 4
 
 
@@ -75,8 +74,9 @@ def _exchange(
     alike = np.maximum(np.einsum("ki,ki->k", texels.normal[here], texels.normal[there]), 0.0)
     area = np.minimum(texels.area[here], texels.area[there]) / np.maximum(texels.area[here], 1e-30)
     nearer, farther = np.minimum(room[here], room[there]), np.maximum(room[here], room[there])
-    same = _SAME_ROOM * (nearer / np.maximum(farther, 1e-30)) ** _ROOM_POWER
-    shared = np.maximum(np.minimum(gate[here], gate[there]), same) * alike**_ALIKE_POWER * area
+    same = (nearer / np.maximum(farther, 1e-30)) ** _ROOM_POWER
+    mixing = np.maximum(np.minimum(gate[here], gate[there]), _SAME_ROOM) * same
+    shared = mixing * alike**_ALIKE_POWER * area
     return np.where(good[here] & good[there], _MOST * shared, 0.0).astype(np.float32)
 
 
@@ -93,7 +93,7 @@ def _weights(links, normal, area, gate, room, good):  # type: ignore[no-untyped-
                 alike += normal[i, axis] * normal[j, axis]
             if alike > 0.0 and area[i] > 0.0:
                 nearness = min(room[i], room[j]) / max(room[i], room[j], np.float32(1e-30))
-                mixing = max(min(gate[i], gate[j]), _SAME_ROOM * nearness**_ROOM_POWER)
+                mixing = max(min(gate[i], gate[j]), _SAME_ROOM) * nearness**_ROOM_POWER
                 exchange = mixing * alike**_ALIKE_POWER * min(area[i], area[j])
                 weights[i, k] = _MOST * exchange / area[i]
     return weights

@@ -1,0 +1,111 @@
+"""Light at creases: dark feet of what stands on a surface, shadow edges, corners of stills."""
+
+import numpy as np
+import pytest
+from boxes import box, floor, hour, quads
+from light_transport.bake import Bake
+from light_transport.giving_up import always
+from light_transport.hour import rays_by_noise
+from light_transport.hour.free_points import light_at
+from light_transport.hour.view_light import view_light
+from light_transport.hour.view_smoothing import PointGrid, smoothed
+
+from vrut_lite.daylight.camera import MoveCamera
+
+TEXEL_M = 0.1
+
+
+@pytest.mark.parametrize("high_m", [0.1, 0.2, 0.8])
+def test_the_dark_foot_of_a_box_does_not_spread(high_m):
+    """A black box on a floor of texels of 0.1 m under an even sky: beside it, where the light of a
+    texel's own place is dark, the map errs by a few percent and is not too bright in the mean."""
+    sides = box((-0.2, 0.0, -0.2), (0.2, high_m, 0.2))
+    ground = floor(-0.8, 0.8, -0.8, 0.8)
+    bake = Bake(*quads(ground, *sides, texels=16, reflectance=0.0))
+    bake.add_rays(256)
+    light, texels = bake.light(hour(1.0)), bake.texels
+    places_m = texels.place * bake.surfaces.radius_m + bake.surfaces.centre_m
+    beside = np.abs(places_m[:, [0, 2]]).max(axis=1) - 0.2
+    foot = (places_m[:, 1] < 1e-3) & (texels.normal[:, 1] > 0.9)
+    foot &= (beside > 0.0) & (beside < 1.01 * TEXEL_M)
+    assert foot.sum() == 20
+    column, row = texels.pixel[foot].T
+    lifted = places_m[foot] + [0.0, 1e-4, 0.0]
+    true = light_at(bake, lifted, texels.normal[foot], hour(1.0), 4096).irradiance_rgb[:, 1]
+    error = light.texels[row, column, 1] / true - 1.0
+    print(f"\nbox of {high_m} m: {np.sqrt(np.mean(error**2)):.1%} rms, {error.mean():+.1%}")
+    assert np.sqrt(np.mean(error**2)) < 0.05
+    assert abs(error.mean()) < 0.03
+
+
+def test_a_shadows_edge_stays_where_it_is_wider_than_noise():
+    """A level plane, half in shade, whose points err by a tenth and are said to by a fifth, as of
+    rays that are spread evenly: after smoothing shade ends within two points, and beyond it
+    noise has fallen to a third."""
+    rows, columns = np.indices((41, 41))
+    place = np.stack([0.01 * columns, 0.0 * rows, 0.01 * rows], axis=-1).astype(np.float32)
+    plane = np.zeros((41, 41, 4), np.float32)
+    plane[..., 1] = 1.0
+    even = np.where(columns < 20, 1.0, 0.5).astype(np.float32)
+    noise = np.random.default_rng(0).normal(0.0, 0.1, even.shape)
+    light = np.repeat((even * (1.0 + noise))[..., None], 4, axis=-1).astype(np.float32)
+    found = smoothed(light, PointGrid(plane, place), np.full_like(even, 10.0), 0.2 * even, always)[
+        ..., 1
+    ]
+    across = found.mean(axis=0)
+    assert across[17] > 0.9
+    assert across[22] < 0.6
+    beyond = found / even - 1.0
+    assert np.std(beyond[:, 3:15]) < 0.035
+    assert np.std(beyond[:, 25:38]) < 0.035
+
+
+def test_corners_of_a_still_have_no_teeth(monkeypatch):
+    """A room with a small window: points of a still along its edges have less noise by the rays
+    that they alone trace more of, which at most a sixteenth of all points do."""
+    walls = box((-2, 0, -2), (2, 3, 2), inwards=True)[1:]
+    frame = [
+        [[2, 0, -2], [2, 0, 2], [2, 1, 2], [2, 1, -2]],
+        [[2, 2, -2], [2, 2, 2], [2, 3, 2], [2, 3, -2]],
+        [[2, 1, -2], [2, 1, -0.5], [2, 2, -0.5], [2, 2, -2]],
+        [[2, 1, 0.5], [2, 1, 2], [2, 2, 2], [2, 2, 0.5]],
+    ]
+    surfaces, layout = quads(*walls, *[quad[::-1] for quad in frame], reflectance=0.3)
+    bake = Bake(surfaces, layout)
+    bake.add_rays(64)
+    light = hour(1.0)
+    camera = MoveCamera(
+        eye_m=(1.5, 1.5, 0.0), target_m=(-2.0, 0.5, -0.5), vertical_field_of_view_rad=1.2
+    )
+    traced = []
+
+    def counted(bake, places_m, *rest, **named):
+        traced.append(len(places_m))
+        return light_at(bake, places_m, *rest, **named)
+
+    def drawn(rays):
+        traced.clear()
+        return view_light(bake, light, camera, (72, 48), 1, rays, 1, always)
+
+    monkeypatch.setattr(rays_by_noise, "light_at", counted)
+    found = drawn(64)
+    assert len(traced) == 3
+    assert traced[2] <= traced[0] / 16
+    true = drawn(4096)
+    monkeypatch.setattr(rays_by_noise, "_MOST_AGAIN", 0.0)
+    before = drawn(64)
+    normal = true.plane[..., :3]
+    bent = (normal[:, 1:] * normal[:, :-1]).sum(axis=-1) < 0.5
+    down = (normal[1:] * normal[:-1]).sum(axis=-1) < 0.5
+    edge = np.zeros(normal.shape[:2], bool)
+    edge[:, 1:] |= bent
+    edge[:, :-1] |= bent
+    edge[1:] |= down
+    edge[:-1] |= down
+    lit = edge & (true.light[..., 1] > 0.0)
+    errors = [
+        np.sqrt(np.mean((view.light[lit][:, 1] / true.light[lit][:, 1] - 1.0) ** 2))
+        for view in (found, before)
+    ]
+    print(f"\nedges: {errors[0]:.1%} rms, without further rays {errors[1]:.1%}")
+    assert errors[0] < 0.75 * errors[1]
