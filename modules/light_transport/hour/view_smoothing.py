@@ -19,8 +19,9 @@ _REACH, _APART = 2, (1, 2, 4)
 # Mean room tells little of what is near: farther points count within less of it.
 _SHARE_OF_ROOM = (0.3, 0.03, 0.03)
 # Points differ by so many times the noise about them. Where that is a large share of the light, a
-# few rays through a window bring most of it: room alone decides.
-_NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.15
+# few rays through a window bring most of it: room alone decides. Noise falls with each step: were
+# it that of single points to the last, shadows of a table's legs would be smoothed away.
+_NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.2
 
 
 class PointGrid(NamedTuple):
@@ -45,10 +46,12 @@ def smoothed(
     values: Float32Array, grid: PointGrid, room: Float32Array, error: Float32Array, go_on: GoOn
 ) -> Float32Array:
     """Means of values (H, W, 4) of this room (H, W), in radii, and error (H, W), rms."""
-    noise2 = _noise2(values, error)
+    # A point's own where it is larger: it alone may have met what is small and bright.
+    error2 = np.maximum(mean_about(error * error), error * error).astype(np.float32)
     for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
         go_on()
-        values = _smoothed(values, *grid, room, noise2, apart, share)
+        noise2 = _noise2(values, error2)
+        values, error2 = _smoothed(values, *grid, room, noise2, error2, apart, share)
     return values
 
 
@@ -65,10 +68,20 @@ def is_noisy(
     `unseen`: noise that may stay after smoothing over next neighbours alone, as a share of the
     light. Noise of single points above the share `largest` tells of few rays that bring most of it.
     """
+    share, left = noise_shares(grid, light, room, error)
+    return np.asarray((share > largest) | (left > unseen))
+
+
+def noise_shares(
+    grid: PointGrid, light: Float32Array, room: Float32Array, error: Float32Array
+) -> tuple[FloatArray, FloatArray]:
+    """Noise (H, W) as a share of light, and what smoothing over next neighbours leaves of it.
+
+    Light by luminance, room and error are (H, W).
+    """
     # Of those about a point: where few rays bring most, some points have met none of it.
     share = np.sqrt(mean_about(error * error)) / np.maximum(mean_about(light), 1e-30)
-    noisy = (share > largest) | (share > unseen * np.sqrt(company(grid, room)))
-    return np.asarray(noisy)
+    return np.asarray(share), np.asarray(share / np.sqrt(company(grid, room)))
 
 
 def company(grid: PointGrid, room: Float32Array) -> Float32Array:
@@ -76,13 +89,11 @@ def company(grid: PointGrid, room: Float32Array) -> Float32Array:
     return np.asarray(_company(*grid, room, _SHARE_OF_ROOM[0]))
 
 
-def _noise2(values: Float32Array, error: Float32Array) -> Float32Array:
-    """The square of what noise may be (rows, columns), by what rays leave around a point."""
-    # A point's own where it is larger: it alone may have met what is small and bright.
-    noise2 = np.maximum(mean_about(error * error), error * error)
+def _noise2(values: Float32Array, error2: Float32Array) -> Float32Array:
+    """The square (H, W) of what noise may be, by the squared error (H, W) of values (H, W, 4)."""
     mean = mean_about(luminance(values[..., :3]))
-    share2 = noise2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
-    return np.asarray(noise2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
+    share2 = error2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
+    return np.asarray(error2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
 
 
 def mean_about(values: FloatArray | Float32Array) -> FloatArray:
@@ -127,13 +138,16 @@ def _company(plane, place, room, share):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _smoothed(light, plane, place, room, noise2, apart, share):  # type: ignore[no-untyped-def]
-    """Means of light (H, W, 4) over neighbours on one plane, by room and squared noise (H, W)."""
+def _smoothed(light, plane, place, room, noise2, error2, apart, share):  # type: ignore[no-untyped-def]
+    """Means of light (H, W, 4) over neighbours on one plane, by room and squared noise (H, W).
+
+    The squared error (H, W) that is left of `error2` comes second.
+    """
     height, width = room.shape
-    out = np.zeros_like(light)
+    out, left = np.zeros_like(light), error2.copy()
     for y in range(height):
         for x in range(width):
-            total = np.float32(0.0)
+            total, squares = np.float32(0.0), np.float32(0.0)
             for i in range(-_REACH, _REACH + 1):
                 for j in range(-_REACH, _REACH + 1):
                     r, c = y + i * apart, x + j * apart
@@ -149,9 +163,11 @@ def _smoothed(light, plane, place, room, noise2, apart, share):  # type: ignore[
                     same = np.float32(1.0) - apart_by**2 / max(both, np.float32(1e-30))
                     weight *= max(same, np.float32(0.0))
                     total += weight
+                    squares += weight * weight * error2[r, c]
                     for k in range(4):
                         out[y, x, k] += weight * light[r, c, k]
             if total > 0.0:
                 for k in range(4):
                     out[y, x, k] /= total
-    return out
+                left[y, x] = squares / (total * total)
+    return out, left
