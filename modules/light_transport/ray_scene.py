@@ -17,6 +17,7 @@ from light_transport.rays.mirror_rays import MirrorRays
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import Receivers, no_probes, probe_planes
 from light_transport.rays.ray_table import Rows, empty_rows
+from light_transport.rays.touching import touching_texels
 from light_transport.rays.tree import Tree, tree_over
 from light_transport.surfaces.groups import groups_of
 from light_transport.surfaces.links import links_of, seam_links
@@ -95,7 +96,10 @@ class RayScene:
             self.tree, geometry, self.texels, charts, self.beside, sheets, self.over_rows
         )
         self.receivers = Receivers(geometry, self.texels, probes, groups)
-        self.seams = seam_links(self.texels, layout.seams)
+        touching = touching_texels(self.tree, geometry, self.texels, charts, self.beside)
+        self.seams = np.unique(
+            np.concatenate([seam_links(self.texels, layout.seams), touching]), axis=0
+        )
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
         self.patches: Patches | None = None

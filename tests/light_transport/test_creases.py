@@ -109,3 +109,33 @@ def test_corners_of_a_still_have_no_teeth(monkeypatch):
     ]
     print(f"\nedges: {errors[0]:.1%} rms, without further rays {errors[1]:.1%}")
     assert errors[0] < 0.75 * errors[1]
+
+
+def test_a_floor_in_two_pieces_is_one_floor():
+    """Two pieces side by side, not corner to corner, before a wall: across the edge light differs
+    by less than half of what it does between pieces that are known to be apart."""
+    pieces = floor(-0.8, 0.0, -0.8, 0.8), floor(0.0, 0.8, -0.7, 0.9)
+    wall = [[0.8, 0, -0.8], [0.8, 0, 0.8], [0.8, 1, 0.8], [0.8, 1, -0.8]]
+    bake = Bake(*quads(*pieces, wall, texels=16, reflectance=0.2))
+    bake.add_rays(16)
+    pairs = bake.seams
+    places = bake.texels.place * bake.surfaces.radius_m
+    assert len(pairs) >= 15
+    assert np.abs(np.diff(places[pairs], axis=1)).max() < 0.12
+
+    def jump():
+        light, (column, row) = bake.light(hour(1.0)).texels[..., 1], bake.texels.pixel[pairs].T
+        return np.sqrt(np.mean(np.diff(light[row, column], axis=0) ** 2))
+
+    together = jump()
+    bake.seams = pairs[:0]
+    bake._finished = bake._light = None
+    assert together < 0.5 * jump()
+
+
+def test_pieces_of_a_floor_are_apart_where_a_wall_stands_between_them():
+    """Light of one side must not get to the other below it, however thin it is."""
+    pieces = floor(-0.8, 0.0, -0.8, 0.8), floor(0.0, 0.8, -0.8, 0.8)
+    thin = box((-0.004, 0.0, -0.8), (0.004, 1.0, 0.8))
+    assert len(Bake(*quads(*pieces, texels=16)).seams) > 0
+    assert len(Bake(*quads(*pieces, *thin, texels=16)).seams) == 0

@@ -24,6 +24,8 @@ _MOST = 0.2
 _ALIKE_POWER = 8
 # Neighbours with the same room mix at least so much; with a third of it hardly at all.
 _SAME_ROOM, _ROOM_POWER = 0.5, 4
+# Rooms of more texels count as so many: where few rays meet anything their mean is noise.
+_ENOUGH_ROOM = 16.0
 
 
 class Smoothing(NamedTuple):
@@ -49,7 +51,7 @@ def smoothing_of(
     """Weights for good texels (N,) around which there is so much room (N,), in radii."""
     gate = np.minimum(1.0, _SHARE_OF_ROOM * room / np.maximum(texels.width, 1e-12)) ** 2
     gate = gate.astype(np.float32)
-    weights = _weights(links, texels.normal, texels.area, gate, room, good)
+    weights = _weights(links, texels.normal, texels.area, texels.width, gate, room, good)
     across = np.zeros(seams.shape, np.float32)
     if len(seams):
         # All seams of a texel together give it as much as one neighbour does.
@@ -73,7 +75,9 @@ def _exchange(
     """Weights of texels (K,) for the light of others (K,), as in `_weights`."""
     alike = np.maximum(np.einsum("ki,ki->k", texels.normal[here], texels.normal[there]), 0.0)
     area = np.minimum(texels.area[here], texels.area[there]) / np.maximum(texels.area[here], 1e-30)
-    nearer, farther = np.minimum(room[here], room[there]), np.maximum(room[here], room[there])
+    wide = np.float32(_ENOUGH_ROOM) * np.maximum(texels.width[here], texels.width[there])
+    nearer = np.minimum(np.minimum(room[here], room[there]), wide)
+    farther = np.minimum(np.maximum(room[here], room[there]), wide)
     same = (nearer / np.maximum(farther, 1e-30)) ** _ROOM_POWER
     mixing = np.maximum(np.minimum(gate[here], gate[there]), _SAME_ROOM) * same
     shared = mixing * alike**_ALIKE_POWER * area
@@ -81,7 +85,7 @@ def _exchange(
 
 
 @kernel
-def _weights(links, normal, area, gate, room, good):  # type: ignore[no-untyped-def]
+def _weights(links, normal, area, width, gate, room, good):  # type: ignore[no-untyped-def]
     weights = np.zeros(links.shape, np.float32)
     for i in range(len(links)):
         for k in range(links.shape[1]):
@@ -92,7 +96,9 @@ def _weights(links, normal, area, gate, room, good):  # type: ignore[no-untyped-
             for axis in range(3):
                 alike += normal[i, axis] * normal[j, axis]
             if alike > 0.0 and area[i] > 0.0:
-                nearness = min(room[i], room[j]) / max(room[i], room[j], np.float32(1e-30))
+                wide = np.float32(_ENOUGH_ROOM) * max(width[i], width[j])
+                nearer, farther = min(room[i], room[j], wide), min(max(room[i], room[j]), wide)
+                nearness = nearer / max(farther, np.float32(1e-30))
                 mixing = max(min(gate[i], gate[j]), _SAME_ROOM) * nearness**_ROOM_POWER
                 exchange = mixing * alike**_ALIKE_POWER * min(area[i], area[j])
                 weights[i, k] = _MOST * exchange / area[i]

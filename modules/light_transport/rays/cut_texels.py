@@ -141,7 +141,7 @@ def _lifted(geometry, texels, row, x, y, weights, place, normal):  # type: ignor
 
 
 @inlined
-def _apart(tree, geometry, solid, a, b, t, stacks):  # type: ignore[no-untyped-def]
+def apart(tree, geometry, solid, a, b, t, stacks):  # type: ignore[no-untyped-def]
     """Whether something stands across between two points (3,) above triangle t."""
     stack, far_stack = stacks
     _, hit, _, _ = nearest_within(
@@ -164,7 +164,7 @@ def _apart(tree, geometry, solid, a, b, t, stacks):  # type: ignore[no-untyped-d
 
 
 @inlined
-def _middle(geometry, texels, row, weights, place, normal):  # type: ignore[no-untyped-def]
+def middle_place(geometry, texels, row, weights, place, normal):  # type: ignore[no-untyped-def]
     """`_lifted` of the place whose side a texel is of."""
     x, y = middle_of(texels, row)
     return _lifted(geometry, texels, row, x, y, weights, place, normal)
@@ -181,7 +181,7 @@ def _crossed(tree, geometry, texels, solid, stacks, places, first, last, crossed
             left, right = (low, high) if k == 0 else (high, low)
             t = _lifted(geometry, texels, i, x + left, y + low, weights, a, normal)
             _lifted(geometry, texels, i, x + right, y + high, weights, b, normal)
-            if _apart(tree, geometry, solid, a, b, t, stacks):
+            if apart(tree, geometry, solid, a, b, t, stacks):
                 crossed[i] = True
 
 
@@ -193,7 +193,7 @@ def _middles(tree, geometry, texels, surfaces, rows, stacks, places, first, last
     for c in range(first, last):
         i = rows[c]
         side = texels.side[i]
-        t = _middle(geometry, texels, i, weights, point, normal)
+        t = middle_place(geometry, texels, i, weights, point, normal)
         if _is_free(tree, geometry, of_bodies, point, t, side, stacks):
             continue
         for cell in _OUTWARDS:
@@ -252,12 +252,12 @@ def _part(tree, geometry, texels, links, solid, stacks, places, first, last, par
     """Which texels have something before the one below and the one to the right (N, 2)."""
     weights, a, b, normal, _, _ = places
     for i in range(first, last):
-        t = _middle(geometry, texels, i, weights, a, normal)
+        t = middle_place(geometry, texels, i, weights, a, normal)
         for k in range(2):
             j = links[i, 1 + 2 * k]
             if j != NOBODY:
-                _middle(geometry, texels, j, weights, b, normal)
-                parted[i, k] = _apart(tree, geometry, solid, a, b, t, stacks)
+                middle_place(geometry, texels, j, weights, b, normal)
+                parted[i, k] = apart(tree, geometry, solid, a, b, t, stacks)
 
 
 @inlined
@@ -265,7 +265,7 @@ def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks
     """Whether a point (3,) above triangle t lies in a body, on the side of a texel's `middle`, or
     beyond what cuts it; `own`: whether that middle is in no body."""
     stack, far_stack = stacks
-    if own and not _apart(tree, geometry, solid, middle, place, t, stacks):
+    if own and not apart(tree, geometry, solid, middle, place, t, stacks):
         return _OWN
     _, hit, _, _ = nearest_within(
         tree,
@@ -307,7 +307,7 @@ def _sides(  # type: ignore[no-untyped-def]
     for c in range(first, last):
         i = rows[c]
         column, line, side = texels.pixel[i, 0], texels.pixel[i, 1], texels.side[i]
-        t = _middle(geometry, texels, i, weights, middle, normal)
+        t = middle_place(geometry, texels, i, weights, middle, normal)
         own = (
             _state(tree, geometry, of_bodies, solid, middle, middle, False, t, side, stacks)
             != _BURIED
@@ -356,12 +356,12 @@ def _sides(  # type: ignore[no-untyped-def]
                     j = texels.back[j]
                     if j == NOBODY:
                         continue
-                _middle(geometry, texels, j, weights, there, normal)
+                middle_place(geometry, texels, j, weights, there, normal)
                 away2 = 0.0
                 for axis in range(3):
                     away2 += (there[axis] - beyond[axis]) ** 2
                 if away2 >= nearest2 or charts[j] != charts[i]:
                     continue
-                if not _apart(tree, geometry, solid, beyond, there, t, stacks):
+                if not apart(tree, geometry, solid, beyond, there, t, stacks):
                     nearest2 = away2
                     cell_row[c, cell] = j

@@ -1,0 +1,91 @@
+"""Texels of charts that touch in one plane: a wall in pieces is one wall.
+
+Edges of pieces need not meet corner to corner, nor belong to one mesh: `layout.seams` knows those
+alone that do. Nothing may stand between two texels, as on a floor that a wall parts.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import dot, kernel
+from light_transport.rays.cut_texels import apart, middle_place
+from light_transport.rays.tree import STACK, Tree
+from light_transport.row_numbers import row_numbers
+from light_transport.surfaces.map_texels import NOBODY, MapGeometry, Texels
+
+# Texels on both sides of an edge lie so near, in texels: one across and half a one along it.
+_NEAR = 1.15
+# Planes are one where normals agree to 2 degrees, and a step lies in the plane to so many of it.
+_SAME_FACING, _OFF_PLANE = 0.9994, 0.05
+
+
+def touching_texels(
+    tree: Tree,
+    geometry: MapGeometry,
+    texels: Texels,
+    charts: NDArray[np.int32],
+    links: NDArray[np.int32],
+) -> NDArray[np.int32]:
+    """Pairs (K, 2) of texels of two `charts` (N,), the smaller first.
+
+    `links` (N, 4): texels with four neighbours of their own have no others.
+    """
+    is_rim = (links == NOBODY).any(axis=1) & (texels.width > 0.0)
+    # The ground's texels are as wide as houses far away, and cells would be.
+    rims = np.flatnonzero(is_rim & ~geometry.on_ground[texels.triangle])
+    if len(rims) < 2:
+        return np.empty((0, 2), np.int32)
+    edge = _NEAR * float(texels.width[rims].max())
+    cells = np.floor(texels.place[rims].astype(np.float64) / edge).astype(np.int64)
+    # Neighbouring cells are found by number: cells of all steps about each.
+    steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    around = (cells[:, None] + steps).reshape(-1, 3)
+    number = row_numbers(np.concatenate([cells, around]))[0]
+    own, about = number[: len(rims)], number[len(rims) :].reshape(-1, len(steps))
+    order = np.argsort(own, kind="stable")
+    start = np.searchsorted(own[order], np.arange(number.max() + 2))
+    solid = (tree.opacity >= 1.0)[geometry.leaf]
+    solid &= np.isfinite(geometry.uv).all(axis=(1, 2)) | geometry.on_ground
+    stacks = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+    places = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    members = rims[order].astype(np.int64)
+    return np.asarray(
+        _pairs(tree, geometry, texels, charts, solid, rims, about, members, start, stacks, places)
+    )
+
+
+@kernel
+def _pairs(  # type: ignore[no-untyped-def]
+    tree, geometry, texels, charts, solid, rims, about, members, start, stacks, places
+):
+    weights, a, b, normal = places
+    found = np.empty((1024, 2), np.int32)
+    count = 0
+    for k in range(len(rims)):
+        i = rims[k]
+        for cell in about[k]:
+            for m in range(start[cell], start[cell + 1]):
+                j = members[m]
+                if j <= i or charts[i] == charts[j]:
+                    continue
+                if dot(texels.normal[i], texels.normal[j]) < _SAME_FACING:
+                    continue
+                away2, off = 0.0, 0.0
+                for axis in range(3):
+                    step = texels.place[j, axis] - texels.place[i, axis]
+                    away2 += step * step
+                    off += step * texels.normal[i, axis]
+                width = max(texels.width[i], texels.width[j])
+                if away2 > (_NEAR * width) ** 2 or abs(off) > _OFF_PLANE * math.sqrt(away2):
+                    continue
+                t = middle_place(geometry, texels, i, weights, a, normal)
+                middle_place(geometry, texels, j, weights, b, normal)
+                if apart(tree, geometry, solid, a, b, t, stacks):
+                    continue
+                if count == len(found):
+                    found = np.concatenate((found, found))
+                found[count, 0], found[count, 1] = i, j
+                count += 1
+    return found[:count].copy()
