@@ -1,4 +1,4 @@
-"""Light at creases: dark feet of what stands on a surface, shadow edges, corners of stills."""
+"""Light at creases: dark feet of walls and legs, shadow edges, corners of stills."""
 
 import numpy as np
 import pytest

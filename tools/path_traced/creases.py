@@ -50,8 +50,7 @@ _TEXELS_AWAY = 2.0
 # Cosines between which a surface faces otherwise; beyond are backs of plates.
 _OTHERWISE = -0.9, np.cos(np.radians(20.0))
 _LEAST_FREE, _LEAST_OF_MEAN = 0.9, 0.05
-# Gaps are narrower than so many texels (harmonic mean distance of what is seen): no eye looks
-# there.
+# Least harmonic mean distance of visible surfaces, in texels; excludes gaps that no eye looks into.
 _LEAST_ROOM = 0.3
 _SAMPLES, _BOUNCES = 2048, 24
 
@@ -112,7 +111,7 @@ def crease_points(
     )
     kept = kept[is_crease]
     chance = share[kept] / share[kept].sum()
-    kept = rng.choice(kept, min(3 * count, np.count_nonzero(chance)), replace=False, p=chance)
+    kept = rng.choice(kept, min(3 * count, int(np.count_nonzero(chance))), replace=False, p=chance)
     return Points(
         found.place_m[kept] + surfaces.centre_m,
         found.normal[kept],

@@ -36,8 +36,8 @@ def crease_room(rng: np.random.Generator) -> Room:
         )
         boxes.append((x, 0.0, z, x + size, high, z + size))
     for _ in range(int(rng.integers(0, 3))):
-        z, size = rng.uniform(0.2, deep - 0.6), rng.uniform(0.08, 0.4, 2)
-        boxes.append((0.0, high - size[0], z, wide, high, z + size[1]))
+        z, thick = rng.uniform(0.2, deep - 0.6), rng.uniform(0.08, 0.4, 2)
+        boxes.append((0.0, high - thick[0], z, wide, high, z + thick[1]))
     paint = tuple(rng.uniform(0.1, 0.8, len(boxes)).tolist())
     azimuth, elevation = rng.uniform(-1.0, 1.0), rng.uniform(0.2, 1.2)
     level = float(np.cos(elevation))
@@ -58,7 +58,7 @@ def _table(rng: np.random.Generator, wide: float, deep: float) -> list[tuple[flo
     x, z = rng.uniform(0.2, wide - 1.4), rng.uniform(0.2, deep - 1.2)
     size, high = rng.uniform((0.6, 0.5), (1.2, 0.9)), rng.uniform(0.4, 0.8)
     leg, thick = rng.uniform(0.03, 0.08), rng.uniform(0.02, 0.05)
-    boxes = [(x, high, z, x + size[0], high + thick, z + size[1])]
+    boxes: list[tuple[float, ...]] = [(x, high, z, x + size[0], high + thick, z + size[1])]
     for u in (x, x + size[0] - leg):
         for v in (z, z + size[1] - leg):
             boxes.append((u, 0.0, v, u + leg, high, v + leg))

@@ -17,7 +17,8 @@ from light_transport.surfaces.map_texels import NOBODY, MapGeometry, Texels
 
 # Texels on both sides of an edge lie so near, in texels: one across and half a one along it.
 _NEAR = 1.15
-# Planes are one where normals agree to 2 degrees, and a step lies in the plane to so many of it.
+# Two texels share a plane if normals agree to 2 degrees and the step between them rises no more
+# than this share of its length.
 _SAME_FACING, _OFF_PLANE = 0.9994, 0.05
 
 
@@ -30,7 +31,7 @@ def touching_texels(
 ) -> NDArray[np.int32]:
     """Pairs (K, 2) of texels of two `charts` (N,), the smaller first.
 
-    `links` (N, 4): texels with four neighbours of their own have no others.
+    `links` (N, 4): only texels that lack one of four neighbours are paired.
     """
     is_rim = (links == NOBODY).any(axis=1) & (texels.width > 0.0)
     # The ground's texels are as wide as houses far away, and cells would be.
