@@ -22,6 +22,9 @@ _SHARE_OF_ROOM = (0.3, 0.03, 0.03)
 # few rays through a window bring most of it: room alone decides. Noise falls with each step: were
 # it that of single points to the last, shadows of a table's legs would be smoothed away.
 _NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.2
+# Ratio of the noise's variance that a step leaves to that of as many independent points: points of
+# a later step have neighbours in common. Below 10, low-frequency noise stays as blotches on walls.
+_SHARED = 12.5
 
 
 class PointGrid(NamedTuple):
@@ -51,7 +54,8 @@ def smoothed(
     for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
         go_on()
         noise2 = _noise2(values, error2)
-        values, error2 = _smoothed(values, *grid, room, noise2, error2, apart, share)
+        values, left2 = _smoothed(values, *grid, room, noise2, error2, apart, share)
+        error2 = np.minimum(np.float32(_SHARED) * left2, error2)
     return values
 
 
