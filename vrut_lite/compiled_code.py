@@ -17,6 +17,8 @@ import platformdirs
 _VARIABLE = "NUMBA_CACHE_DIR"
 # Called when numba first compiles; set here, it need not be imported for that.
 on_compilation: Callable[[], None] | None = None
+# Number of kernels that this process has compiled; those found on disk do not count.
+compilations = 0
 
 
 def find_room(package: Path) -> None:

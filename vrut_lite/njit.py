@@ -124,11 +124,12 @@ def _read(file: Path) -> tuple[bytes, tuple[str, ...]]:
 
 
 class _Teller(event.Listener):
-    """Tells that numba compiles, once."""
+    """Counts compilations, and tells of the first."""
 
     told = False
 
     def on_start(self, event: event.Event) -> None:
+        compiled_code.compilations += 1
         if compiled_code.on_compilation is not None and not self.told:
             self.told = True
             compiled_code.on_compilation()

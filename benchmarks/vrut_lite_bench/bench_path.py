@@ -80,6 +80,8 @@ class BenchPath:
         batch: paths of a group with the same batch take turns while they are timed.
         clock: times the work.
         once: the clock does all rounds itself.
+        done: given the prepared work, the amount of it done so far; each call must raise it, or
+            the path is refused: it timed work that was skipped.
     """
 
     name: str
@@ -92,6 +94,7 @@ class BenchPath:
     clock: Clock = CPU_TIME
     device: str = "CPU"
     once: bool = False
+    done: Callable[[Work], int] | None = None
 
 
 @dataclass(frozen=True)

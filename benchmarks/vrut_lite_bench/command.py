@@ -63,11 +63,15 @@ def bench(output: str, quick: bool, only: str | None, compare: str | None) -> No
     if old is not None:
         check_comparable(old, quick, kinds)
     folder = _made(Path(output))
-    results = _measured(kinds, quick, old)
+    results, refused = _measured(kinds, quick, old)
     _write(results, folder)
     click.echo(f"the page is {folder / 'index.html'}")
+    for name, reason in refused.items():
+        click.echo(f"{name} is left out: {reason}")
     if old is not None:
         _tell(old, results)
+    if refused:
+        raise ModuleFailed(f"{len(refused)} of the paths did not do their work")
 
 
 def _made(folder: Path) -> Path:
@@ -80,8 +84,10 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def _measured(kinds: list[str], quick: bool, old: "Results | None") -> "Results":
-    """The results; paths that look slower than before are timed again."""
+def _measured(
+    kinds: list[str], quick: bool, old: "Results | None"
+) -> tuple["Results", dict[str, str]]:
+    """The results and the refused paths, with reasons; apparently slower paths are timed again."""
     from vrut_lite_bench.compare import slower_paths
     from vrut_lite_bench.gl import close_gl
     from vrut_lite_bench.session import Session
@@ -97,7 +103,7 @@ def _measured(kinds: list[str], quick: bool, old: "Results | None") -> "Results"
                 if not slower:
                     break
                 session.measure_again(set(slower))
-            return session.results()
+            return session.results(), session.refused
         finally:
             close_gl()
 

@@ -7,14 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrut_lite_bench.bench_path import CPU_TIME, BenchPath, Group, Work
+from vrut_lite import compiled_code
+from vrut_lite.errors import ModuleFailed
+from vrut_lite_bench.bench_path import CPU_TIME, BenchPath, Group, Spent, Work
 from vrut_lite_bench.results import Errors, Measured
 
 Tell = Callable[[str], None]
+Refuse = Callable[[str, str], None]
 # Longer calls are timed once only, in the call whose result is judged.
 _ONCE_FROM_S = 2.5
-# A first call of so long may have been compiling.
+# Longer first calls are not repeated, unless they compiled.
 _AGAIN_TO_S = 20.0
+# A path may compile in its first calls: a moving picture has a predecessor from the second on.
+_MOST_COMPILING = 5
 _MOST_CALLS = 40
 
 
@@ -40,23 +45,52 @@ class _Running(NamedTuple):
     walls_s: list[float]
 
 
-def measure_group(group: Group, effort: Effort, tell: Tell) -> list[Measured]:
-    """Measure every path of a group; `tell` is called with each name before it is measured."""
+class _FalseFigure(Exception):
+    """A figure that is not the time of the path's work, and why."""
+
+
+def raise_refused(name: str, reason: str) -> None:
+    """Raise ModuleFailed for a path whose figure would be false."""
+    raise ModuleFailed(f"{name}: {reason}")
+
+
+def measure_group(
+    group: Group, effort: Effort, tell: Tell, refuse: Refuse = raise_refused
+) -> list[Measured]:
+    """Measure every path of a group.
+
+    Args:
+        group: of paths.
+        effort: of each.
+        tell: called with each name before it is measured.
+        refuse: called with the name of a path and the reason, where a call skipped the work or
+            compiled in every call; such a path has no figure.
+    """
     found = []
     for _, batch in groupby(group.paths, key=lambda path: path.batch):
-        found += _measure_batch(group, batch, effort, tell)
+        found += _measure_batch(group, batch, effort, tell, refuse)
     return found
 
 
 def _measure_batch(
-    group: Group, paths: Iterable[BenchPath], effort: Effort, tell: Tell
+    group: Group, paths: Iterable[BenchPath], effort: Effort, tell: Tell, refuse: Refuse
 ) -> list[Measured]:
-    running = [_start(path, group.name, tell) for path in paths]
+    running: list[_Running] = []
+    for path in paths:
+        try:
+            running.append(_start(path, group.name, tell))
+        except _FalseFigure as error:
+            refuse(f"{group.name}: {path.name}", str(error))
     turns = [e for e in running if e.first_s < _ONCE_FROM_S and not e.path.once]
     calls = [_calls(each, effort) for each in turns]
     for _ in range(effort.rounds if turns else 0):
         for each, count in zip(turns, calls, strict=True):
-            _time_round(each, count)
+            if each in running:
+                try:
+                    _time_round(each, count)
+                except _FalseFigure as error:
+                    refuse(f"{group.name}: {each.path.name}", str(error))
+                    running.remove(each)
     for each in running:
         if not each.rounds_s:
             each.rounds_s.append(each.first_s)
@@ -65,16 +99,40 @@ def _measure_batch(
 
 
 def _start(path: BenchPath, group: str, tell: Tell) -> _Running:
-    """Run a path once, which may compile; compute its errors, and time a second call."""
+    """Run a path until a call compiles nothing, compute its errors, and time a second call."""
     tell(f"{group}: {path.name}")
     work = path.prepare()
-    first = path.clock.time(work)
+    first, compiled = _call(path, work)
     errors = {} if path.error is None else path.error(first.result)
     spent = first
-    if not path.once and first.seconds < _AGAIN_TO_S:
-        again = path.clock.time(work)
+    if not path.once and first.seconds < _AGAIN_TO_S and not compiled:
+        again, _ = _call(path, work)
         spent = min(first, again, key=lambda one: one.seconds)
+    elif compiled:
+        spent = _without_compiling(path, work)
     return _Running(path, work, spent.seconds, spent.wall_s, errors, [], [])
+
+
+def _call(path: BenchPath, work: Work) -> tuple[Spent, bool]:
+    """One call, and whether it compiled.
+
+    Raises:
+        _FalseFigure: it did not do the work.
+    """
+    done = path.done(work) if path.done is not None else 0
+    compiled = compiled_code.compilations
+    spent = path.clock.time(work)
+    if path.done is not None and path.done(work) <= done:
+        raise _FalseFigure("a timed call skipped the work")
+    return spent, compiled_code.compilations > compiled
+
+
+def _without_compiling(path: BenchPath, work: Work) -> Spent:
+    for _ in range(_MOST_COMPILING):
+        spent, compiled = _call(path, work)
+        if not compiled:
+            return spent
+    raise _FalseFigure(f"{_MOST_COMPILING} calls in a row compiled kernels")
 
 
 def _calls(running: _Running, effort: Effort) -> int:
@@ -85,9 +143,13 @@ def _calls(running: _Running, effort: Effort) -> int:
 
 def _time_round(running: _Running, calls: int) -> None:
     """Some calls in a row, so that caches are filled by this path and not by another."""
-    spent = [running.path.clock.time(running.work)[1:] for _ in range(calls)]
-    running.rounds_s.append(min(seconds for seconds, _ in spent))
-    running.walls_s.append(min(wall for _, wall in spent))
+    path, work = running.path, running.work
+    spent = [
+        _without_compiling(path, work) if compiled else one
+        for one, compiled in (_call(path, work) for _ in range(calls))
+    ]
+    running.rounds_s.append(min(one.seconds for one in spent))
+    running.walls_s.append(min(one.wall_s for one in spent))
 
 
 def _measured(group: Group, running: _Running) -> Measured:

@@ -27,12 +27,14 @@ class Session:
         self._notes: dict[str, GroupNote] = {}
         self._found: dict[Key, Measured] = {}
         self._left_out: dict[str, str] = {}
+        # Paths whose figures would be false, and why.
+        self.refused: dict[str, str] = {}
 
     def measure(self) -> None:
         """Measure everything."""
         for group in self._groups():
             self._note(group)
-            for path in measure_group(group, self._effort, self._tell):
+            for path in measure_group(group, self._effort, self._tell, self._refuse):
                 self._found[path.group, path.name] = path
             self._pace_s = min(self._pace_s, pace_s())
 
@@ -40,7 +42,8 @@ class Session:
         """Time some paths again; smaller times replace the earlier ones."""
         for group in self._groups():
             paths = tuple(path for path in group.paths if (group.name, path.name) in keys)
-            for now in measure_group(replace(group, paths=paths), self._effort, self._tell):
+            chosen = replace(group, paths=paths)
+            for now in measure_group(chosen, self._effort, self._tell, self._refuse):
                 before = self._found[now.group, now.name]
                 if now.seconds < before.seconds:
                     self._found[now.group, now.name] = msgspec.structs.replace(
@@ -57,11 +60,14 @@ class Session:
             spent_s=time.perf_counter() - self._start_s,
             groups=list(self._notes.values()),
             paths=list(self._found.values()),
-            left_out=self._left_out,
+            left_out=self._left_out | self.refused,
         )
 
     def _groups(self) -> list[Group]:
         return [group for kind in self._kinds for group in KINDS[kind](self._quick)]
+
+    def _refuse(self, name: str, reason: str) -> None:
+        self.refused[name] = reason
 
     def _note(self, group: Group) -> None:
         self._left_out |= group.left_out

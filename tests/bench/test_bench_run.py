@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 from bench_samples import measured, run_of
@@ -13,6 +14,7 @@ from vrut_lite_bench import registry, session
 from vrut_lite_bench.bench_path import BenchPath, Clock, Errors, Group, Spent, relative_errors
 from vrut_lite_bench.command import bench
 from vrut_lite_bench.page import files_of
+from vrut_lite_bench.paths import light_map
 from vrut_lite_bench.peers import peer_rows, peers
 from vrut_lite_bench.results import read_results, to_json
 from vrut_lite_bench.runner import QUICK, measure_group
@@ -58,6 +60,53 @@ def test_slow_calls_are_timed_once() -> None:
     (found,) = measure_group(fake_group(slow), QUICK, lambda _: None)
     assert found.rounds_s == [30.0]
     assert len(calls) == 1
+
+
+def test_a_call_that_compiles_is_not_timed() -> None:
+    """A figure with a compilation in it says nothing of the work: the call is repeated."""
+    seconds = iter((5.0, 4.0, *[0.01] * 200))
+    calls: list[float] = []
+
+    def clock(work: Callable[[], object]) -> Spent:
+        calls.append(next(seconds))
+        # The second call takes another way than the first, as a picture with a predecessor does.
+        if len(calls) <= 2:
+            numba.njit(lambda x: x + 1)(len(calls))
+        return Spent(work(), calls[-1], calls[-1])
+
+    path = BenchPath("a", "a", lambda: lambda: None, None, clock=Clock("seconds", clock))
+    (found,) = measure_group(fake_group(path), QUICK, lambda _: None)
+    assert found.rounds_s == [0.01] * QUICK.rounds
+
+
+def test_skipped_work_and_endless_compilation_have_no_figure() -> None:
+    """A row of the table is a time of its work: 0.8 microseconds of a skipped hour are refused."""
+
+    def compiling() -> None:
+        numba.njit(lambda x: x + 1)(1)
+
+    skipped = BenchPath("skipped", "a", lambda: lambda: None, None, done=lambda _: 1)
+    endless = BenchPath("endless", "a", lambda: compiling, None)
+    right = fake_path("right", 0.02, 0.1)
+    refused: dict[str, str] = {}
+    group = fake_group(skipped, right, endless)
+    (found,) = measure_group(group, QUICK, lambda _: None, refused.__setitem__)
+    assert found.name == "right"
+    assert set(refused) == {"sky: skipped", "sky: endless"}
+
+
+def test_the_hour_of_the_bench_is_computed_in_each_call() -> None:
+    """The light of equal hours is equal, and made anew: the bake returns the last hour's as is."""
+    group = next(g for g in light_map.groups(True) if g.name == "light-map-steps")
+    path = next(path for path in group.paths if path.name.startswith("an hour by"))
+    work = path.prepare()
+    assert path.done is not None
+    first, done = work(), path.done(work)
+    second = work()
+    assert path.done(work) == done + 1 == 2
+    assert second.texels is not first.texels
+    np.testing.assert_array_equal(second.texels, first.texels)
+    assert second.texels[..., :3].max() > 0.0
 
 
 def test_the_norm_has_a_floor() -> None:
