@@ -11,12 +11,27 @@ import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, Protocol
 
 import platformdirs
 
 _VARIABLE = "NUMBA_CACHE_DIR"
-# Called when numba first compiles; set here, it need not be imported for that.
-on_compilation: Callable[[], None] | None = None
+
+
+class Ahead(Protocol):
+    """Who compiles ahead; called with numba's object of a function and its types of arguments."""
+
+    def note(self, dispatcher: Any, arguments: Any) -> None:
+        """A function is compiled."""
+
+    def wait_for(self, dispatcher: Any, arguments: Any) -> None:
+        """A function will be looked for on disk, and compiled if it is not there."""
+
+
+# Set here, numba need not be imported for that.
+ahead: Ahead | None = None
+# Called before a function is looked for on disk, for those who list what is called.
+before_kernel: list[Callable[[Any, Any], None]] = []
 # Number of kernels that this process has compiled; those found on disk do not count.
 compilations = 0
 

@@ -13,6 +13,7 @@ import importlib
 import os
 import pickle
 import re
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -24,7 +25,8 @@ from vrut_lite.interrupts import interrupts_held
 
 with interrupts_held():
     from numba import njit
-    from numba.core import caching, event
+    from numba.core import caching, compiler, event, sigutils
+    from numba.core.dispatcher import Dispatcher
     from numba.np import linalg
 
 __all__ = ["SUMS_IN_ORDER", "njit"]
@@ -124,18 +126,37 @@ def _read(file: Path) -> tuple[bytes, tuple[str, ...]]:
 
 
 class _Teller(event.Listener):
-    """Counts compilations, and tells of the first."""
-
-    told = False
+    """Counts compilations, and tells of those of kernels that python calls."""
 
     def on_start(self, event: event.Event) -> None:
         compiled_code.compilations += 1
-        if compiled_code.on_compilation is not None and not self.told:
-            self.told = True
-            compiled_code.on_compilation()
+        if compiled_code.ahead is not None and _nested.depth == 1:
+            compiled_code.ahead.note(event.data["dispatcher"], event.data["args"])
 
     def on_end(self, event: event.Event) -> None:
         """Nothing to say."""
+
+
+class _Nested(threading.local):
+    """How many functions a thread is compiling, each called by the one before."""
+
+    depth = 0
+
+
+def _compile(dispatcher: Any, signature: Any) -> Any:
+    """Compile a function or find it on disk; the outermost ones are told before."""
+    if _nested.depth == 0:
+        arguments = sigutils.normalize_signature(signature)[0]
+        for hook in compiled_code.before_kernel:
+            hook(dispatcher, arguments)
+        if compiled_code.ahead is not None:
+            # Before numba's lock is taken: others may compile while this thread waits.
+            compiled_code.ahead.wait_for(dispatcher, arguments)
+    _nested.depth += 1
+    try:
+        return _compile_or_load(dispatcher, signature)
+    finally:
+        _nested.depth -= 1
 
 
 def _import_without_blas() -> None:
@@ -153,6 +174,12 @@ def _import_without_blas() -> None:
 
 with interrupts_held():
     _import_without_blas()
+# Only functions handed to C as callbacks have a use for this wrapper, and none of ours is: 3 of 40
+# seconds of compiling were spent on it, in numba's own helpers too.
+setattr(compiler.Flags.options["no_cfunc_wrapper"], "_default", True)  # noqa: B010
+_nested = _Nested()
+_compile_or_load = Dispatcher.compile
+setattr(Dispatcher, "compile", _compile)  # noqa: B010
 event.register("numba:compile", _Teller())
 _stamp_of_file = caching._SourceFileBackedLocatorMixin.get_source_stamp
 setattr(caching._SourceFileBackedLocatorMixin, "get_source_stamp", _stamp)  # noqa: B010

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication
 from vrut_lite.app.engine.module_states import into_safe_mode, states_of
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.compile_news import CompileNews
 from vrut_lite.app.window.first_size import first_place
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
@@ -27,11 +28,14 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     app.setApplicationName("vrut_lite")
     app.setQuitOnLastWindowClosed(False)
     apply_theme(app)
+    # Before the engine calls a kernel.
+    compiling = CompileNews(app)
     session = Session()
     session.ended.connect(app.quit)
     # Its news come when the event loop runs: the window is there by then.
     session.start()
     window = MainWindow(session, kept=kept)
+    compiling.show_in(window.statusBar())
     # Otherwise garbage collection scans all these objects and stops the window for 0.1 s.
     session.ready.connect(lambda roster: gc.freeze())
     window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
@@ -42,6 +46,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     listening = _hear_interrupts(window)
     code = app.exec()
     listening.stop()
+    compiling.close()
     session.close()
     session.join()
     return code

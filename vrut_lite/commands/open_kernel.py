@@ -27,7 +27,7 @@ def open_kernel() -> Kernel:
 
 def open_host(gl: "GlOwner | None" = None) -> "Host":
     """A host, and one line on standard error for each module that is broken."""
-    tell_of_compilation()
+    tell_of_compilation(scene=True)
     gl = gl or open_gl()
     with interrupts_held():
         from vrut_lite.host import Host

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, TypeVar
 
+from vrut_lite.compiling.pool import Progress as Compiling
 from vrut_lite.kernel.trace import Remark, Trace
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _LOOK_S = 0.3
+_BAR_CELLS = 20
 _SHARE = re.compile(r"(.*): (\d+)% ?(.*)")
 
 
@@ -41,26 +43,55 @@ def advancing_bar(name: str, total: int) -> Iterator[Callable[[int], None]]:
 
 def busy_with(name: str, trace: Trace | None = None) -> AbstractContextManager[object]:
     """Shows, while entered, what is being done; with a kernel's trace, how far its jobs are."""
-    if not _on_terminal():
-        return nullcontext()
-    return _console().status(name) if trace is None else _following(name, trace)
+    return _following(name, trace) if _on_terminal() else nullcontext()
+
+
+class _Shown:
+    """What the line on the terminal shows: there is one at a time."""
+
+    is_on = False
+    compiling: Compiling | None = None
+
+
+def note_compiling(progress: Compiling) -> bool:
+    """Show how far kernels are compiled in the line that `busy_with` keeps; False without one."""
+    _Shown.compiling = None if progress.done == progress.total else progress
+    return _Shown.is_on
+
+
+def compiling_text(progress: Compiling) -> str:
+    """What is compiled, a bar, and the seconds that it still takes."""
+    if progress.done == progress.total:
+        return f"compiled {progress.total} kernels"
+    cells = _BAR_CELLS * progress.done // max(progress.total, 1)
+    bar = "\N{BOX DRAWINGS HEAVY HORIZONTAL}" * cells
+    bar += "\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (_BAR_CELLS - cells)
+    return (
+        f"compiling kernels, once {bar} {progress.done} of {progress.total}, "
+        f"{progress.left_s:.0f} s to go ({progress.title})"
+    )
 
 
 @contextmanager
-def _following(name: str, trace: Trace) -> Iterator[object]:
-    """A line that tells how far the work is that the trace told of last."""
+def _following(name: str, trace: Trace | None) -> Iterator[object]:
+    """A line that tells how far kernels are compiled, or the work that the trace told of last."""
     ended = threading.Event()
     with _console().status(name) as status:
+        _Shown.is_on = True
 
         def follow() -> None:
             while not ended.wait(_LOOK_S):
-                status.update(f"{name}{progress_text(trace.remarks())}")
+                if _Shown.compiling is not None:
+                    status.update(f"{name}: {compiling_text(_Shown.compiling)}")
+                elif trace is not None:
+                    status.update(f"{name}{progress_text(trace.remarks())}")
 
         thread = threading.Thread(target=follow, daemon=True)
         thread.start()
         try:
             yield status
         finally:
+            _Shown.is_on = False
             ended.set()
             thread.join()
 

@@ -122,7 +122,9 @@ def _in_eights(
                 if to == kids:
                     kids += 1
                 code[to] = child[opened, side]
-                box[to] = boxes[opened, 6 * side : 6 * side + 6]
+                # Number by number: numba compiles a slice's assignment with the text of its error.
+                for k in range(6):
+                    box[to, k] = boxes[opened, 6 * side + k]
                 area[to] = _half_area(box[to]) if number > LANES else -1.0
             if kids == 0 or kids == LANES:
                 break
@@ -131,7 +133,8 @@ def _in_eights(
                 break
             opened = code[at]
         for k in range(kids):
-            wide_boxes[wide, :, k] = box[k]
+            for side in range(6):
+                wide_boxes[wide, side, k] = box[k, side]
             if area[k] >= 0.0:
                 made_of[used] = code[k]
                 wide_child[wide, k] = used

@@ -22,7 +22,11 @@ class StatusLine(QStatusBar):
         # A long line is cut off: it must not widen the window.
         self.news.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.facts = faint_label()
+        # What goes on beside the picture.
+        self.work = faint_label()
+        self.work.hide()
         self.addWidget(self.news, 1)
+        self.addPermanentWidget(self.work)
         self.addPermanentWidget(self.facts)
         self.setSizeGripEnabled(False)
         self._fades = make_timer(self, _NEWS_MS, self.news.clear, once=True)
@@ -41,6 +45,11 @@ class StatusLine(QStatusBar):
         self.news.setToolTip("\n".join((line, *notices)))
         if notices:
             self._fades.stop()
+
+    def show_work(self, line: str) -> None:
+        """Show what goes on beside the picture; nothing does if the line is empty."""
+        self.work.setText(line)
+        self.work.setVisible(bool(line))
 
     def show_facts(self, shown: Shown, renderer: str) -> None:
         """Size and time of a picture, and the renderer's name without its part in brackets."""

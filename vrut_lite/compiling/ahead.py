@@ -1,0 +1,78 @@
+"""From the first kernel that numba compiles to all that its user will need."""
+
+from functools import cached_property
+from typing import Any, Protocol
+
+from vrut_lite import compiled_code
+from vrut_lite.compiling.kernel_list import Announced, KernelGroup, announced_kernels, kernel_of
+from vrut_lite.compiling.pool import KernelPool, Progress
+
+# Less is compiled sooner than processes start.
+LEAST_SECONDS = 4.0
+# A window draws while kernels are compiled.
+_BEHIND_A_WINDOW = 5
+
+
+class Follower(Protocol):
+    """Who shows that numba compiles; called on any thread."""
+
+    def begin(self) -> None:
+        """The first kernel is compiled."""
+
+    def __call__(self, progress: Progress) -> None:
+        """Kernels are compiled ahead."""
+
+
+class CompileAhead:
+    """Starts a `KernelPool` when numba compiles; where all kernels are on disk it does nothing.
+
+    Args:
+        follow: hears of the progress.
+        scene: a scene is drawn: what its picture needs by the default settings is compiled too.
+        window: in a window, which has kernels of its own.
+    """
+
+    def __init__(self, follow: Follower, scene: bool, window: bool = False):
+        self.pool = KernelPool(follow, niceness=_BEHIND_A_WINDOW if window else 0)
+        self._follow, self._scene, self._window = follow, scene, window
+        self._began = False
+
+    def note(self, dispatcher: Any, arguments: Any) -> None:
+        """numba compiles a kernel, on any thread: compile what will be needed besides."""
+        if not self._began:
+            self._began = True
+            self._follow.begin()
+        kernel = kernel_of(dispatcher, arguments)
+        package = dispatcher.py_func.__module__.partition(".")[0]
+        groups = self.groups(package)
+        if sum(group.seconds for group in groups) >= LEAST_SECONDS:
+            self.pool.add(groups, but=kernel)
+
+    def wait_for(self, dispatcher: Any, arguments: Any) -> None:
+        """Return when no process of the pool compiles a kernel."""
+        self.pool.wait_for(dispatcher, arguments)
+
+    @cached_property
+    def _announced(self) -> Announced:
+        return announced_kernels()
+
+    def groups(self, package: str) -> list[KernelGroup]:
+        """What is to be compiled where a kernel of a package is; what is soonest done comes first.
+
+        So the picture under the open sky comes before the light between surfaces.
+        """
+        groups = [
+            group
+            for name, each in self._announced.groups.items()
+            for group in each
+            if (name == package or (self._scene and group.on_default_way))
+            and (self._window or not group.window_alone)
+        ]
+        return sorted(groups, key=lambda group: group.seconds)
+
+
+def compile_ahead(follow: Follower, scene: bool, window: bool = False) -> CompileAhead:
+    """From now on, compile ahead where numba compiles anything; see `CompileAhead`."""
+    ahead = CompileAhead(follow, scene, window)
+    compiled_code.ahead = ahead
+    return ahead

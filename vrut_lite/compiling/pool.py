@@ -1,0 +1,227 @@
+"""Processes that compile announced kernels side by side while their user goes on.
+
+Within a process numba compiles one kernel at a time. What a process compiles lands in numba's
+cache on disk, where this process finds it: it waits for a kernel that is being compiled, and
+compiles itself one that has not begun.
+"""
+
+import atexit
+import fcntl
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import IO, Any, NamedTuple
+
+import platformdirs
+
+from vrut_lite.compiling.kernel_list import Kernel, KernelGroup, kernel_of
+
+# Each process takes 0.25 GB and a second to import what it compiles.
+MOST_PROCESSES = 4
+_WORKER = "import sys; sys.path[0:1] = []; from vrut_lite.compiling.worker import main; main()"
+
+
+class Progress(NamedTuple):
+    """How far a compilation is.
+
+    Attributes:
+        title: of the kernel that is compiled; empty at the end.
+        done: number of kernels that are there.
+        total: number of kernels.
+        left_s: seconds still to go at the present pace.
+    """
+
+    title: str
+    done: int
+    total: int
+    left_s: float
+
+
+Follow = Callable[[Progress], None]
+
+
+class KernelPool:
+    """Compiles groups of kernels in their order.
+
+    `follow` is called with each step, on the threads of the pool or of who compiles itself; its
+    last call has `done == total`.
+    """
+
+    def __init__(self, follow: Follow, processes: int | None = None, niceness: int = 0):
+        self._follow, self._niceness = follow, niceness
+        self.processes = processes or min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
+        self._changed = threading.Condition()
+        self._queue: deque[tuple[str, Kernel]] = deque()
+        # Kernels under way by key, with what they are called.
+        self._running: dict[tuple[str, str, str], str] = {}
+        self._known: set[tuple[str, str, str]] = set()
+        self._done = 0
+        self._done_s = self._total_s = 0.0
+        self._start_s = time.perf_counter()
+        self._servers: list[threading.Thread] = []
+        self._children: list[subprocess.Popen[str]] = []
+        self._lock: IO[str] | None = None
+        self._closed = False
+
+    @property
+    def is_on(self) -> bool:
+        """Whether kernels are still to come."""
+        with self._changed:
+            return bool(self._queue or self._running)
+
+    def add(self, groups: Iterable[KernelGroup], but: Kernel | None = None) -> None:
+        """Compile also these; `but` is compiled by the caller."""
+        with self._changed:
+            for group in groups:
+                for kernel in group.kernels:
+                    if kernel.key not in self._known and not (but and kernel.key == but.key):
+                        self._known.add(kernel.key)
+                        self._total_s += kernel.seconds
+                        self._queue.append((group.title, kernel))
+        self._start()
+
+    def wait_for(self, dispatcher: Any, arguments: Any) -> None:
+        """Return when nobody else compiles this kernel; what has not begun is left to the caller.
+
+        Args:
+            dispatcher: numba's object of a compiled function.
+            arguments: numba types.
+        """
+        if not self.is_on:
+            return
+        kernel = kernel_of(dispatcher, arguments)
+        if kernel is None:
+            return
+        with self._changed:
+            own = next((each for each in self._queue if each[1].key == kernel.key), None)
+            if own is not None:
+                self._queue.remove(own)
+                self._count(own[1])
+            self._changed.wait_for(lambda: kernel.key not in self._running)
+        if own is not None:
+            self._tell()
+
+    def close(self) -> None:
+        """End the processes; what they have saved stays."""
+        with self._changed:
+            self._closed = True
+            self._queue.clear()
+            self._running.clear()
+            self._changed.notify_all()
+            children = self._children.copy()
+        for child in children:
+            child.kill()
+        for server in self._servers:
+            server.join()
+
+    def join(self) -> None:
+        """Wait until all kernels are there."""
+        for server in self._servers:
+            server.join()
+
+    def _start(self) -> None:
+        """Start processes, unless they run, or those of another program compile the same."""
+        if self._servers or not self._queue or not self._is_alone():
+            return
+        atexit.register(self.close)
+        count = min(self.processes, len(self._queue))
+        self._servers = [
+            threading.Thread(target=self._serve, name=f"vrut-lite compiling_{k}", daemon=True)
+            for k in range(count)
+        ]
+        for server in self._servers:
+            server.start()
+
+    def _is_alone(self) -> bool:
+        """Whether no other program compiles; if so, none will until this one has ended."""
+        folder = platformdirs.user_cache_path("vrut_lite")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._lock = open(folder / "compiling.lock", "w")  # noqa: SIM115
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            with self._changed:
+                self._queue.clear()
+            return False
+        except OSError:  # There is no such folder, or it has no locks.
+            pass
+        return True
+
+    def _serve(self) -> None:
+        """Feed one process."""
+        try:
+            with subprocess.Popen(
+                [sys.executable, "-c", _WORKER, str(self._niceness)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                text=True,
+            ) as child:
+                with self._changed:
+                    self._children.append(child)
+                try:
+                    while not self._closed and self._feed(child):
+                        pass
+                finally:
+                    with suppress(OSError):
+                        child.stdin.close()  # type: ignore[union-attr]
+        except OSError:  # No memory for a process, say: kernels are compiled where they are needed.
+            pass
+        self._end()
+
+    def _feed(self, child: "subprocess.Popen[str]") -> bool:
+        """Compile the next kernel; False where there is none or the process has ended."""
+        with self._changed:
+            if not self._queue:
+                return False
+            title, kernel = self._queue.popleft()
+            self._running[kernel.key] = f"{title}: {kernel.title}"
+        self._tell()
+        assert child.stdin is not None
+        assert child.stdout is not None
+        try:
+            child.stdin.write(json.dumps(kernel.key) + "\n")
+            child.stdin.flush()
+            answered = bool(child.stdout.readline())
+        except OSError:
+            answered = False
+        with self._changed:
+            self._running.pop(kernel.key, None)
+            self._count(kernel)
+            self._changed.notify_all()
+        return answered
+
+    def _count(self, kernel: Kernel) -> None:
+        self._done += 1
+        self._done_s += kernel.seconds
+
+    def _end(self) -> None:
+        """After the last process: nothing is waited for any more."""
+        with self._changed:
+            me = threading.current_thread()
+            if any(server.is_alive() and server is not me for server in self._servers):
+                return
+            self._queue.clear()
+            self._running.clear()
+            self._done, self._done_s = len(self._known), self._total_s
+            self._changed.notify_all()
+            if self._lock is not None:
+                self._lock.close()
+        if not self._closed:
+            self._tell()
+
+    def _tell(self) -> None:
+        with self._changed:
+            running = list(self._running.values())
+            took_s = max(time.perf_counter() - self._start_s, 1e-3)
+            # At first, before any is done: each process at the pace of the list's machine.
+            pace = self._done_s / took_s if self._done else float(self.processes)
+            left_s = (self._total_s - self._done_s) / max(pace, 1e-3)
+            told = Progress(running[0] if running else "", self._done, len(self._known), left_s)
+        self._follow(told)
