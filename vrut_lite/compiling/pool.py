@@ -1,8 +1,7 @@
 """Processes that compile announced kernels side by side while their user goes on.
 
 Within a process numba compiles one kernel at a time. What a process compiles lands in numba's
-cache on disk, where this process finds it: it waits for a kernel that is being compiled, and
-compiles itself one that has not begun.
+cache on disk, where this process finds it: it waits for the kernels that it needs.
 """
 
 import atexit
@@ -43,14 +42,15 @@ class Progress(NamedTuple):
     left_s: float
 
 
+Key = tuple[str, str, str]
 Follow = Callable[[Progress], None]
 
 
 class KernelPool:
     """Compiles groups of kernels in their order.
 
-    `follow` is called with each step, on the threads of the pool or of who compiles itself; its
-    last call has `done == total`.
+    `follow` is called with each step, on the threads of the pool; its last call has
+    `done == total`.
     """
 
     def __init__(self, follow: Follow, processes: int | None = None, niceness: int = 0):
@@ -59,8 +59,8 @@ class KernelPool:
         self._changed = threading.Condition()
         self._queue: deque[tuple[str, Kernel]] = deque()
         # Kernels under way by key, with what they are called.
-        self._running: dict[tuple[str, str, str], str] = {}
-        self._known: set[tuple[str, str, str]] = set()
+        self._running: dict[Key, str] = {}
+        self._known: set[Key] = set()
         self._done = 0
         self._done_s = self._total_s = 0.0
         self._start_s = time.perf_counter()
@@ -87,7 +87,9 @@ class KernelPool:
         self._start()
 
     def wait_for(self, dispatcher: Any, arguments: Any) -> None:
-        """Return when nobody else compiles this kernel; what has not begun is left to the caller.
+        """Return when the pool has no more to do with this kernel; it comes next of its group.
+
+        To compile it here would not be sooner: all cores compile what was needed before.
 
         Args:
             dispatcher: numba's object of a compiled function.
@@ -99,13 +101,19 @@ class KernelPool:
         if kernel is None:
             return
         with self._changed:
-            own = next((each for each in self._queue if each[1].key == kernel.key), None)
-            if own is not None:
-                self._queue.remove(own)
-                self._count(own[1])
-            self._changed.wait_for(lambda: kernel.key not in self._running)
+            self._put_first(kernel.key)
+            self._changed.wait_for(lambda: not self._is_to_come(kernel.key))
+
+    def _put_first(self, key: Key) -> None:
+        own = next((each for each in self._queue if each[1].key == key), None)
         if own is not None:
-            self._tell()
+            self._queue.remove(own)
+            titles = [title for title, _ in self._queue]
+            at = titles.index(own[0]) if own[0] in titles else len(titles)
+            self._queue.insert(at, own)
+
+    def _is_to_come(self, key: Key) -> bool:
+        return key in self._running or any(kernel.key == key for _, kernel in self._queue)
 
     def close(self) -> None:
         """End the processes; what they have saved stays."""
@@ -148,6 +156,7 @@ class KernelPool:
         except BlockingIOError:
             with self._changed:
                 self._queue.clear()
+                self._changed.notify_all()
             return False
         except OSError:  # There is no such folder, or it has no locks.
             pass
