@@ -10,6 +10,7 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.widgets import faint_label, make_timer
 
 _NEWS_MS = 12_000
+_APART_PX = 12
 
 
 class StatusLine(QStatusBar):
@@ -24,6 +25,7 @@ class StatusLine(QStatusBar):
         self.facts = faint_label()
         # What goes on beside the picture.
         self.work = faint_label()
+        self.work.setContentsMargins(0, 0, _APART_PX, 0)
         self.work.hide()
         self.addWidget(self.news, 1)
         self.addPermanentWidget(self.work)
