@@ -77,6 +77,33 @@ def test_kernels_that_are_not_there_end_too() -> None:
     assert not pool.is_on
 
 
+GONE = KernelGroup("old", tuple(Kernel("vrut_lite.gone", f"_{k}", "[]") for k in range(6)))
+
+
+def test_without_processes_nobody_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that starts none compiles kernels where they are needed."""
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+    told: list[Progress] = []
+    pool = KernelPool(told.append, processes=4)
+    pool.add([GONE])
+    pool.join()
+    assert told[-1].done == told[-1].total == 6
+    assert not pool.is_on
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_follower_that_fails_holds_nobody_up() -> None:
+    """A terminal that was closed must not keep a picture from being drawn."""
+
+    def fails(progress: Progress) -> None:
+        raise RuntimeError("closed")
+
+    pool = KernelPool(fails, processes=2)
+    pool.add([GONE])
+    pool.join()
+    assert not pool.is_on
+
+
 def test_closing_ends_what_is_under_way() -> None:
     """A window that is closed while kernels are compiled leaves no process behind."""
     pool = KernelPool(lambda _: None, processes=1)

@@ -65,6 +65,8 @@ class KernelPool:
         self._done_s = self._total_s = 0.0
         self._start_s = time.perf_counter()
         self._servers: list[threading.Thread] = []
+        # How many of them still feed a process.
+        self._serving = 0
         self._children: list[subprocess.Popen[str]] = []
         self._lock: IO[str] | None = None
         self._closed = False
@@ -138,7 +140,7 @@ class KernelPool:
         if self._servers or not self._queue or not self._is_alone():
             return
         atexit.register(self.close)
-        count = min(self.processes, len(self._queue))
+        count = self._serving = min(self.processes, len(self._queue))
         self._servers = [
             threading.Thread(target=self._serve, name=f"vrut-lite compiling_{k}", daemon=True)
             for k in range(count)
@@ -182,7 +184,9 @@ class KernelPool:
                         child.stdin.close()  # type: ignore[union-attr]
         except OSError:  # No memory for a process, say: kernels are compiled where they are needed.
             pass
-        self._end()
+        finally:
+            # Whatever ended it, also an error of who follows: nobody may wait for ever.
+            self._end()
 
     def _feed(self, child: "subprocess.Popen[str]") -> bool:
         """Compile the next kernel; False where there is none or the process has ended."""
@@ -191,30 +195,21 @@ class KernelPool:
                 return False
             title, kernel = self._queue.popleft()
             self._running[kernel.key] = f"{title}: {kernel.title}"
-        self._tell()
-        assert child.stdin is not None
-        assert child.stdout is not None
         try:
-            child.stdin.write(json.dumps(kernel.key) + "\n")
-            child.stdin.flush()
-            answered = bool(child.stdout.readline())
-        except OSError:
-            answered = False
-        with self._changed:
-            self._running.pop(kernel.key, None)
-            self._count(kernel)
-            self._changed.notify_all()
-        return answered
-
-    def _count(self, kernel: Kernel) -> None:
-        self._done += 1
-        self._done_s += kernel.seconds
+            self._tell()
+            return _is_answered(child, kernel)
+        finally:
+            with self._changed:
+                self._running.pop(kernel.key, None)
+                self._done += 1
+                self._done_s += kernel.seconds
+                self._changed.notify_all()
 
     def _end(self) -> None:
         """After the last process: nothing is waited for any more."""
         with self._changed:
-            me = threading.current_thread()
-            if any(server.is_alive() and server is not me for server in self._servers):
+            self._serving -= 1
+            if self._serving:
                 return
             self._queue.clear()
             self._running.clear()
@@ -234,3 +229,15 @@ class KernelPool:
             left_s = (self._total_s - self._done_s) / max(pace, 1e-3)
             told = Progress(running[0] if running else "", self._done, len(self._known), left_s)
         self._follow(told)
+
+
+def _is_answered(child: "subprocess.Popen[str]", kernel: Kernel) -> bool:
+    """Let a process compile a kernel; False where the process has ended."""
+    assert child.stdin is not None
+    assert child.stdout is not None
+    try:
+        child.stdin.write(json.dumps(kernel.key) + "\n")
+        child.stdin.flush()
+        return bool(child.stdout.readline())
+    except OSError:
+        return False
