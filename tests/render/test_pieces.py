@@ -77,7 +77,7 @@ def test_a_picture_ends_wherever_it_is_given_up(backend):
 
 
 def test_a_moving_picture_shows_everything_wherever_a_still_was_given_up(backend):
-    """Given up among clouds, a still left all that came next at one depth: a sky without a scene."""
+    """A still given up among clouds left the next ones at one depth: a sky without a scene."""
     whole = backend.draw(still=False).radiance
     times = 0
     while given_up(backend, times):
