@@ -175,14 +175,20 @@ class Kernel:
                 self.jobs.revision = 0
                 self.beginning.note(Step())
                 self.dispatcher.settle()
-            taken = 0
-            while taken != most and (entry := self._next(within)) is not None:
+            taken, inbox = 0, self._inbox
+            while taken != most:
+                entry = inbox.take_within(self._group) if within else inbox.take()
+                if entry is None:
+                    break
                 taken += 1
                 message, group = entry
+                if not isinstance(message, JobResult):
+                    self._revise(message, group)
                 # The result of a cancelled job is dropped.
-                if not isinstance(message, JobResult) or self._is_awaited(message):
-                    self._transact(message, group)
-                    transactions += 1
+                elif not self._is_awaited(message):
+                    continue
+                self._transact(message)
+                transactions += 1
         finally:
             self._pumping = False
         return transactions
@@ -217,14 +223,17 @@ class Kernel:
         self.jobs.revision = 0
         return True
 
-    def _next(self, within: bool) -> tuple[Input, int] | None:
-        return self._inbox.take_within(self._group) if within else self._inbox.take()
+    def _revise(self, message: Input, group: int) -> None:
+        """Begin a revision with the first input of a group that revises anything."""
+        jobs = self.jobs
+        if not message.revises:
+            jobs.revision = 0
+            return
+        if group != self._group:
+            jobs.latest, self._group = jobs.latest + 1, group
+        jobs.revision = jobs.latest
 
-    def _transact(self, message: Input, group: int) -> None:
-        if not isinstance(message, JobResult):
-            if message.revises and group != self._group:
-                self.jobs.latest, self._group = self.jobs.latest + 1, group
-            self.jobs.revision = self.jobs.latest if message.revises else 0
+    def _transact(self, message: Input) -> None:
         if not self.beginning.ended_by:
             self.beginning.note(Step(input=message))
         for watcher in self._watchers:

@@ -28,23 +28,21 @@ class Inbox:
 
     def put(self, *messages: Input) -> None:
         """Append a group, each input in place of one of equal type and key that still waits."""
-        keys = [_key_of(message) for message in messages]
+        # Keys are a module's code: they are asked for outside the lock.
+        keyed = [(message, _key_of(message)) for message in messages]
         with self._lock:
             self._group += 1
-            for message, key in zip(messages, keys, strict=True):
-                self._put(message, key)
-
-    def _put(self, message: Input, key: Any) -> None:
-        if key is None:
-            self._serial += 1
-            self._entries[self._serial] = (message, self._group)
-            return
-        place: Any = (type(message), key)
-        if message.timeline is not None:
-            place = self._place_in_timeline(message.timeline, place)
-        older = self._entries.pop(place, None)
-        merged = message if older is None else message.merged(older[0])
-        self._entries[place] = (merged, self._group)
+            for message, key in keyed:
+                if key is None:
+                    self._serial += 1
+                    self._entries[self._serial] = (message, self._group)
+                    continue
+                place: Any = (type(message), key)
+                if message.timeline is not None:
+                    place = self._place_in_timeline(message.timeline, place)
+                older = self._entries.pop(place, None)
+                merged = message if older is None else message.merged(older[0])
+                self._entries[place] = (merged, self._group)
 
     def _place_in_timeline(self, timeline: str, place: Any) -> Any:
         """The place of the timeline's last input, if that is of this kind, or a new one."""
