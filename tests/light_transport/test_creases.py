@@ -139,3 +139,24 @@ def test_pieces_of_a_floor_are_apart_where_a_wall_stands_between_them():
     thin = box((-0.004, 0.0, -0.8), (0.004, 1.0, 0.8))
     assert len(Bake(*quads(*pieces, texels=16)).seams) > 0
     assert len(Bake(*quads(*pieces, *thin, texels=16)).seams) == 0
+
+
+def test_a_strip_that_is_narrower_than_points_lie_apart_has_no_teeth():
+    """Every second point falls into it by chance: it becomes wider and fainter, even all along. A
+    strip that is seen by rows of points stays as it is."""
+    count = 40
+    y, x = np.indices((count, count)).astype(np.float32)
+    plane = np.tile(np.array([0, 0, 1, 1], np.float32), (count, count, 1))
+    place = 0.01 * np.dstack([x, y, np.ones_like(x)]).astype(np.float32)
+    even = np.ones((count, count), np.float32)
+
+    def across(dark, room_steps):
+        light = np.where(dark, np.float32(0.5), even)[..., None] * np.ones(4, np.float32)
+        room = np.where(dark, np.float32(0.01 * room_steps), np.float32(10.0))
+        return smoothed(light, PointGrid(plane, place), room, 0.001 * even, always)[..., 0]
+
+    narrow = across((x == 20) & (y % 2 == 0), 0.5)[8:-8]
+    assert np.ptp(narrow[:, 20]) < 0.05
+    assert 0.1 < (1.0 - narrow).sum(axis=1).mean() < 0.3
+    wide = across((x >= 18) & (x < 24), 40.0)[8:-8, 21]
+    assert np.all(np.abs(wide - 0.5) < 0.02)

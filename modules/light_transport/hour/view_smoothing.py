@@ -25,6 +25,9 @@ _NOISES, _AROUND, _LARGE_SHARE = 1.25, 5, 0.2
 # Ratio of the noise's variance that a step leaves to that of as many independent points: points of
 # a later step have neighbours in common. Below 10, low-frequency noise stays as blotches on walls.
 _SHARED = 12.5
+# Room of so many steps between points that is not resolved: neighbours fall into a dark strip or
+# beside it by chance, and the strip's edge would have teeth.
+_RESOLVED = 6.0
 
 
 class PointGrid(NamedTuple):
@@ -51,12 +54,33 @@ def smoothed(
     """Means of values (H, W, 4) of this room (H, W), in radii, and error (H, W), rms."""
     # A point's own where it is larger: it alone may have met what is small and bright.
     error2 = np.maximum(mean_about(error * error), error * error).astype(np.float32)
+    finest = _steps(grid)
+    unresolved = np.clip(1.0 - room / np.maximum(_RESOLVED * finest, 1e-30), 0.0, 1.0)
+    error2 = np.maximum(error2, (unresolved * mean_about(luminance(values[..., :3]))) ** 2)
+    error2 = error2.astype(np.float32)
+    room = np.maximum(room, np.where(unresolved > 0.0, finest / _SHARE_OF_ROOM[0], 0.0))
+    room = room.astype(np.float32)
     for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
         go_on()
         noise2 = _noise2(values, error2)
         values, left2 = _smoothed(values, *grid, room, noise2, error2, apart, share)
         error2 = np.minimum(np.float32(_SHARED) * left2, error2)
     return values
+
+
+def _steps(grid: PointGrid) -> Float32Array:
+    """Distance (H, W) in radii from each point to the nearest of its four neighbours."""
+    place = np.where(grid.plane[..., :3].any(axis=-1, keepdims=True), grid.place, np.inf)
+    nearest = np.full(place.shape[:2], np.inf, np.float32)
+    with np.errstate(invalid="ignore"):
+        right = np.linalg.norm(place[:, 1:] - place[:, :-1], axis=-1)
+        above = np.linalg.norm(place[1:] - place[:-1], axis=-1)
+    for part, far in (
+        (nearest[:, 1:], right), (nearest[:, :-1], right),
+        (nearest[1:], above), (nearest[:-1], above),
+    ):  # fmt: skip
+        np.fmin(part, far, out=part)
+    return np.where(np.isfinite(nearest), nearest, 0.0).astype(np.float32)
 
 
 def is_noisy(
