@@ -16,7 +16,7 @@ from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Demand, Input, SetClock, SetSetting
+from vrut_lite.kernel.messages import Demand, Input, JobResult, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 NOON = datetime(2026, 6, 21, 10, 30, tzinfo=UTC)
@@ -99,6 +99,22 @@ def test_without_demand_nothing_is_summed(stage):
     assert stage.kernel.wanted(BackgroundChanged) is not None
     stage.want(0)
     assert stage.kernel.wanted(BackgroundChanged) is None
+
+
+def test_parts_of_two_hours_are_never_summed(stage):
+    """A sky says its parts one after the other: after a night the sum of the day's sky and the
+    night's light had ground of 2e11 W m^-2 sr^-1, which is refused. One change is one sum."""
+    stage.want(16)
+    stage.say(Say(clouds=rough_layer(base_m=900.0)), Say(radiance=1e-9))
+    del stage.heard[:]
+    stage.say(Say(radiance=4.0))
+    ends = [
+        message
+        for message in stage.heard
+        if isinstance(message, JobResult) and message.module == "sky_sum"
+    ]
+    assert [message.error for message in ends] == [""]
+    assert len(stage.sums) == 1
 
 
 def test_clouds_come_into_the_sum_and_go(stage):

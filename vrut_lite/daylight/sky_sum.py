@@ -13,7 +13,7 @@ from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
-from vrut_lite.kernel.messages import Demand, JobResult, SlotChanged
+from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.numeric_types import Vector
 
@@ -27,6 +27,10 @@ _UNSEEN_SHARE = 0.02
 _LEAST_DISTANCE_M = 50.0
 
 
+class SumOutdated(Derived, frozen=True, kw_only=True):
+    """A source of the sum has changed; delivered after all messages of that change."""
+
+
 class SkySum(Module):
     """Posts `SkyLightChanged` where it is wanted.
 
@@ -35,6 +39,7 @@ class SkySum(Module):
     unwanted" and "sum: no change to be seen".
     """
 
+    speaks = (SumOutdated,)
     manifest = Manifest(
         name=NAME, title="Sum of the sky and its layers", version=__version__, auxiliary=True
     )
@@ -63,7 +68,7 @@ class SkySum(Module):
     def on_clouds(self, message: CloudsChanged) -> None:
         """With clouds the sky is needed as an array."""
         self._want_sky()
-        self._update()
+        self.link.post(SumOutdated())
 
     @handles(BackgroundChanged)
     @handles(KeyLightChanged)
@@ -74,7 +79,12 @@ class SkySum(Module):
     @handles(SceneNeeds)
     @handles(MoveCamera)
     def parts_changed(self, _message: Any) -> None:
-        """Sum again if a source changed."""
+        """Sum when all parts of this change were heard: parts of two hours have no sum."""
+        self.link.post(SumOutdated())
+
+    @handles(SumOutdated)
+    def all_heard(self, _message: SumOutdated) -> None:
+        """Sum if a source changed."""
         self._update()
 
     @handles(JobResult)
