@@ -281,6 +281,20 @@ def test_a_reflection_that_lags_is_as_bright_as_the_present_sky(backend, tmp_pat
         np.testing.assert_allclose(shown, 8.0 * factor, rtol=1e-2)
 
 
+@pytest.mark.gl
+def test_a_leap_into_another_light_is_mirrored_at_once(backend, tmp_path):
+    """From day to a green night: no moving picture mirrors the day's white, however dim."""
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 0.8))))
+    view = ((0, 1, 0), (0, 0, 0), 0.1)
+    day = np.full((6, 16, 16, 3), 8.0)
+    light(backend, day)
+    look(backend, *view, still=False)
+    light(backend, 1e-3 * np.array([0.0, 1.0, 0.0]) * day)
+    shown = look(backend, *view, still=False).radiance
+    np.testing.assert_allclose(shown[..., 1], 8e-3, rtol=1e-2)
+    assert shown[..., 0].max() < 1e-5
+
+
 def test_what_is_of_the_present_sky_is_left_exactly_as_it_is():
     """Pictures that do not lag are the same to the bit; from darkness nothing is blown up."""
     assert age_factor(0.3, 0.3) == 1.0

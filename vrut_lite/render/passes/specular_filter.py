@@ -26,6 +26,8 @@ _SAMPLES = 64
 # brightest cell, if that is more), unless a tolerance says otherwise: half a step of 8 bits at
 # the display's white.
 CHANGE_SEEN = 0.005
+# Ratio of two skies' levels from which the earlier one's pattern says nothing of the later one's.
+_LEAP = 2.0
 _CELLS = 8
 _DARKEST_CELL = 0.01
 _GROUP = 8
@@ -87,11 +89,11 @@ class SpecularFilter:
     ) -> None:
         """Follow the sky by so many slices of work, or without a number until it is done.
 
-        The first sky is always done at once; `always` filters also what has not changed. A map of
+        The first sky is always done at once, and one after a leap into another light; `always` filters also what has not changed. A map of
         an earlier sky is shown as bright as this one, whose `sky_level` is told.
         """
         self._level = level
-        if self._shown is None:
+        if self._shown is None or _is_leap(level, self._shown[2]):
             slices = None
         if slices is None and self._slices and self._measured is not sky.owner:
             # A half-filtered map is never shown.
@@ -184,6 +186,10 @@ class SpecularFilter:
         cube.build_mipmaps()
         cube.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
         return cube
+
+
+def _is_leap(now: float, then: float) -> bool:
+    return max(now, then) > _LEAP * min(now, then)
 
 
 def change(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
