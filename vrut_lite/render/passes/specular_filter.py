@@ -89,8 +89,9 @@ class SpecularFilter:
     ) -> None:
         """Follow the sky by so many slices of work, or without a number until it is done.
 
-        The first sky is always done at once, and one after a leap into another light; `always` filters also what has not changed. A map of
-        an earlier sky is shown as bright as this one, whose `sky_level` is told.
+        The first sky is done at once, and so is one after a leap into another light. `always`
+        filters also what has not changed. A map of an earlier sky is shown as bright as this one,
+        by its `level`.
         """
         self._level = level
         if self._shown is None or _is_leap(level, self._shown[2]):
