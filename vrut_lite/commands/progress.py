@@ -47,7 +47,7 @@ def busy_with(name: str, trace: Trace | None = None) -> AbstractContextManager[o
 
 
 class _Shown:
-    """What the line on the terminal shows: there is one at a time."""
+    """The content of the terminal's one progress line."""
 
     is_on = False
     compiling: Compiling | None = None
@@ -60,7 +60,7 @@ def note_compiling(progress: Compiling) -> bool:
 
 
 def compiling_text(progress: Compiling) -> str:
-    """What is compiled, a bar, and the seconds that it still takes."""
+    """Name of the kernel that is compiled, a bar, and the seconds left."""
     if progress.done == progress.total:
         return f"compiled {progress.total} kernels"
     cells = _BAR_CELLS * progress.done // max(progress.total, 1)

@@ -57,7 +57,7 @@ class CompileAhead:
         return announced_kernels()
 
     def groups(self, package: str) -> list[KernelGroup]:
-        """What is to be compiled where a kernel of a package is; what is soonest done comes first.
+        """Groups to compile when a kernel of a package is compiled; the shortest comes first.
 
         So the picture under the open sky comes before the light between surfaces.
         """

@@ -37,7 +37,7 @@ class Kernel(msgspec.Struct, frozen=True):
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What is equal for the same compiled code."""
+        """Key of the compiled code: module, function and argument types."""
         return self.module, self.function, self.arguments
 
     @property

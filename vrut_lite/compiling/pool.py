@@ -91,7 +91,7 @@ class KernelPool:
     def wait_for(self, dispatcher: Any, arguments: Any) -> None:
         """Return when the pool has no more to do with this kernel; it comes next of its group.
 
-        To compile it here would not be sooner: all cores compile what was needed before.
+        Compiling it here would not be sooner: all cores compile kernels that were needed before.
 
         Args:
             dispatcher: numba's object of a compiled function.
@@ -185,7 +185,7 @@ class KernelPool:
         except OSError:  # No memory for a process, say: kernels are compiled where they are needed.
             pass
         finally:
-            # Whatever ended it, also an error of who follows: nobody may wait for ever.
+            # After any error, a follower's too, nobody may wait for ever.
             self._end()
 
     def _feed(self, child: "subprocess.Popen[str]") -> bool:

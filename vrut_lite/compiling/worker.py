@@ -18,7 +18,7 @@ _NEW_OBJECTS = 100_000
 
 
 def main() -> None:
-    """Compile what comes until the input ends."""
+    """Compile the kernels that standard input names, until it ends."""
     # Ctrl-C in the terminal reaches this process too; who started it ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.nice(int(sys.argv[1]))
@@ -26,7 +26,7 @@ def main() -> None:
     # On a thread: the C library gives a first thread's memory back after each compilation, and the
     # system took 2.4 s to clear it anew where a thread's own arena takes 1.0.
     compiling = threading.Thread(target=_compile_what_comes, args=(sys.stdout,))
-    # What a module prints is no answer.
+    # Prints of imported modules go to stderr: they are no answers.
     sys.stdout = sys.stderr
     compiling.start()
     compiling.join()
@@ -38,6 +38,6 @@ def _compile_what_comes(answers: TextIO) -> None:
             compile_kernel(*json.loads(line))
             answer = "compiled"
         except Exception:
-            # Who needs the kernel compiles it, and says what is wrong with it.
+            # The caller of the kernel compiles it then, and reports the error.
             answer = "failed"
         print(answer, file=answers, flush=True)

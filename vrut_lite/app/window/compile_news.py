@@ -1,4 +1,4 @@
-"""The sign in the status line that kernels are compiled, and of what the picture waits for."""
+"""The status line's progress of kernels that are compiled."""
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QStatusBar
@@ -9,7 +9,7 @@ from vrut_lite.compiling.pool import Progress
 
 
 class CompileNews(QObject):
-    """Compiles ahead while a window is open, and tells of it; the last line is empty."""
+    """Compiles ahead while a window is open and shows the progress; the last line is empty."""
 
     told = Signal(str)
 

@@ -23,7 +23,7 @@ class StatusLine(QStatusBar):
         # A long line is cut off: it must not widen the window.
         self.news.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.facts = faint_label()
-        # What goes on beside the picture.
+        # Progress of work beside the picture.
         self.work = faint_label()
         self.work.setContentsMargins(0, 0, _APART_PX, 0)
         self.work.hide()

@@ -90,7 +90,7 @@ class SpecularFilter:
         """Follow the sky by so many slices of work, or without a number until it is done.
 
         The first sky is done at once, and so is one after a leap into another light. `always`
-        filters also what has not changed. A map of an earlier sky is shown as bright as this one,
+        filters an unchanged sky too. A map of an earlier sky is shown as bright as this one,
         by its `level`.
         """
         self._level = level
