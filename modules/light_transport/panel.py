@@ -16,7 +16,7 @@ from light_transport.false_colours import (
     light_picture,
 )
 from light_transport.legend import Legend
-from light_transport.messages import NAME, BakeGrown, HourOutdated
+from light_transport.messages import NAME, BakeGrown
 from light_transport.module import HOUR, LAYOUT, RAYS
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
@@ -36,11 +36,13 @@ _MEANINGS = {
 
 
 class Shown(NamedTuple):
-    """A picture of the map, and the seconds that the jobs behind it took."""
+    """A picture of the map, the seconds that the jobs behind it took, and the last two lights of
+    one hour, by many rays and by fewer."""
 
     picture: FalseColours | None
     bake_s: float
     hour_s: float
+    pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None = None
 
 
 class LightMapPanel(QWidget):
@@ -57,7 +59,6 @@ class LightMapPanel(QWidget):
         self._light: SurfaceLightChanged | None = None
         # The latest light that more rays made of the same hour, and that of fewer.
         self._pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None = None
-        self._hour_moved = False
         self.progress = QProgressBar()
         self.facts = QLabel(_NOTHING)
         self.facts.setWordWrap(True)
@@ -72,7 +73,6 @@ class LightMapPanel(QWidget):
         for part in (self.progress, self.facts, self.kind, self.view, self.legend, self.meaning):
             column.addWidget(part, 1 if part is self.view else 0)
         session.listen(BakeGrown, self._grew)
-        session.listen(HourOutdated, self._hour_passed)
         session.listen(LightMapLaid, self._was_laid)
         session.listen(SurfaceLightChanged, self._was_lit)
 
@@ -90,14 +90,8 @@ class LightMapPanel(QWidget):
         self._light = self._pair = None
         self._renew()
 
-    def _hour_passed(self, message: HourOutdated) -> None:
-        self._hour_moved = True
-
     def _was_lit(self, message: SurfaceLightChanged) -> None:
-        before = self._light
-        if before is not None and message.rays > before.rays and not self._hour_moved:
-            self._pair = message, before
-        self._light, self._hour_moved = message, False
+        self._light = message
         self._renew()
 
     def _renew(self) -> None:
@@ -106,7 +100,7 @@ class LightMapPanel(QWidget):
             self._session.ask(question, self._show)
 
     def _show(self, shown: Shown) -> None:
-        self.shown = shown
+        self.shown, self._pair = shown, shown.pair
         grown, light, picture = self._grown, self._light, shown.picture
         self.progress.setRange(0, grown.rays_wanted if grown is not None else 1)
         self.progress.setValue(grown.rays if grown is not None else 0)
@@ -138,8 +132,10 @@ def _shown(
     pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None,
     stage: Stage,
 ) -> Shown:
-    """On the engine's thread."""
-    kernel = stage.kernel
+    """On the engine's thread; the scene's state knows two lights of one hour, if any does."""
+    kernel, state = stage.kernel, stage.state
+    if state.surface_light is not None and state.coarser_light is not None:
+        pair = state.surface_light, state.coarser_light
     laid, scene = kernel.last(LightMapLaid), kernel.last(SceneOpened)
     picture = None
     if kind == _LIGHT and light is not None:
@@ -149,7 +145,7 @@ def _shown(
             picture = density_picture(laid, scene)
     elif kind == _ERROR and pair is not None:
         picture = error_picture(*pair)
-    return Shown(picture, *_seconds(stage))
+    return Shown(picture, *_seconds(stage), pair)
 
 
 def _seconds(stage: Stage) -> tuple[float, float]:
