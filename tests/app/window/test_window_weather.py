@@ -1,5 +1,8 @@
 """A year of weather in the window: opened, shown above the hours, gone to, saved."""
 
+import logging
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -7,7 +10,7 @@ from PySide6.QtCore import QPoint, Qt
 from vrut_lite.app.panels.year_strip import cloud_pixels
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock, SetSetting
 
 HOURS = np.arange(8760)
 SUNNY = np.clip(np.sin((HOURS % 24 - 6) / 12 * np.pi), 0, 1)
@@ -60,3 +63,17 @@ def test_clouds_are_white_and_nights_dark():
     assert np.ptp(cloudy) < 10
     assert clear[2] > clear[0] + 100
     assert night.max() < 40
+
+
+def test_light_outside_perez_model_is_told_in_the_status_line(driver):
+    """Another sky stands in for the hour: who has no terminal must see that too."""
+    noon = datetime(2026, 3, 20, 12, 30, tzinfo=UTC)
+    driver.session.send(SetPlace(latitude_deg=9.0, longitude_deg=0.0), SetClock(instant=noon))
+    driver.session.send(ChooseSlot(slot="sky", module="weather_sky"))
+    for name, value in (("direct_normal_w_m2", 150.0), ("diffuse_horizontal_w_m2", 50.0)):
+        driver.session.send(SetSetting(module="weather_sky", name=name, value=value))
+    driver.until(lambda: "lie outside Perez's sky" in driver.window.news.text())
+    logging.getLogger("some_library").warning("for developers")
+    driver.session.send(SetPlace(latitude_deg=10.0, longitude_deg=0.0))
+    driver.until_heard(SetPlace, lambda place: place.latitude_deg == 10.0)
+    assert "for developers" not in driver.window.news.text()

@@ -34,6 +34,7 @@ from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.dock_board import DockBoard
 from vrut_lite.app.window.files import Files
 from vrut_lite.app.window.kept import Kept, WindowShape
+from vrut_lite.app.window.logged_warnings import LoggedWarnings
 from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
@@ -70,6 +71,7 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(self.desk.viewport)
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
+        self._warnings = LoggedWarnings(self)
         self._opened: LoadScene | None = None
         self.setStatusBar(self._status)
         self.files = Files(self.desk, kept or Kept(None), self._status, self._show_title)
@@ -118,6 +120,7 @@ class MainWindow(QMainWindow):
         session.listen(SetExposure, self.menus.show_exposure)
         session.ready.connect(self._ready)
         session.problem.connect(self._status.show_problem)
+        self._warnings.logged.connect(self._status.show_warning)
         session.picture_shown.connect(self._show_facts)
         session.steps_changed.connect(self.menus.show_steps)
         desk.viewport.scene_dropped.connect(self.files.open_path)
@@ -219,6 +222,7 @@ class MainWindow(QMainWindow):
             self._keep()
             self.time.player.pause()
             self.session.close()
+            self._warnings.close()
         self.hide()
         event.accept()
 

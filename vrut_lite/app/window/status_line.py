@@ -37,6 +37,11 @@ class StatusLine(QStatusBar):
         """Show an error."""
         self._tell(line, theme.ALARM)
 
+    def show_warning(self, line: str) -> None:
+        """Show a warning until the next line."""
+        self._tell(line, theme.TEXT)
+        self._fades.stop()
+
     def show_news(self, line: str) -> None:
         """Show a result."""
         self._tell(line, theme.TEXT)
