@@ -96,7 +96,7 @@ def test_skipped_work_and_endless_compilation_have_no_figure() -> None:
 
 
 def test_the_hour_of_the_bench_is_computed_in_each_call() -> None:
-    """The light of equal hours is equal, and made anew: the bake returns the last hour's as is."""
+    """Each call computes the light: an equal hour would return the bake's last result."""
     group = next(g for g in light_map.groups(True) if g.name == "light-map-steps")
     path = next(path for path in group.paths if path.name.startswith("an hour by"))
     work = path.prepare()

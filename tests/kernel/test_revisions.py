@@ -1,4 +1,4 @@
-"""A revision is what one gesture causes: its inputs, awaited results of jobs, and theirs."""
+"""A revision holds one gesture: its inputs, and the awaited results of the jobs they cause."""
 
 import pytest
 
@@ -139,7 +139,7 @@ def test_within_a_revision_no_other_begins(kernel):
 
 
 def test_a_draft_serves_in_place_of_what_takes_long_and_its_result_is_awaited_anew(kernel):
-    """What comes late starts further work; pictures show it with what it causes."""
+    """A late result may start further work; pictures wait for both."""
     act(kernel, Ask(jobs=("layout", "hour")))
     kernel.jobs.await_no_longer()
     assert kernel.is_whole

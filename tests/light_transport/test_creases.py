@@ -113,7 +113,7 @@ def test_corners_of_a_still_have_no_teeth(monkeypatch):
 
 def test_a_floor_in_two_pieces_is_one_floor():
     """Two pieces side by side, not corner to corner, before a wall: across the edge light differs
-    by less than half of what it does between pieces that are known to be apart."""
+    by less than half of the step between pieces of separate surfaces."""
     pieces = floor(-0.8, 0.0, -0.8, 0.8), floor(0.0, 0.8, -0.7, 0.9)
     wall = [[0.8, 0, -0.8], [0.8, 0, 0.8], [0.8, 1, 0.8], [0.8, 1, -0.8]]
     bake = Bake(*quads(*pieces, wall, texels=16, reflectance=0.2))

@@ -1,4 +1,4 @@
-"""Whatever is done in the window, in whatever haste, each picture shows one hour, sky and light."""
+"""Each picture shows one hour, sky and light, for any inputs at any pace."""
 
 import random
 import threading
@@ -62,7 +62,7 @@ def year():
 
 
 def random_input(chance):
-    """What a hand may do next; hours most often."""
+    """A random input; hours are the most frequent."""
     kinds = {
         "hour": 8, "place": 1, "sky": 1, "weather": 1, "clouds": 1, "haze": 2, "camera": 2,
         "size": 1, "panel": 1, "module": 1, "light": 1,

@@ -74,7 +74,7 @@ def compiling_text(progress: Compiling) -> str:
 
 @contextmanager
 def _following(name: str, trace: Trace | None) -> Iterator[object]:
-    """A line that tells how far kernels are compiled, or the work that the trace told of last."""
+    """Shows a line with the progress of compilation, or else with the latest work of the trace."""
     ended = threading.Event()
     with _console().status(name) as status:
         _Shown.is_on = True

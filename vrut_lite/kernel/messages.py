@@ -183,9 +183,9 @@ class Demand(Input, frozen=True, kw_only=True):
 class JobResult(Input, frozen=True, kw_only=True):
     """A background or GPU job is done; `error` tells why not, if it is not.
 
-    Only the module that asked hears it; a result that is no longer wanted is dropped.
-    Work that raised leaves its `trace`, and is told as a `Fault` too. It belongs to the revision
-    in which its job was started.
+    Only the module that started the job hears it; an outdated result is dropped. Work that raised
+    leaves its `trace`, and is posted as a `Fault` too. The result belongs to the revision in which
+    its job was started.
     """
 
     revises: ClassVar[bool] = False

@@ -26,7 +26,7 @@ class Notices:
             self._counts[key] = self._counts.get(key, 0) + count
 
     def tell_once(self, what: str, instead: str) -> None:
-        """Say it without a count: for geometry that is read again in each pose."""
+        """Add a notice without a count, for geometry that is read in each pose."""
         self._counts[_safe(what), _safe(instead)] = 1
 
     def lines(self) -> tuple[str, ...]:

@@ -52,7 +52,7 @@ def smoothed(
     values: Float32Array, grid: PointGrid, room: Float32Array, error: Float32Array, go_on: GoOn
 ) -> Float32Array:
     """Means of values (H, W, 4) of this room (H, W), in radii, and error (H, W), rms."""
-    # A point's own where it is larger: it alone may have met what is small and bright.
+    # The larger of the two: a single point's rays may have hit a small bright surface.
     error2 = np.maximum(mean_about(error * error), error * error).astype(np.float32)
     finest = _steps(grid)
     unresolved = np.clip(1.0 - room / np.maximum(_RESOLVED * finest, 1e-30), 0.0, 1.0)
@@ -118,7 +118,7 @@ def company(grid: PointGrid, room: Float32Array) -> Float32Array:
 
 
 def _noise2(values: Float32Array, error2: Float32Array) -> Float32Array:
-    """The square (H, W) of what noise may be, by the squared error (H, W) of values (H, W, 4)."""
+    """Squared bound of the noise (H, W), by the squared error (H, W) of values (H, W, 4)."""
     mean = mean_about(luminance(values[..., :3]))
     share2 = error2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
     return np.asarray(error2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)

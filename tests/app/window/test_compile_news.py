@@ -13,7 +13,7 @@ from vrut_lite.compiling.pool import Progress
 
 @pytest.fixture
 def news():
-    """News in a status line; what the process compiles is told nobody before and after."""
+    """A status line with news of compilations; nothing follows compilations before and after."""
     app = QApplication.instance() or QApplication([])
     line = StatusLine()
     made = CompileNews(line)

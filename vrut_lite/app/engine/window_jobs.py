@@ -18,8 +18,8 @@ _NICER = 5
 class WindowJobs(ThreadRunner):
     """Runs jobs, and the threads that they start, at a lower priority than the process has.
 
-    Jobs that a revision awaits have the process's own. Elsewhere than on Linux threads have no
-    priority of their own. All but `start`'s work is for the kernel's thread.
+    Jobs that a revision awaits keep the process's priority. Only Linux has priorities of threads.
+    All methods but the work itself run on the kernel's thread.
     """
 
     def __init__(self) -> None:
@@ -31,7 +31,7 @@ class WindowJobs(ThreadRunner):
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Let jobs that are started within begin at its end: what is done in it goes first.
+        """Delay jobs started inside the context until its end, so that its own work goes first.
 
         Jobs that a revision awaits begin at once: its picture needs them.
         """
