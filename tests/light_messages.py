@@ -6,6 +6,7 @@ from air_phases import lobe
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged, AirVolume, SecondLight
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry import spherical_harmonics
 
@@ -40,6 +41,17 @@ def radiance_of(background):
         radiance_scale=background.radiance_scale,
         ground_radiance_rgb=background.ground_radiance_rgb,
         source=background.source,
+    )
+
+
+def clear_sky_light(background, key_light, ambient):
+    """The complete light of a clear sky, with its radiance on the ground."""
+    return SkyLightChanged(
+        background=background,
+        key_light=key_light,
+        ambient=ambient,
+        radiance=radiance_of(background),
+        source="test",
     )
 
 

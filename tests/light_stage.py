@@ -12,6 +12,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.sky import SkyRadianceChanged
+from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.daylight.view_light import StillAsked
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.bus import Kernel
@@ -113,6 +114,7 @@ class Player(Module):
         background, key_light, ambient = light_messages(
             cube, message.sun, (message.irradiance,) * 3
         )
+        self.link.post(background)
         self.link.post(key_light)
         self.link.post(ambient)
         self.link.post(
@@ -132,7 +134,7 @@ class LightStage:
         self.kernel = Kernel(runner=runner)
         self.said = []
         self.kernel.tap(self._note)
-        for module in (Player, LightTransport):
+        for module in (Player, LightTransport, SkySum):
             self.kernel.add_module(module)
 
     def _note(self, message, sender):

@@ -8,6 +8,8 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.packing import packed
 
+LIGHT = {"background", "key_light", "ambient"}
+
 
 class StatefulBackend:
     """Draws `state` with a backend."""
@@ -17,8 +19,11 @@ class StatefulBackend:
         self.state = SceneState(**parts)
 
     def change(self, **parts):
-        """Give parts of the state other values."""
+        """Give parts of the state other values; other light is that of a clear sky."""
         self.state = replace(self.state, **parts)
+        is_relit = not LIGHT.isdisjoint(parts) and "sky_light" not in parts
+        if is_relit and LIGHT.isdisjoint(self.state.missing):
+            self.state = self.state.under_clear_sky()
 
     def draw(self, still=True, is_given_up=None):
         """The picture."""

@@ -23,9 +23,9 @@ from vrut_lite.daylight.cloud_view import clouds_seen
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
-from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.sky import SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -43,7 +43,7 @@ _SEEN = np.exp(-0.5)
 _NARROW_RAD = 1e-3
 
 
-def clear_sky() -> ClearSky:
+def clear_sky() -> SkyLightChanged:
     """A clear spring noon in Prague, the sun at 54 degrees."""
     kernel, _ = daylight_kernel()
     kernel.inject(SetPlace(latitude_deg=50.0, longitude_deg=14.4))
@@ -51,10 +51,10 @@ def clear_sky() -> ClearSky:
     demand_light(kernel, "tool", _SIZE)
     kernel.inject(SetClock(instant=NOON))
     kernel.pump_until_idle()
-    kinds = BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged
-    parts = [kernel.last(kind) for kind in kinds]
+    light = kernel.last(SkyLightChanged)
     kernel.close()
-    return ClearSky(*parts)  # type: ignore[arg-type]
+    assert light is not None
+    return light
 
 
 def octas(layer: CloudLayer, light: ClearLight) -> float:
@@ -67,7 +67,7 @@ def octas(layer: CloudLayer, light: ClearLight) -> float:
     return 8.0 * float((seen.transmittance < _SEEN).mean())
 
 
-def rows(genus: Genus, clear: ClearSky) -> Iterator[tuple[float, float, float]]:
+def rows(genus: Genus, clear: SkyLightChanged) -> Iterator[tuple[float, float, float]]:
     """Coverage, octas and G / G0, for each coverage and place."""
     sun = clear.key_light
     harmonics = clear.ambient.irradiance_sh_rgb.values
@@ -91,7 +91,7 @@ def layers_of(genus: Genus, coverage: float) -> Iterator[CloudLayer]:
         yield msgspec.structs.replace(layer, drift_m=(place * _APART_M, -place * _APART_M))
 
 
-def overcast(genus: Genus, clear: ClearSky) -> FloatArray:
+def overcast(genus: Genus, clear: SkyLightChanged) -> FloatArray:
     """Luminance (len(BANDS_DEG),) of a closed layer in bands of elevation, over the zenith's."""
     bands = []
     for layer in layers_of(genus, 1.0):

@@ -19,15 +19,13 @@ from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QProgressBar, QPushButton,
 from light_transport.giving_up import GivenUp, unless
 from light_transport.legend import Legend
 from light_transport.plane_view import PlaneView
-from light_transport.unseen_hours import HourMessages
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import Chooser, faint_label, make_timer, panel_column
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, local_text
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky import SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ClockMoved, Demand, SetSetting, SettingChanged
 from vrut_lite.numeric_types import FloatArray
@@ -37,7 +35,7 @@ if TYPE_CHECKING:
     from light_transport.daylight_numbers.work import Work
 
 _CONSUMER = "daylight numbers"
-_LIGHT = (SkyRadianceChanged, KeyLightChanged, AmbientChanged, SkyLightChanged)
+_LIGHT = (SkyRadianceChanged, SkyLightChanged)
 _SKY_SIZE = 128
 _HEIGHT_M, _STEP_M = 0.85, 0.5
 _REST_MS, _UNDER_LINES = 150, 3
@@ -127,8 +125,7 @@ class DaylightPanel(QWidget):
         )
         session.listen(SettingChanged, self._setting_changed)
         session.listen(SceneOpened, self._scene_opened)
-        for kind in _LIGHT:
-            session.listen(kind, lambda _: self._follows.start())
+        session.listen(SkyLightChanged, lambda _: self._follows.start())
         session.closing.connect(self._end)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -181,19 +178,9 @@ class DaylightPanel(QWidget):
             )
         )
 
-    def _present_light(self) -> HourMessages | None:
-        last = self._session.last
-        summed = last(SkyLightChanged)
-        if summed is not None and summed.radiance is not None:
-            return HourMessages(summed.radiance, summed.key_light, summed.ambient)
-        sky, key_light, ambient = (
-            last(SkyRadianceChanged),
-            last(KeyLightChanged),
-            last(AmbientChanged),
-        )
-        if sky is None or key_light is None or ambient is None:
-            return None
-        return HourMessages(sky, key_light, ambient)
+    def _present_light(self) -> SkyLightChanged | None:
+        light = self._session.last(SkyLightChanged)
+        return None if light is None or light.radiance is None else light
 
     def _scene_opened(self, scene: SceneOpened) -> None:
         """What was measured is of another scene."""
@@ -308,7 +295,7 @@ def sensor_text(measured: Measured, sensor: int) -> str:
 def _measure(
     scene: SceneOpened,
     known: "Work | None",
-    light: HourMessages,
+    light: SkyLightChanged,
     instant: datetime,
     tolerance: float,
     given_up: Event,

@@ -25,12 +25,14 @@ from light_transport.kept_layout import (
     scene_key,
 )
 from light_transport.messages import NAME
-from light_transport.unseen_hours import HourMessages
 from vrut_lite.array import Array
 from vrut_lite.array_cache import Arrays
 from vrut_lite.daylight.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
+from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
@@ -301,12 +303,12 @@ def _all_threads() -> int:
 
 
 def lit(
-    bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages, of_still: bool = False
+    bake: "Unwritten[Bake]", layout_key: str, sky_light: SkyLightChanged, of_still: bool = False
 ) -> SurfaceLightChanged:
     """The light of an hour, by the rays that there are; that of a still is kept on disk."""
     from light_transport.kept_light import kept_light
 
-    hour = hour_of(messages)
+    hour = hour_of(sky_light)
 
     def made() -> Arrays:
         from light_transport.halves import halves, largest
@@ -334,14 +336,14 @@ def lit(
         source=NAME,
         mirrors=encoded.get("mirrors"),
         visible_sky=encoded["visible_sky"],
-        sky_level=messages.ambient.level,
+        sky_level=sky_light.ambient.level,
     )
 
 
 def view_lit(
     bake: "Unwritten[Bake]",
     layout_key: str,
-    messages: HourMessages,
+    sky_light: SkyLightChanged,
     asked: StillAsked,
     points: int,
     control: JobControl,
@@ -354,7 +356,7 @@ def view_lit(
 
     assert bake.recipe is not None
     edge_px = _edge_for(asked.size_px, points)
-    hour, rays = hour_of(messages), bake.recipe.rays
+    hour, rays = hour_of(sky_light), bake.recipe.rays
     camera, of_picture = asked.camera, (asked.size_px, edge_px)
 
     def made() -> Arrays:
@@ -398,12 +400,22 @@ def _edge_for(size_px: tuple[int, int], points: int) -> int:
     return max(1, int(np.ceil(np.sqrt(size_px[0] * size_px[1] / points))))
 
 
+def hour_of(light: SkyLightChanged) -> "Hour":
+    """An hour in plain arrays, the same ones for repeated calls with equal light.
+
+    Args:
+        light: with `radiance`.
+    """
+    assert light.radiance is not None
+    return _hour_of(light.radiance, light.key_light, light.ambient)
+
+
 @lru_cache(maxsize=1)
-def hour_of(messages: HourMessages) -> "Hour":
-    """An hour in plain arrays, the same ones as long as the same hour is asked for."""
+def _hour_of(
+    sky: SkyRadianceChanged, key_light: KeyLightChanged, ambient: AmbientChanged
+) -> "Hour":
     from light_transport.hour.hour import Hour
 
-    sky, key_light, ambient = messages
     return Hour(
         sky=decode_float16(sky.cube.values, sky.radiance_scale),
         ground_radiance_rgb=sky.ground_radiance_rgb,

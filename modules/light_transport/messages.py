@@ -10,10 +10,6 @@ from vrut_lite.kernel.messages import Derived
 NAME = "light_transport"
 
 
-class HourOutdated(Derived, frozen=True, kw_only=True):
-    """The light on the scene has changed; delivered after all messages of that change."""
-
-
 class BakeGrown(Derived, frozen=True, kw_only=True):
     """Progress of the bake of a light map.
 

@@ -21,18 +21,17 @@ from light_transport.jobs import (
     view_lit,
     with_rays,
 )
-from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
+from light_transport.messages import NAME, BakeGrown, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import Quality, quality_for
-from light_transport.unseen_hours import HourMessages, looks_like
+from light_transport.unseen_hours import looks_like
 from vrut_lite.daylight.light_map import SLOT, LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky import SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
-from vrut_lite.kernel.messages import Demand, Derived, JobResult
+from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
 PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
@@ -42,15 +41,12 @@ _MANY_TRIANGLES = 30_000
 SKY_SIZE = 64
 # A finished still has so many points with rays of their own as the map has texels, times this.
 _POINTS_A_TEXEL = 2.0 / 3.0
-# Of the clear sky; the sum of it and layers has what they leave of these.
-_CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
-_HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
 
 
 class _Asked(NamedTuple):
     """The sources of the present light, and of light under way."""
 
-    hour: HourMessages
+    hour: SkyLightChanged
     layout_key: str
     rays: int
 
@@ -79,7 +75,7 @@ class LightTransport(Module):
         requires=("sky",),
         auxiliary=True,
     )
-    speaks = (HourOutdated, BakeGrown)
+    speaks = (BakeGrown,)
     settings_type = LightTransportSettings
     settings: LightTransportSettings
 
@@ -133,9 +129,8 @@ class LightTransport(Module):
         if works == self._works:
             return
         self._works = works
-        for kind in _HEARD:
-            size = SKY_SIZE if kind is SkyRadianceChanged else None
-            self.link.demand(kind, size if works else 0)
+        self.link.demand(SkyRadianceChanged, SKY_SIZE if works else 0)
+        self.link.demand(SkyLightChanged, None if works else 0)
         if not works and self._told is not None:
             self.link.post(no_light_map())
         self._begin()
@@ -276,19 +271,11 @@ class LightTransport(Module):
 
     # --- the hour -------------------------------------------------------------------------
 
-    @handles(SkyRadianceChanged)
-    @handles(KeyLightChanged)
-    @handles(AmbientChanged)
     @handles(SkyLightChanged)
-    def on_light(self, message: Derived) -> None:
-        """Another hour, when all of it was told."""
-        if self._works:
-            self.link.post(HourOutdated())
-
-    @handles(HourOutdated)
-    def on_hour(self, message: HourOutdated) -> None:
+    def on_light(self, message: SkyLightChanged) -> None:
         """Light the scene by the present rays."""
-        self._light()
+        if self._works:
+            self._light()
 
     def _light(self) -> None:
         hour, laid = self._present_hour(), self._laid or self._probes
@@ -331,11 +318,6 @@ class LightTransport(Module):
         bake, hour = self._round.bake, self._asked.hour
         self.link.start_job(VIEW, view_lit, bake, key, hour, asked, points, role="refines")
 
-    def _present_hour(self) -> HourMessages | None:
-        summed = self.link.last(SkyLightChanged)
-        if summed is not None and summed.radiance is not None:
-            return HourMessages(summed.radiance, summed.key_light, summed.ambient)
-        sky, key_light, ambient = (self.link.last(kind) for kind in _CLEAR_LIGHT)
-        if sky is None or key_light is None or ambient is None:
-            return None
-        return HourMessages(sky, key_light, ambient)  # type: ignore[arg-type]
+    def _present_hour(self) -> SkyLightChanged | None:
+        light = self.link.last(SkyLightChanged)
+        return None if light is None or light.radiance is None else light

@@ -140,17 +140,10 @@ class PathTracer(Module):
         """Other light on the ground, of which its albedo is known."""
         self._see(self._state.with_light(ambient=message))
 
-    @handles(SkyRadianceChanged)
-    def on_sky_radiance(self, message: SkyRadianceChanged) -> None:
-        """Another sky that lights the scene."""
-        self._see(replace(self._state, sky_radiance=message))
-
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
-        """Other layers before the sky; without any its own messages have told all."""
-        summed = message if message.layers else None
-        if summed is not self._state.sky_light:
-            self._see(replace(self._state, sky_light=summed))
+        """Another sky, or other layers before it."""
+        self._see(replace(self._state, sky_light=message))
 
     def settings_changed(self, name: str) -> None:
         """Begin anew as they say now."""

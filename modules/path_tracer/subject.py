@@ -9,6 +9,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 
 # The scene's own radius in units of the tracer, whose ray offsets are made for such sizes:
@@ -32,25 +33,22 @@ class Subject:
     @property
     def background(self) -> BackgroundChanged:
         """Its sky, with the layers before it."""
-        if self.state.sky_light is not None:
-            return self.state.sky_light.background
-        assert self.state.background is not None
-        return self.state.background
+        return self._sky_light.background
 
     @property
     def light(self) -> BackgroundChanged | SkyRadianceChanged:
         """The sky that lights it: as the ground sees it, however high the camera is."""
-        if self.state.sky_light is not None:
-            return self.state.sky_light.radiance or self.state.sky_light.background
-        return self.state.sky_radiance or self.background
+        return self._sky_light.lighting
 
     @property
     def sun(self) -> KeyLightChanged:
         """Its key light, behind the layers."""
-        if self.state.sky_light is not None:
-            return self.state.sky_light.key_light
-        assert self.state.key_light is not None
-        return self.state.key_light
+        return self._sky_light.key_light
+
+    @property
+    def _sky_light(self) -> SkyLightChanged:
+        assert self.state.sky_light is not None
+        return self.state.sky_light
 
     @property
     def camera(self) -> MoveCamera:

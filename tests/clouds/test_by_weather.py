@@ -8,13 +8,13 @@ from clouds.module import Clouds, make_layers
 from clouds.settings import CloudSettings
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from light_messages import light_messages, radiance_of
+from light_messages import clear_sky_light, light_messages
 from long_parameters import mostly_long
 
 from vrut_lite.daylight.cloudiness import CloudinessChanged
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
@@ -98,7 +98,7 @@ def test_the_light_below_is_the_files(numbers):
     for place_m in np.arange(6) * 31_000.0:
         moved = msgspec.structs.replace(layer, drift_m=(place_m, -place_m))
         view = Viewpoint((0.0, 2.0, 0.0), (0.0, 0.0, 0.0), 8000.0)
-        lit = light_under_clouds((moved,), ClearSky(*sky, radiance_of(sky[0])), view, 16, "test")
+        lit = light_under_clouds((moved,), clear_sky_light(*sky), view, 16, "test")
         below = evaluate_irradiance(lit.ambient.irradiance_sh_rgb.values, np.array([0.0, 1.0, 0.0]))
         below = below + sine * np.array(lit.key_light.irradiance_rgb)
         shares.append(float(luminance(below)) / clear)

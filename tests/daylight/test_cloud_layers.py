@@ -4,14 +4,14 @@ import msgspec
 import numpy as np
 import pytest
 from cloud_stage import slab
-from light_messages import light_messages, radiance_of
+from light_messages import clear_sky_light, light_messages
 
 from vrut_lite.daylight.cloud_layers import clear_light, lights_on, mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_transport import even_transmittance, ice_crystals
 from vrut_lite.daylight.clouds import CloudForm, CloudsChanged
 from vrut_lite.daylight.sky import NO_LAMPS
-from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 
@@ -83,7 +83,7 @@ def test_lower_layers_hide_lamps_from_upper_ones():
 def test_nearer_layers_hide_those_behind_them():
     """From the ground an opaque low layer hides ice aloft; from 12 km the ice is seen before it."""
     sky = light_messages(np.full((6, 16, 16, 3), 4.0), SUN, (90.0, 80.0, 70.0))
-    clear = ClearSky(*sky, radiance_of(sky[0]))
+    clear = clear_sky_light(*sky)
     ground, aloft = (0.0, 0.0, 0.0), (0.0, 12_000.0, 0.0)
 
     def background(layers, eye_m):

@@ -4,10 +4,10 @@ import msgspec
 import numpy as np
 import pytest
 from cloud_stage import rough_layer, slab, slab_irradiance
-from light_messages import light_messages, radiance_of
+from light_messages import clear_sky_light, light_messages
 
 from vrut_lite.daylight.cloud_transport import even_transmittance
-from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.cube_map import texel_directions
@@ -35,7 +35,7 @@ def clear_sky(above=(2.0, 3.0, 5.0), albedo=0.2):
 
 def summed(layer, view=ON_GROUND, sky=None):
     sky = sky or clear_sky()
-    return light_under_clouds((layer,), ClearSky(*sky, radiance_of(sky[0])), view, 32, "test")
+    return light_under_clouds((layer,), clear_sky_light(*sky), view, 32, "test")
 
 
 def cube_of(light):

@@ -14,6 +14,7 @@ from long_parameters import mostly_long
 
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, RestartModule, SetClock, SetSetting
 from vrut_lite.recording.journal_reader import Journal
@@ -21,7 +22,7 @@ from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay
 from vrut_lite.scene.manager import SceneManager
 
-MODULES = [DynamicSkyLight, LightTransport, SceneManager]
+MODULES = [DynamicSkyLight, LightTransport, SceneManager, SkySum]
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
 BEGIN = (
     SetSetting(module=NAME, name="quality", value="draft"),

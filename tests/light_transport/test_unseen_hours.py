@@ -8,10 +8,11 @@ import pytest
 from light_messages import light_messages
 from light_transport.messages import no_light_map
 from light_transport.tolerance import RUNGS, quality_for
-from light_transport.unseen_hours import HourMessages, looks_like
+from light_transport.unseen_hours import looks_like
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.sky import SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 
 USUAL = quality_for(0.1)
 
@@ -28,7 +29,9 @@ def hour(radiance=1.0, sun_deg=40.0, irradiance=3.0, source="test"):
         ground_radiance_rgb=background.ground_radiance_rgb,
         source=source,
     )
-    return HourMessages(sky, key_light, ambient)
+    return SkyLightChanged(
+        background=background, key_light=key_light, ambient=ambient, radiance=sky, source=source
+    )
 
 
 @pytest.mark.parametrize(
@@ -52,7 +55,7 @@ def test_small_moves_are_unseen(now, alike):
 def test_nothing_is_darker_than_night():
     """Two hours without any light are alike, and differ from those with some."""
     night = hour(radiance=0.0, irradiance=0.0)
-    assert looks_like(night, night._replace(sky=night.sky), 0.0, 0.0)
+    assert looks_like(night, hour(radiance=0.0, irradiance=0.0), 0.0, 0.0)
     assert not looks_like(hour(), night, USUAL.hour_change, USUAL.sun_rad)
 
 

@@ -44,7 +44,7 @@ def dark_ground(tmp_path, lamps):
                 eye_m=(0.0, 6.0, 0.1), target_m=(0.0, 0.0, 0.0), vertical_field_of_view_rad=0.6
             ),
             size_px=SIZE,
-        )
+        ).under_clear_sky()
     )
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 import trimesh
@@ -45,7 +46,7 @@ def subject_of(path, cube, size=(48, 32), eye=(7.0, 5.0, 8.0), angle_rad=0.8, **
                 eye_m=eye, target_m=(0.0, 0.5, 0.0), vertical_field_of_view_rad=angle_rad
             ),
             size_px=size,
-        )
+        ).under_clear_sky()
     )
 
 
@@ -81,7 +82,9 @@ def test_a_sky_seen_from_aloft_is_seen_and_does_not_light(box_file):
     view = {"size": (24, 16), "eye": (7.0, 1.5, 8.0)}
     seen_from_aloft = subject_of(box_file, 5.0 * ground_sky, **view)
     low = light_messages(ground_sky)[0]
-    state = replace(seen_from_aloft.state, sky_radiance=radiance_of(low))
+    aloft = seen_from_aloft.state
+    lit = msgspec.structs.replace(aloft.sky_light, radiance=radiance_of(low))
+    state = replace(aloft, sky_light=lit)
     alike = subject_of(box_file, ground_sky, **view)
     pictures = []
     for subject in (Subject(state), alike):

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from air_stage import volume_of
 from cloud_stage import rough_layer, slab, slab_irradiance, slab_radiance
-from light_messages import light_messages, radiance_of
+from light_messages import clear_sky_light, light_messages
 from long_parameters import mostly_long
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
 from vrut_lite.daylight.cloud_density import distance_up_m
 from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass, _picture
 from vrut_lite.render.still_picture import SHIFTS_PX
 
@@ -76,7 +76,7 @@ def test_ground_under_an_overcast_slab(stage):
     """
     layer = slab(extinction_per_m=1e-3)
     clear = light_messages(np.zeros((6, 32, 32, 3)), (0.6, 0.8, 0.0), (90.0, 80.0, 70.0))
-    sky = ClearSky(*clear, radiance_of(clear[0]))
+    sky = clear_sky_light(*clear)
     view = Viewpoint(EYE, (0.0, 0.0, 0.0), 0.0)
     stage.change(clouds=(layer,), sky_light=light_under_clouds((layer,), sky, view, 32, "test"))
     stage.change(ground_albedo_rgb=(0.5,) * 3)

@@ -1,7 +1,5 @@
 """Regions of a picture, and how far two pictures differ in them."""
 
-from dataclasses import replace
-
 import flip_evaluator
 import msgspec
 import numpy as np
@@ -10,7 +8,7 @@ from scipy.ndimage import minimum_filter
 
 from tools.path_traced.cases import Case
 from tools.path_traced.truths import Picture, Recipe, kept, traced
-from tools.pictures.darkness import no_background, no_sun
+from tools.pictures.darkness import no_background, no_sun, relit
 from vrut_lite.array import Array
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
@@ -36,10 +34,13 @@ def _regions(state: SceneState) -> dict[str, Mask]:
     """
     above = (texel_directions(64)[..., 1:2] > 0.0) * np.ones(3)
     # No surface may be met: what the eye sees of the sky is 1, and all else black.
-    unlit, seen = replace(state, key_light=no_sun(), sky_radiance=None), Recipe(max_bounces=0)
-    sky = traced(replace(unlit, background=uniform(above)), seen, _SAMPLES)
-    bare = traced(replace(unlit, background=uniform(np.ones_like(above))), seen, _SAMPLES)
-    by_sun = replace(state, background=no_background(), sky_radiance=None)
+    unlit, seen = (
+        relit(state, key_light=no_sun(), background=no_background()),
+        Recipe(max_bounces=0),
+    )
+    sky = traced(relit(unlit, background=uniform(above)), seen, _SAMPLES)
+    bare = traced(relit(unlit, background=uniform(np.ones_like(above))), seen, _SAMPLES)
+    by_sun = relit(state, background=no_background())
     sharp = Recipe(max_bounces=1, sun="sharp")
     lit = luminance(traced(by_sun, sharp, _SAMPLES))
     disc = luminance(traced(by_sun, seen, _SAMPLES))

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tools.path_traced.truths import SUN, lit_by, traced
+from tools.pictures.darkness import relit
 from tools.pictures.drawing import SCENES, Captioned, sheet
 from tools.scenes import trials
 from tools.scenes.gltf_writer import GltfWriter
@@ -99,7 +100,7 @@ def row(gl: PyrenderBackend, name: str, state: SceneState, spp: int) -> list[Cap
     frame = gl.draw(still).radiance
     ev100 = ev100_of(state.exposure, frame[frame.max(axis=-1) > 0.0][None])
     radiances = {
-        "a sun without width": gl.draw(replace(still, key_light=point)).radiance,
+        "a sun without width": gl.draw(relit(still, key_light=point)).radiance,
         "finished still": frame,
         "path tracer": traced(state, SUN, spp),
     }

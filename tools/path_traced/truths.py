@@ -7,7 +7,7 @@ change of these its folder is to be emptied.
 import os
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -18,7 +18,7 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 
 from tools.path_traced.cases import Case
-from tools.pictures.darkness import no_ambient, no_background, no_sun
+from tools.pictures.darkness import no_ambient, no_background, no_sun, relit
 from vrut_lite.daylight.scene_state import SceneState
 
 Light = Literal["all", "sun", "sky"]
@@ -104,8 +104,8 @@ def traced(state: SceneState, recipe: Recipe, samples: int) -> Picture:
 def lit_by(state: SceneState, light: Light) -> SceneState:
     """The state with sun or sky alone, or as it is."""
     if light == "sun":
-        return replace(state, background=no_background(), ambient=no_ambient(), sky_radiance=None)
-    return replace(state, key_light=no_sun()) if light == "sky" else state
+        return relit(state, background=no_background(), ambient=no_ambient())
+    return relit(state, key_light=no_sun()) if light == "sky" else state
 
 
 def _name(recipe: Recipe, samples: int) -> str:

@@ -1,8 +1,13 @@
 """Light of zero, as messages: for pictures of one light without the others."""
 
+from dataclasses import replace
+from typing import Any
+
+import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 
@@ -34,3 +39,16 @@ def no_sun() -> KeyLightChanged:
 def no_ambient() -> AmbientChanged:
     """No light from anywhere."""
     return AmbientChanged(irradiance_sh_rgb=Array(np.zeros((25, 3), np.float32)), source=NAME)
+
+
+def relit(state: SceneState, **parts: Any) -> SceneState:
+    """The state with another `background`, `key_light` or `ambient`; its ground keeps its albedo.
+
+    Another background lights the scene too.
+    """
+    light = state.sky_light
+    assert light is not None
+    radiance = None if "background" in parts else light.radiance
+    return replace(
+        state, sky_light=msgspec.structs.replace(light, radiance=radiance, **parts), **parts
+    )

@@ -58,9 +58,8 @@ class SceneState:
 
     Attributes:
         background, key_light, ambient: of the clear sky; None before the first message.
-        sky_light: the sum of sky and layers; None without layers, where it is the clear sky's.
-        sky_radiance: what lights the scene, of the clear sky; None where nobody asks, or where it
-            is what is seen in the background.
+        sky_light: of the clear sky and its layers; what lights the scene. None before the first
+            of each of these messages.
         stars: points of light in the sky; None where nobody tells of any.
         moon_disc: the moon as it is seen; None where nobody tells of it.
         ground_albedo_rgb: of the ground disc, linear.
@@ -83,7 +82,6 @@ class SceneState:
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
     sky_light: SkyLightChanged | None = None
-    sky_radiance: SkyRadianceChanged | None = None
     stars: StarsChanged | None = None
     moon_disc: MoonDiscChanged | None = None
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
@@ -144,12 +142,28 @@ class SceneState:
             raise RuntimeError(f"nothing to draw yet: no {', no '.join(names)}")
 
     def with_light(self, **light: Any) -> Self:
-        """The state with other `background`, `key_light` or `ambient`, and the ground in it."""
+        """The state with other `background`, `key_light` or `ambient`, and the ground in it.
+
+        Its `sky_light` is the clear sky's, until the sum with layers is known.
+        """
         lit = replace(self, **light)
         if lit.background is None or lit.key_light is None or lit.ambient is None:
             return lit
         albedo = ground_albedo(lit.background, lit.key_light, lit.ambient)
-        return replace(lit, ground_albedo_rgb=albedo)
+        return replace(lit.under_clear_sky(), ground_albedo_rgb=albedo)
+
+    def under_clear_sky(self) -> Self:
+        """The state lit by its `background`, `key_light` and `ambient`, all of them known."""
+        assert self.background is not None
+        assert self.key_light is not None
+        assert self.ambient is not None
+        light = SkyLightChanged(
+            background=self.background,
+            key_light=self.key_light,
+            ambient=self.ambient,
+            source=self.background.source,
+        )
+        return replace(self, sky_light=light)
 
     def with_surface_light(
         self, light_map: LightMapLaid | None, surface_light: SurfaceLightChanged | None

@@ -1,4 +1,4 @@
-"""The light that reaches the scene: the clear sky's, changed by layers before it."""
+"""The complete light of the sky: the clear sky's, changed by the layers before it."""
 
 from vrut_lite import checks
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
@@ -10,17 +10,21 @@ LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
 class SkyLightChanged(Derived, frozen=True, kw_only=True):
-    """The sum of clear sky and layers: consumers that light with the sky listen to this.
+    """All light of the sky: the one message for consumers that light with it.
 
-    The holder of the slot `sky` says the clear sky; layers (clouds) absorb and add light; `layers`
-    names them. Without layers the parts are the clear sky's own messages, and `radiance` is None:
-    demand `SkyRadianceChanged`. With layers they are
+    The holder of the slot `sky` posts the clear sky; layers (clouds) absorb and add light; `layers`
+    names them. Without layers the parts are the clear sky's own messages.
 
-    * `radiance`: of the sky that lights the scene, seen from the ground in its middle;
-    * `background`: the same from the eye's height, for display. The cube is an array; there is
-      no `view`. `seen_sun_irradiance_rgb` is the sun's irradiance at the eye behind the layers;
-    * `key_light`: its irradiance behind the layers, the mean over the scene;
-    * `ambient`: irradiance by sky, layers and ground, at the ground.
+    Attributes:
+        background: the sky from the eye's height, for display. With layers its cube is an array,
+            it has no `view`, and `seen_sun_irradiance_rgb` is the sun's irradiance at the eye
+            behind the layers.
+        key_light: its irradiance behind the layers, the mean over the scene.
+        ambient: irradiance by sky, layers and ground, at the ground.
+        radiance: of the sky that lights the scene, seen from the ground in its middle. Without
+            layers it is None unless a consumer demands `SkyRadianceChanged`.
+        layers: names of the layers.
+        source: the module that posts it.
     """
 
     background: BackgroundChanged
@@ -29,6 +33,11 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
     radiance: SkyRadianceChanged | None = None
     layers: tuple[str, ...] = ()
     source: str
+
+    @property
+    def lighting(self) -> BackgroundChanged | SkyRadianceChanged:
+        """The sky that lights the scene: `radiance`, or else the background."""
+        return self.background if self.radiance is None else self.radiance
 
     def check(self) -> None:
         """Check the parts."""

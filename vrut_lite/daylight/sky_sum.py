@@ -1,4 +1,4 @@
-"""The module that sums the clear sky and the layers before it, for all consumers."""
+"""The module that posts the complete light of the sky, for all consumers."""
 
 from typing import Any
 
@@ -34,8 +34,8 @@ class SumOutdated(Derived, frozen=True, kw_only=True):
 class SkySum(Module):
     """Posts `SkyLightChanged` where it is wanted.
 
-    Without clouds it hands on the clear sky's own messages in the same transaction; with clouds a
-    background job sums. The ledger counts "sum" posted, and skips "sum: no layers", "sum:
+    Without clouds its parts are the clear sky's own messages, in the same transaction; with clouds
+    a background job sums. The ledger counts "sum" posted, and skips "sum: no layers", "sum:
     unwanted" and "sum: no change to be seen".
     """
 
@@ -62,7 +62,7 @@ class SkySum(Module):
         self._wanted = self.link.wanted(SkyLightChanged)
         self.link.demand(CloudsChanged, 0 if self._wanted is None else None)
         self._want_sky()
-        self._update()
+        self.link.post(SumOutdated())
 
     @handles(CloudsChanged)
     def on_clouds(self, message: CloudsChanged) -> None:
@@ -118,44 +118,42 @@ class SkySum(Module):
         key_light, ambient = self.link.last(KeyLightChanged), self.link.last(AmbientChanged)
         if background is None or key_light is None or ambient is None:
             return
-        parts = (background, key_light, ambient)
+        # Nobody updates it unless somebody wants it.
+        wanted = self.link.wanted(SkyRadianceChanged) is not None
+        radiance = self.link.last(SkyRadianceChanged) if wanted else None
+        clear = SkyLightChanged(
+            background=background,
+            key_light=key_light,
+            ambient=ambient,
+            radiance=radiance,
+            source=NAME,
+        )
         layers = self._clouds()
         if not layers:
-            self._hand_on(parts)
-            return
-        radiance = self.link.last(SkyRadianceChanged)
-        if radiance is not None and not isinstance(background.cube, GpuTexture):
-            self._start(layers, (*parts, radiance))
+            self._post_clear(clear)
+        elif radiance is not None and not isinstance(background.cube, GpuTexture):
+            self._start(layers, clear)
 
     def _forget(self) -> None:
         self.link.cancel_job(JOB)
         self._made_from = ()
 
-    def _hand_on(self, parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged]) -> None:
+    def _post_clear(self, clear: SkyLightChanged) -> None:
         """Without layers the sum is the clear sky."""
-        if _same(parts, self._made_from):
+        if _same(_parts(clear), self._made_from):
             return
         self.ledger.skip("sum: no layers")
         self._forget()
-        self._made_from = parts
-        background, key_light, ambient = parts
-        self._post(
-            SkyLightChanged(
-                background=background, key_light=key_light, ambient=ambient, source=NAME
-            )
-        )
+        self._made_from = _parts(clear)
+        self._post(clear)
 
-    def _start(
-        self,
-        layers: tuple[CloudLayer, ...],
-        parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged],
-    ) -> None:
+    def _start(self, layers: tuple[CloudLayer, ...], clear: SkyLightChanged) -> None:
         """Sum in the background, unless the change is invisible."""
         assert self._wanted is not None
         layers, scene = self._unless_unseen(layers), self.link.last(SceneOpened)
         self._height_m = self._seen_from(layers)
         size = self._wanted.size or CUBE_SIZE
-        made_from = (*parts, layers, scene, self._height_m, size)
+        made_from = (*_parts(clear), layers, scene, self._height_m, size)
         if _same(made_from, self._made_from):
             self.ledger.skip("sum: no change to be seen")
             return
@@ -163,7 +161,7 @@ class SkySum(Module):
         middle_m, half_width_m = _square(scene)
         eye_m = (middle_m[0], self._height_m, middle_m[2])
         self.link.start_job(
-            JOB, sum_up, layers, *parts, eye_m, middle_m, half_width_m, size, role="awaited"
+            JOB, sum_up, layers, clear, eye_m, middle_m, half_width_m, size, role="awaited"
         )
 
     def _unless_unseen(self, layers: tuple[CloudLayer, ...]) -> tuple[CloudLayer, ...]:
@@ -197,10 +195,7 @@ class SkySum(Module):
 
 def sum_up(
     layers: tuple[CloudLayer, ...],
-    background: BackgroundChanged,
-    key_light: KeyLightChanged,
-    ambient: AmbientChanged,
-    radiance: SkyRadianceChanged,
+    clear: SkyLightChanged,
     eye_m: Vector,
     middle_m: Vector,
     half_width_m: float,
@@ -208,9 +203,8 @@ def sum_up(
 ) -> SkyLightChanged:
     """The background job."""
     # Imported here because it imports numba, which is needed only if there are clouds.
-    from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+    from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 
-    clear = ClearSky(background, key_light, ambient, radiance)
     view = Viewpoint(eye_m, middle_m, half_width_m)
     return light_under_clouds(layers, clear, view, size, NAME)
 
@@ -223,6 +217,10 @@ def _square(scene: SceneOpened | None) -> tuple[Vector, float]:
     ground_m = scene.lower_m[1] if scene.ground is None else scene.ground.height_m
     half_width_m = 0.5 * max(scene.upper_m[i] - scene.lower_m[i] for i in (0, 2))
     return (x, max(ground_m, 0.0), z), half_width_m
+
+
+def _parts(light: SkyLightChanged) -> tuple[Any, ...]:
+    return light.background, light.key_light, light.ambient, light.radiance
 
 
 def _same(made_from: tuple[Any, ...], before: tuple[Any, ...]) -> bool:

@@ -18,9 +18,9 @@ from vrut_lite.daylight.cloud_layers import air_share, clear_light, lights_on
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import HazeLayer, KeyLightChanged
+from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import haze_depth
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.encoding import encode_float16
@@ -36,15 +36,6 @@ _RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
 _SCALE_HEIGHT_M = 8000.0
 # An eye higher than this share of the clouds' base sees them otherwise than the ground does.
 _NEAR_GROUND = 0.1
-
-
-class ClearSky(NamedTuple):
-    """A clear sky's own messages."""
-
-    background: BackgroundChanged
-    key_light: KeyLightChanged
-    ambient: AmbientChanged
-    radiance: SkyRadianceChanged
 
 
 class Viewpoint(NamedTuple):
@@ -70,15 +61,21 @@ class _OnGround(NamedTuple):
 
 
 def light_under_clouds(
-    layers: tuple[CloudLayer, ...], clear: ClearSky, view: Viewpoint, size: int, source: str
+    layers: tuple[CloudLayer, ...], clear: SkyLightChanged, view: Viewpoint, size: int, source: str
 ) -> SkyLightChanged:
     """The sum of a clear sky and layers of clouds, from low to high.
 
-    Its background has about `size` texels an edge.
+    Args:
+        layers: the clouds.
+        clear: the clear sky, with its radiance.
+        view: from where it is seen, and what it lights.
+        size: approximate edge of the background in texels.
+        source: of the sum.
 
     Raises:
         ValueError: the clear sky's background has never left the GPU.
     """
+    assert clear.radiance is not None
     sun = clear.key_light
     ambient = clear.ambient
     light = clear_light(sun, ambient.irradiance_sh_rgb.values, ambient.lamps_rgb)
@@ -141,7 +138,7 @@ def _on_ground(
 def _from_eye(
     layers: tuple[CloudLayer, ...],
     light: ClearLight,
-    clear: ClearSky,
+    clear: SkyLightChanged,
     ground_share: FloatArray,
     view: Viewpoint,
     size: int,

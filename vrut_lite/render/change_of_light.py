@@ -39,6 +39,5 @@ def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
 
 def _level(state: SceneState) -> FloatArray:
     """Irradiance (3,) of the sky on level ground in the open."""
-    light = state.ambient if state.sky_light is None else state.sky_light.ambient
-    assert light is not None
-    return np.asarray(evaluate_irradiance(light.irradiance_sh_rgb.values, _UP))
+    assert state.sky_light is not None
+    return np.asarray(evaluate_irradiance(state.sky_light.ambient.irradiance_sh_rgb.values, _UP))

@@ -109,10 +109,9 @@ class PyrenderBackend:
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Lux on a plane with this normal (3,) at a point (3,), world axes."""
-        sky = state.sky_light
-        ambient = state.ambient if sky is None else sky.ambient
-        if state.key_light is None or ambient is None:
+        if state.key_light is None or state.sky_light is None:
             raise RuntimeError("nothing to measure yet: no light")
+        ambient = state.sky_light.ambient
         return illuminance(
             self._scene_rays(state),
             state.key_light,
@@ -222,8 +221,8 @@ class PyrenderBackend:
         self._frame.show_view(background.view)
 
     def _upload_sky_light(self, context: Any, light: SkyLightChanged | None) -> None:
-        """Upload the sky with its layers, for reflections."""
-        if light is None:
+        """Upload the sky with its layers, for reflections; a clear sky is the background."""
+        if light is None or not light.layers:
             self._mirrored = None
             return
         radiance = light.radiance
@@ -248,6 +247,7 @@ class PyrenderBackend:
         assert background is not None
         assert sun is not None
         assert ambient is not None
+        assert state.sky_light is not None
         sky = Sky(
             self._sky_texture,
             background.radiance_scale,
@@ -255,9 +255,7 @@ class PyrenderBackend:
             background.ground_through_air,
         )
         clear = ambient.irradiance_sh_rgb.values
-        summed = clear
-        if state.sky_light is not None:
-            summed = state.sky_light.ambient.irradiance_sh_rgb.values
+        summed = state.sky_light.ambient.irradiance_sh_rgb.values
         mirrored = self._mirrored or sky
         radius_rad = sun.even_radius_rad
         lamps_rgb, shines = ambient.lamps_rgb, sun.irradiance_rgb

@@ -52,8 +52,6 @@ class SceneView:
     def __init__(self, kernel: Kernel | None = None, backend: SceneBackend | None = None):
         self._kernel = kernel
         self._backend = backend
-        # Whether the pending sum of sky and layers is that of an earlier sky.
-        self.sum_is_outdated = False
         self.pending = self._published = self._state = SceneState()
         self._revision = 0
 
@@ -63,10 +61,7 @@ class SceneView:
         if self._kernel is None or self._kernel.is_whole:
             self._revision = 0 if self._kernel is None else self._kernel.revision
             if self.pending is not self._published:
-                self._published = self.pending
-                self._state = self.pending
-                if self.sum_is_outdated:
-                    self._state = replace(self.pending, sky_light=None)
+                self._published = self._state = self.pending
         return self._state
 
     @property

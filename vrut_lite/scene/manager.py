@@ -18,7 +18,7 @@ from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_state import SceneState, Shown
 from vrut_lite.daylight.section import Axis, SectionChanged, Side, section_of
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
@@ -113,7 +113,6 @@ class SceneManager(Module):
         self._cut()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
-        self.link.demand(SkyLightChanged, cube_size)
         self.link.demand(StarsChanged)
         self.link.demand(MoonDiscChanged)
 
@@ -249,19 +248,12 @@ class SceneManager(Module):
 
     def _take_light(self, **light: Any) -> None:
         self._hour_moved = True
-        self._view.sum_is_outdated = self.state.sky_light is not None
         self._view.pending = self.state.with_light(**light)
-
-    @handles(SkyRadianceChanged)
-    def on_sky_radiance(self, message: SkyRadianceChanged) -> None:
-        """Light with this where the background is seen from aloft, and somebody asks for it."""
-        self._change(sky_radiance=message)
 
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
-        """Light and reflect with the sum of sky and layers, where there are layers."""
-        self._view.sum_is_outdated = False
-        self._change(sky_light=message if message.layers else None)
+        """Light and reflect with the sky and its layers."""
+        self._change(sky_light=message)
 
     @handles(NightLightChanged)
     def on_night(self, message: NightLightChanged) -> None:

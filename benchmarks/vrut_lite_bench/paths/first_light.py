@@ -17,6 +17,7 @@ from light_transport.module import LightTransport
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
+from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Message, SetClock
@@ -75,7 +76,7 @@ def first_light(name: str) -> Spent:
 
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, XDG_CACHE_HOME=folder):
         kernel = Kernel()
-        for module in (DynamicSkyLight, LightTransport, SceneManager):
+        for module in (DynamicSkyLight, LightTransport, SceneManager, SkySum):
             kernel.add_module(module)
         kernel.inject(SetPlace(latitude_deg=50.0, longitude_deg=14.0))
         kernel.inject(SetClock(instant=_NOON))

@@ -9,13 +9,12 @@ import msgspec
 
 from light_transport.hour.hour import Hour
 from light_transport.jobs import hour_of
-from light_transport.unseen_hours import HourMessages
 from vrut_lite.commands.open_kernel import open_kernel, require_sun
 from vrut_lite.daylight.daylight_kernel import FaultCollector
 from vrut_lite.daylight.night import NightLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky import SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.weather import SetWeather
@@ -93,13 +92,13 @@ class OpenedScene:
     @property
     def source(self) -> str:
         """Who makes the sky."""
-        return self._radiance.source
+        return self._light.background.source
 
     @property
-    def _radiance(self) -> SkyRadianceChanged:
+    def _light(self) -> SkyLightChanged:
         require_sun(self._kernel)
-        found = self._kernel.last(SkyRadianceChanged)
-        if found is None:
+        found = self._kernel.last(SkyLightChanged)
+        if found is None or found.radiance is None:
             raise ModuleFailed("no module makes a sky: see `vrut-lite modules`")
         return found
 
@@ -110,16 +109,7 @@ class OpenedScene:
 
     def hour(self) -> Hour:
         """The light of the present hour, layers such as clouds included."""
-        clear = self._radiance
-        summed = self._kernel.last(SkyLightChanged)
-        radiance = summed.radiance if summed is not None else None
-        if summed is not None and radiance is not None:
-            return hour_of(HourMessages(radiance, summed.key_light, summed.ambient))
-        key_light = self._kernel.last(KeyLightChanged)
-        ambient = self._kernel.last(AmbientChanged)
-        if key_light is None or ambient is None:
-            raise ModuleFailed("the sky's module says no light: see `vrut-lite modules`")
-        return hour_of(HourMessages(clear, key_light, ambient))
+        return hour_of(self._light)
 
     def close(self) -> None:
         """End background jobs."""
@@ -128,19 +118,16 @@ class OpenedScene:
     def coarser(self) -> None:
         """Ask for light that is fine enough for the cells of the ray table, for many hours.
 
-        Nothing else is made any more: no background, no stars, no moon, no irradiance of the open
-        sky; that of later hours is the last one's.
+        Stars and moon are not made any more.
         """
         self._demand(_COARSE_CUBE)
-        self._kernel.inject(Demand(consumer=_CONSUMER, message=AmbientChanged.__name__, size=0))
         night = self._kernel.last(NightLightChanged)
         for module in ("scene", "" if night is None else night.source):
             if module:
                 self._kernel.inject(EnableModule(module=module, enabled=False))
 
     def _demand(self, size: int) -> None:
-        """No background is asked for: nobody looks."""
-        for kind in (SkyRadianceChanged, KeyLightChanged, AmbientChanged, SkyLightChanged):
+        for kind in (SkyRadianceChanged, SkyLightChanged):
             self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=size))
 
     def _settle(self) -> None:

@@ -197,10 +197,10 @@ class Adaptation:
 
 def _level(state: SceneState) -> float:
     """Luminance of white level ground in the open, times a constant; 0 without light."""
-    light = state if state.sky_light is None else state.sky_light
-    ambient, key_light = light.ambient, light.key_light
-    if ambient is None or key_light is None:
+    light = state.sky_light
+    if light is None:
         return 0.0
+    ambient, key_light = light.ambient, light.key_light
     sky_rgb = evaluate_irradiance(ambient.irradiance_sh_rgb.values, (0.0, 1.0, 0.0))
     direct_rgb = np.asarray(key_light.irradiance_rgb) * max(0.0, key_light.direction[1])
     return max(0.0, float(luminance(np.maximum(sky_rgb, 0.0) + direct_rgb)))

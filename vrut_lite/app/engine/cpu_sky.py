@@ -17,7 +17,6 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.numeric_types import Vector
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
@@ -49,14 +48,11 @@ class CpuSkyBackend:
         return developed(radiance, state.exposure, state.camera.pixel_rad(len(radiance)))
 
     def _radiance(self, state: SceneState, size_px: tuple[int, int]) -> NDArray[np.float32]:
-        camera, background, sun = state.camera, state.background, state.key_light
+        camera, light = state.camera, state.sky_light
         assert camera is not None
-        assert background is not None
-        assert sun is not None
-        irradiance: Vector | None = sun.irradiance_rgb
-        if state.sky_light is not None:
-            background = state.sky_light.background
-            irradiance = background.seen_sun_irradiance_rgb
+        assert light is not None
+        background, sun = light.background, light.key_light
+        irradiance = background.seen_sun_irradiance_rgb or sun.irradiance_rgb
         assert isinstance(background.cube, Array)
         directions = pixel_rays(camera, size_px, *np.meshgrid(*map(np.arange, size_px)))
         cube = decode_float16(background.cube.values, background.radiance_scale)
