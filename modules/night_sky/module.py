@@ -10,6 +10,7 @@ import math
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from night_sky.settings import NightSkySettings
@@ -19,6 +20,7 @@ from vrut_lite.daylight.eye import eye_height_m
 from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import (
+    NO_ECLIPSE,
     SLOT,
     MoonDiscChanged,
     MoonLight,
@@ -126,6 +128,7 @@ class NightSky(Module):
                     NightLightChanged(instant=clock.instant, moon=None, glow_rgb=None, source=NAME)
                 )
                 self._post(_no_stars())
+                self._hide_disc()
             self._tell_path(clock.instant, None)
             return
         self._tell_path(clock.instant, place)
@@ -174,6 +177,16 @@ class NightSky(Module):
         else:
             self._post(stars_seen(seen.at, air, self._eye_m))
             self.ledger.did("stars")
+
+    def _hide_disc(self) -> None:
+        """Post the disc below the horizon, if it is shown."""
+        disc = self.link.last(MoonDiscChanged)
+        if self._disc_shown and disc is not None:
+            self._disc_shown = False
+            hidden = msgspec.structs.replace(
+                disc, direction=(0.0, -1.0, 0.0), sun_left_rgb=NO_ECLIPSE
+            )
+            self._post(hidden)
 
     def _tell_path(self, instant: datetime, place: SetPlace | None) -> None:
         """Post the moon's path of a date and a place; one without places where there is no night.

@@ -59,6 +59,10 @@ def backend(shared_gl_backend, box_file):
     return backend
 
 
+def show(backend, *parts):
+    backend.change(parts={type(part): part for part in parts})
+
+
 def picture(backend, target=(0.0, 40.0, -60.0), eye=(0.0, 10.0, 0.0)):
     return look(backend, eye, target, FIELD_RAD).radiance.astype(float)
 
@@ -69,14 +73,14 @@ def test_every_star_gives_the_picture_its_irradiance(backend):
     rng = np.random.default_rng(7)
     for elevation, azimuth in zip(rng.uniform(12, 40, 6), rng.uniform(-25, 25, 6), strict=True):
         direction = around([elevation], [azimuth])
-        backend.change(stars=stars_of(direction, [[3e-8, 2e-8, 1e-8]]))
+        show(backend, stars_of(direction, [[3e-8, 2e-8, 1e-8]]))
         seen = (picture(backend) * solid_angles()[..., None]).sum(axis=(0, 1))
         np.testing.assert_allclose(seen, [3e-8, 2e-8, 1e-8], rtol=0.005)
 
 
 @pytest.mark.gl
 def test_a_star_is_seen_where_it_stands(backend):
-    backend.change(stars=stars_of(around([26.565], [0.0]), [[1e-8] * 3]))
+    show(backend, stars_of(around([26.565], [0.0]), [[1e-8] * 3]))
     seen = picture(backend)[..., 1]
     row, column = np.unravel_index(seen.argmax(), seen.shape)
     assert abs(row - 59.5) <= 1.0
@@ -88,7 +92,7 @@ def test_a_star_is_seen_where_it_stands(backend):
 def test_surfaces_hide_stars_and_moon(backend):
     """The box fills the picture: nothing shines through."""
     stars = stars_of(around([1.0, 3.0], [0.0, 2.0]), np.full((2, 3), 1e-3))
-    backend.change(stars=stars, moon_disc=moon_at(around(2.0, 0.0), (0.0, 0.0, 1.0)))
+    show(backend, stars, moon_at(around(2.0, 0.0), (0.0, 0.0, 1.0)))
     seen = picture(backend, target=(0.0, 0.9, 0.0), eye=(0.0, 0.9, 1.5))
     assert seen.max() == 0.0
 
@@ -100,7 +104,7 @@ def test_the_moon_gives_the_picture_its_light_at_any_width(backend, radius):
     moon = moon_at(around(30.0, 5.0), (1.0, 0.3, 0.4), radius)
     air = np.linspace([0.4, 0.6, 0.8], [0.6, 0.8, 1.0], THROUGH_PLACES)
     moon = msgspec.structs.replace(moon, through_rgb=tuple(map(float, air.ravel())))
-    backend.change(moon_disc=moon)
+    show(backend, moon)
     seen = (picture(backend) * solid_angles()[..., None]).sum(axis=(0, 1))
     np.testing.assert_allclose(seen, moon_samples(moon)[1].sum(axis=0), rtol=0.02)
 
@@ -122,7 +126,7 @@ def test_the_setting_sun_is_flattened(backend, elevation, height):
 @pytest.mark.gl
 def test_a_half_moon_is_lit_on_the_suns_side(backend):
     """The sun to the right of the picture, at a right angle: the right half shines."""
-    backend.change(moon_disc=moon_at(around(26.565, 0.0), (1.0, 0.0, 0.0), radius=0.1))
+    show(backend, moon_at(around(26.565, 0.0), (1.0, 0.0, 0.0), radius=0.1))
     seen = picture(backend)[..., 1]
     assert seen[:, 82:].sum() > 100.0 * seen[:, :78].sum()
 

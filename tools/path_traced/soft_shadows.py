@@ -25,7 +25,7 @@ from tools.scenes.gltf_writer import GltfWriter
 from tools.scenes.shapes import box, polygon
 from vrut_lite.commands.engines import EngineHost
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.scene_state import NO_PARTS, SceneState
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
@@ -79,7 +79,7 @@ def state_of(project: Project) -> SceneState:
     try:
         host.inject(*daylight_inputs(project), *view_inputs(project))
         host.settle()
-        return replace(lit_by(host.state, "sun"), stars=None)
+        return replace(lit_by(host.state, "sun"), parts=NO_PARTS)
     finally:
         host.close()
 

@@ -1,8 +1,10 @@
 """The state of the scene that backends draw, as one frozen value."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any, Literal, Self
+from types import MappingProxyType
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 
@@ -10,7 +12,6 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.section import Section
@@ -20,8 +21,11 @@ from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
 
+D = TypeVar("D", bound=Derived)
+NO_PARTS: Mapping[type[Derived], Derived] = MappingProxyType({})
 Shown = Literal["picture", "illuminance", "texels", "noise"]
 _UP = np.array([0.0, 1.0, 0.0])
 # Below this irradiance (W m^-2) the quotient of ground radiance and irradiance is rounding.
@@ -60,8 +64,7 @@ class SceneState:
         background, key_light, ambient: of the clear sky; None before the first message.
         sky_light: of the clear sky and its layers; what lights the scene. None before the first
             of each of these messages.
-        stars: points of light in the sky; None where nobody tells of any.
-        moon_disc: the moon as it is seen; None where nobody tells of it.
+        parts: latest messages of the types that frame parts hear, by type.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
@@ -82,8 +85,7 @@ class SceneState:
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
     sky_light: SkyLightChanged | None = None
-    stars: StarsChanged | None = None
-    moon_disc: MoonDiscChanged | None = None
+    parts: Mapping[type[Derived], Derived] = field(default_factory=lambda: NO_PARTS)
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)
@@ -121,6 +123,12 @@ class SceneState:
         if known is None or (known.camera, known.size_px) != (self.camera, self.size_px):
             return None
         return known
+
+    def shown(self, kind: type[D]) -> D | None:
+        """The message of a type that frame parts hear, None if there is none."""
+        message = self.parts.get(kind)
+        assert message is None or isinstance(message, kind)
+        return message
 
     @property
     def missing(self) -> tuple[str, ...]:

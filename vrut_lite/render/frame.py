@@ -11,7 +11,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
+from vrut_lite.daylight.night import MoonDiscChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader, mean_level
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -35,6 +35,7 @@ from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.still_picture import StillPictures
 from vrut_lite.scene.backend import IsGivenUp
+from vrut_lite.scene.frame_part import Heard
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Slices of the filtered sky (of 24) in a frame that must not wait for them: a sixth of its time
@@ -95,13 +96,9 @@ class Frame:
         """Draw these clouds from the next frame on, from low to high."""
         self._passes.clouds.show(layers)
 
-    def show_stars(self, stars: StarsChanged | None) -> None:
-        """Draw these stars from the next frame on."""
-        self._passes.night.show_stars(stars)
-
-    def show_moon(self, moon: MoonDiscChanged | None) -> None:
-        """Draw this moon from the next frame on."""
-        self._passes.night.show_moon(moon)
+    def show_parts(self, heard: Heard) -> None:
+        """Let the modules' parts draw these messages from the next frame on."""
+        self._passes.parts.show(heard)
 
     def draw(
         self,
@@ -148,7 +145,7 @@ class Frame:
         air = self._air_before(scene, view, light, shadows.scene, state)
         with passes.measure("cloud shadows"):
             air = passes.clouds.prepare(scene, view, light, air, state.size_px, state.key_light)
-        disc = self._disc(light, state.key_light, state.moon_disc)
+        disc = self._disc(light, state.key_light, state.shown(MoonDiscChanged))
         shot = Shot(scene, seen, view, light, disc, shadows, reflection, air, state)
         return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
 
@@ -161,7 +158,7 @@ class Frame:
 
     def _disc(self, light: Light, key: KeyLightChanged, moon: MoonDiscChanged | None) -> SunDisc:
         # The moon has a face: it is drawn apart.
-        of_moon = key.body == "moon" and self._passes.night.has_moon
+        of_moon = key.body == "moon" and moon is not None
         sun = (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance
         return SunDisc(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
 

@@ -10,10 +10,10 @@ from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.clouds.frame_clouds import FrameClouds
+from vrut_lite.render.frame_parts import FrameParts
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
-from vrut_lite.render.passes.night_pass import NightPass
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.tone_pass import TonePass
 from vrut_lite.render.passes.view import View
@@ -59,7 +59,7 @@ class PicturePasses:
     patience: Patience
     meshes: MeshRenderer
     sky: SkyPass
-    night: NightPass
+    parts: FrameParts
     tone: TonePass
     surface_light: SurfaceLightOnGpu
     lamps: LampsOnGpu
@@ -77,7 +77,7 @@ class PicturePasses:
             patience,
             MeshRenderer(),
             SkyPass(context),
-            NightPass(context, ledger),
+            FrameParts(context, ledger),
             TonePass(context),
             SurfaceLightOnGpu(context),
             LampsOnGpu(context, ledger),
@@ -109,6 +109,6 @@ class PicturePasses:
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self.meshes.delete()
-        for thing in (self.sky, self.night, self.tone, self.surface_light, self.lamps,
+        for thing in (self.sky, self.parts, self.tone, self.surface_light, self.lamps,
                       self.backdrop, self.clouds):  # fmt: skip
             thing.release()

@@ -14,9 +14,8 @@ from vrut_lite.daylight.camera import MoveCamera, look_at, perspective, pixel_ra
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.scene_state import NO_PARTS, SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.kernel.ledger import Ledger
@@ -32,6 +31,7 @@ from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.surface_look_up import LitScene
 from vrut_lite.render.value_light import ValueLight, in_false_colours
 from vrut_lite.scene.backend import IsGivenUp
+from vrut_lite.scene.frame_part import Heard
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 
@@ -56,11 +56,11 @@ class PyrenderBackend:
             "clouds": self._upload_clouds,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
-            "stars": self._upload_stars,
-            "moon_disc": self._upload_moon,
+            "parts": self._upload_parts,
         }
         # The uploaded parts: a texture on the GPU is valid while its message is kept.
-        self._uploaded: dict[str, Any] = {**dict.fromkeys(self._uploads), "clouds": ()}
+        nothing = {**dict.fromkeys(self._uploads), "clouds": (), "parts": NO_PARTS}
+        self._uploaded: dict[str, Any] = nothing
         self._scene: PyrenderScene | None = None
         self._sky_texture: Any = None
         self._own_cube = _OwnCube()
@@ -203,11 +203,8 @@ class PyrenderBackend:
     def _upload_clouds(self, context: Any, layers: tuple[CloudLayer, ...]) -> None:
         self._frame.show_clouds(layers)
 
-    def _upload_stars(self, context: Any, stars: StarsChanged | None) -> None:
-        self._frame.show_stars(stars)
-
-    def _upload_moon(self, context: Any, moon: MoonDiscChanged | None) -> None:
-        self._frame.show_moon(moon)
+    def _upload_parts(self, context: Any, heard: Heard) -> None:
+        self._frame.show_parts(heard)
 
     def _upload_background(self, context: Any, background: BackgroundChanged) -> None:
         """Upload the cube map, or use the texture that is on the GPU already."""

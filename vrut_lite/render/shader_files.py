@@ -15,11 +15,11 @@ Defines = tuple[str, ...]
 
 
 @lru_cache(maxsize=32)
-def shader_source(name: str) -> str:
-    """The text of a shader; each line `//!include FILE` is replaced by that file or uniform
-    block."""
+def shader_source(name: str | Path) -> str:
+    """The text of a shader of ours or, by its path, of a module; each line `//!include FILE` is
+    replaced by that file of ours or uniform block."""
     if name in BLOCK_FILES:
-        return BLOCK_FILES[name].glsl()
+        return BLOCK_FILES[str(name)].glsl()
     text = (SHADERS / name).read_text()
     return _INCLUDE.sub(lambda found: shader_source(found.group(1)), text)
 

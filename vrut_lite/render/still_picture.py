@@ -148,8 +148,8 @@ class StillPictures:
             self._draw_meshes(targets, shot, solid, defines)
         if state.skips.sky:
             self._draw_sky(targets, shot)
-        with passes.measure("night"):
-            passes.night.draw(targets.size, shot.view)
+        with passes.measure("parts over the sky"):
+            passes.parts.draw_over_sky(targets.size, shot.view)
         with passes.measure("clouds"):
             passes.clouds.draw(shot.scene, targets, shot.view, shot.air, still, sample)
         if any(needs_backdrop(placed.primitive.material) for placed in blended):

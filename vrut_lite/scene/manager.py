@@ -1,6 +1,8 @@
 """The scene manager: opens scenes, demands light and air, and owns the `SceneState`."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -10,8 +12,6 @@ from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.night import SLOT as NIGHT
-from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
@@ -23,15 +23,17 @@ from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
-from vrut_lite.kernel.messages import ClockMoved, Demand, SlotChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
 from vrut_lite.scene.backend import SceneView
+from vrut_lite.scene.frame_part import heard_by_parts
 from vrut_lite.scene.loading import OpenScene
 from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
+Handler = Callable[[Any, Any], None]
 Animated = Literal["rest", "time", "clock"]
 
 
@@ -74,6 +76,17 @@ class SceneSettings(msgspec.Struct, frozen=True):
     ] = "below"
 
 
+def handles_each(kinds: Iterable[type[Derived]]) -> Callable[[Handler], Handler]:
+    """Mark a method as the handler of several message types."""
+
+    def mark(method: Handler) -> Handler:
+        for kind in kinds:
+            handles(kind)(method)
+        return method
+
+    return mark
+
+
 class SceneManager(Module):
     """Owns the state of a `SceneView`; draws nothing itself.
 
@@ -113,8 +126,8 @@ class SceneManager(Module):
         self._cut()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
-        self.link.demand(StarsChanged)
-        self.link.demand(MoonDiscChanged)
+        for part in heard_by_parts():
+            self.link.demand(part)
 
     @property
     def state(self) -> SceneState:
@@ -255,21 +268,10 @@ class SceneManager(Module):
         """Light and reflect with the sky and its layers."""
         self._change(sky_light=message)
 
-    @handles(NightLightChanged)
-    def on_night(self, message: NightLightChanged) -> None:
-        """A moon that lights nothing is not seen."""
-        if message.moon is None and self.state.moon_disc is not None:
-            self._change(moon_disc=None)
-
-    @handles(StarsChanged)
-    def on_stars(self, message: StarsChanged) -> None:
-        """Draw these points of light."""
-        self._change(stars=message)
-
-    @handles(MoonDiscChanged)
-    def on_moon_disc(self, message: MoonDiscChanged) -> None:
-        """Draw this moon."""
-        self._change(moon_disc=message)
+    @handles_each(heard_by_parts())
+    def on_part(self, message: Derived) -> None:
+        """Hand it to the frame part that hears it."""
+        self._change(parts=MappingProxyType({**self.state.parts, type(message): message}))
 
     @handles(AirChanged)
     def on_air(self, message: AirChanged) -> None:
@@ -322,14 +324,17 @@ class SceneManager(Module):
 
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
-        """Drop the air of a sky that no longer holds its slot, and light that nobody updates."""
+        """Drop the air of a sky that no longer holds its slot, and parts that nobody updates."""
         if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
             self._change(air=None)
-        elif message.name == NIGHT and message.holder == "":
-            self._change(stars=None, moon_disc=None)
         elif message.name == LightMapLaid.slot:
             self._has_light_map = message.holder != ""
             self._take_surface_light()
+        elif message.holder == "":
+            parts = self.state.parts.items()
+            kept = {kind: part for kind, part in parts if kind.slot != message.name}
+            if len(kept) < len(parts):
+                self._change(parts=MappingProxyType(kept))
 
     def _take_surface_light(self) -> None:
         laid, light = self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)

@@ -157,5 +157,5 @@ class _Stage:
         """Of the stars' pass, or of all others."""
         self._timer.spent.clear()
         self._host.draw()
-        of_stars = self._timer.spent.get("night", 0.0)
+        of_stars = self._timer.spent.get("parts over the sky", 0.0)
         return of_stars if stars else sum(self._timer.spent.values()) - of_stars

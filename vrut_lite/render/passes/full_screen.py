@@ -1,5 +1,6 @@
 """Programs that draw one triangle over the whole picture."""
 
+from pathlib import Path
 from typing import Any
 
 from vrut_lite.render.shader_files import Defines, defined, shader_source
@@ -9,7 +10,7 @@ from vrut_lite.render.unlocked import draw_triangle
 class FullScreen:
     """A fragment shader for every pixel; made and used on the GL thread only."""
 
-    def __init__(self, context: Any, fragment_shader: str, defines: Defines = ()):
+    def __init__(self, context: Any, fragment_shader: str | Path, defines: Defines = ()):
         self.program = context.program(
             vertex_shader=shader_source("full_screen.vert"),
             fragment_shader=defined(shader_source(fragment_shader), dict.fromkeys(defines, 1)),

@@ -4,10 +4,10 @@ Stars are points: each gives its light to the pixels around it, computed once a 
 samples it has, so that sum of radiance times solid angle is its irradiance.
 """
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from OpenGL import GL
 
 from vrut_lite.daylight.night import (
     EDGE_OVER_MIDDLE,
@@ -15,47 +15,60 @@ from vrut_lite.daylight.night import (
     MoonDiscChanged,
     StarsChanged,
 )
-from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.passes.view import View
-from vrut_lite.render.shader_files import shader_source
+from vrut_lite.scene.frame_part import FramePart, Heard, PartGl, PartView, Screen
 
+_SHADERS = Path(__file__).parent / "shaders"
 # Around the disc, for the pixels that it touches.
 _MARGIN_PX = 3.0
 # Of the disc, at least.
 _SAMPLES_ACROSS = 24
 
 
-class NightPass:
-    """Made and used on the GL thread; draws with reversed depth into the bound framebuffer."""
+class NightPart(FramePart):
+    """Draws the stars and the moon of the night."""
 
-    def __init__(self, context: Any, ledger: Ledger):
-        self._context, self._ledger = context, ledger
+    hears = (StarsChanged, MoonDiscChanged)
+
+    def __init__(self, gl: PartGl):
+        super().__init__(gl)
+        self._context, self._ledger = gl.context, gl.ledger
         self._program: Any = None
+        self._stars: StarsChanged | None = None
         self._points: Any = None
         self._buffer: Any = None
         self._count = 0
         self._moon: MoonDiscChanged | None = None
-        self._screen: FullScreen | None = None
+        self._screen: Screen | None = None
         self._albedo: Any = None
 
-    def show_stars(self, stars: StarsChanged | None) -> None:
-        """Draw these stars from the next frame on."""
+    def show(self, heard: Heard) -> None:
+        """Draw this night from the next picture on."""
+        stars, moon = heard.get(StarsChanged), heard.get(MoonDiscChanged)
+        if stars is not self._stars:
+            assert stars is None or isinstance(stars, StarsChanged)
+            self._stars = stars
+            self._show_stars(stars)
+        assert moon is None or isinstance(moon, MoonDiscChanged)
+        self._show_moon(moon)
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether there are stars, or a moon."""
+        return self._count > 0 or self._moon is not None
+
+    def _show_stars(self, stars: StarsChanged | None) -> None:
         self._release_points()
         if stars is None or stars.direction.shape[0] == 0:
             return
         if self._program is None:
-            self._program = self._context.program(
-                vertex_shader=shader_source("star.vert"), fragment_shader=shader_source("star.frag")
-            )
+            self._program = self.gl.program(_SHADERS / "star.vert", _SHADERS / "star.frag")
         points = np.concatenate([stars.direction.values, stars.irradiance_rgb.values], axis=1)
         self._buffer = self._context.buffer(np.ascontiguousarray(points, np.float32).tobytes())
         layout = (self._buffer, "3f 3f", "direction", "irradiance")
         self._points = self._context.vertex_array(self._program, [layout])
         self._count = len(points)
 
-    def show_moon(self, moon: MoonDiscChanged | None) -> None:
-        """Draw this disc from the next frame on."""
+    def _show_moon(self, moon: MoonDiscChanged | None) -> None:
         before, self._moon = self._moon, moon
         if moon is None or (before is not None and before.albedo is moon.albedo):
             return
@@ -67,30 +80,14 @@ class NightPass:
         self._albedo.filter = (self._context.LINEAR, self._context.LINEAR)
         self._albedo.repeat_y = False
 
-    @property
-    def has_moon(self) -> bool:
-        """Whether it draws a disc of its own, so that the key light's needs none."""
-        return self._moon is not None
-
-    def draw(self, size: tuple[int, int], view: View) -> None:
+    def draw_over_sky(self, size_px: tuple[int, int], view: PartView) -> None:
         """Add stars and moon where nothing was drawn but the sky."""
-        if not self._count and self._moon is None:
-            return
-        context = self._context
-        GL.glDepthFunc(GL.GL_GEQUAL)
-        context.enable(context.DEPTH_TEST | context.BLEND)
-        context.disable(context.CULL_FACE)
-        context.depth_mask = False
-        GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_ONE, GL.GL_ZERO, GL.GL_ONE)
         if self._count:
-            self._draw_stars(size, view)
+            self._draw_stars(size_px, view)
         if self._moon is not None:
-            self._draw_moon(self._moon, size, view)
-        context.disable(context.BLEND)
-        context.depth_mask = True
-        GL.glDepthFunc(GL.GL_GREATER)
+            self._draw_moon(self._moon, size_px, view)
 
-    def _draw_stars(self, size: tuple[int, int], view: View) -> None:
+    def _draw_stars(self, size: tuple[int, int], view: PartView) -> None:
         program = self._program
         program["clip_from_eye"].write(view.clip_from_eye.T.astype(np.float32).tobytes())
         program["size_px"].value = size
@@ -100,18 +97,17 @@ class NightPass:
         self._context.disable(self._context.PROGRAM_POINT_SIZE)
         self._ledger.did("star", self._count)
 
-    def _draw_moon(self, moon: MoonDiscChanged, size: tuple[int, int], view: View) -> None:
+    def _draw_moon(self, moon: MoonDiscChanged, size: tuple[int, int], view: PartView) -> None:
         box = _box(moon, size, view)
         if box is None:
             self._ledger.skip("moon: not in view")
             return
         if self._screen is None:
-            self._screen = FullScreen(self._context, "moon.frag")
+            self._screen = self.gl.screen(_SHADERS / "moon.frag")
         screen = self._screen
         middle = np.array(moon.direction)
         right = np.cross(middle, [0.0, 1.0, 0.0])
         right /= max(float(np.linalg.norm(right)), 1e-9)
-        screen.set("ray_from_clip", np.linalg.inv(view.clip_from_eye).T.ravel())
         screen.set("moon_direction", middle)
         screen.set("moon_right", right)
         screen.set("moon_upper", np.cross(right, middle))
@@ -135,10 +131,7 @@ class NightPass:
         screen.program["albedo"].value = 0
         wide_px = 2.0 * max(_focal_px(size, view)) * moon.angular_radius_rad
         screen.program["steps"].value = int(np.clip(_SAMPLES_ACROSS / wide_px, 2, _SAMPLES_ACROSS))
-        GL.glEnable(GL.GL_SCISSOR_TEST)
-        GL.glScissor(*box)
-        screen.draw()
-        GL.glDisable(GL.GL_SCISSOR_TEST)
+        screen.draw(view, box)
         self._ledger.did("moon")
 
     def release(self) -> None:
@@ -156,7 +149,7 @@ class NightPass:
         self._count = 0
 
 
-def _focal_px(size: tuple[int, int], view: View) -> tuple[float, float]:
+def _focal_px(size: tuple[int, int], view: PartView) -> tuple[float, float]:
     """Pixels per unit of slope, right and up."""
     return (
         0.5 * size[0] * float(view.projection[0, 0]),
@@ -165,7 +158,7 @@ def _focal_px(size: tuple[int, int], view: View) -> tuple[float, float]:
 
 
 def _box(
-    moon: MoonDiscChanged, size: tuple[int, int], view: View
+    moon: MoonDiscChanged, size: tuple[int, int], view: PartView
 ) -> tuple[int, int, int, int] | None:
     """Left, lower, width and height of the pixels around the disc; None where it is not seen."""
     x, y, _, w = view.clip_from_eye @ np.append(moon.direction, 0.0)

@@ -1,0 +1,108 @@
+"""What modules draw into the picture: over the sky alone, and never at the cost of the picture."""
+
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import numpy as np
+import pytest
+from box_stage import uniform_sky
+from scene_stage import light, look
+from stateful_backend import StatefulBackend, opened
+
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.scene import frame_part
+from vrut_lite.scene.frame_part import FramePart
+
+SIZE = 32, 24
+SHADER = """#version 430 core
+uniform vec3 glow;
+in vec3 ray;
+out vec4 frag_radiance;
+void main() { frag_radiance = vec4(ray.y > 0.0 ? glow : vec3(0.0), 0.0); }
+"""
+
+
+class GlowShown(Derived, frozen=True, kw_only=True):
+    """Radiance (3,) that a test's part adds above the horizon."""
+
+    glow: tuple[float, float, float]
+
+
+class Glow(FramePart):
+    """Adds it."""
+
+    hears = (GlowShown,)
+
+    def show(self, heard):
+        """Take the radiance."""
+        if not hasattr(self, "screen"):
+            self.screen = self.gl.screen(self.shader)
+        self.glow = heard[GlowShown].glow
+
+    def draw_over_sky(self, size_px, view):
+        """Add it everywhere."""
+        self.screen.set("glow", self.glow)
+        self.screen.draw(view)
+        self.gl.ledger.did("glow")
+
+    def release(self):
+        """Free the program."""
+        self.screen.release()
+
+
+class Broken(FramePart):
+    """Raises when it draws."""
+
+    hears = (GlowShown,)
+
+    def draw_over_sky(self, size_px, view):
+        """Fail."""
+        raise ZeroDivisionError("no glow")
+
+
+@pytest.fixture
+def glowing(gl_owner, box_file, tmp_path, monkeypatch):
+    """A backend with both parts installed, and the box under a black sky."""
+    Glow.shader = Path(tmp_path / "glow.frag")
+    Glow.shader.write_text(SHADER)
+    points = [
+        EntryPoint(name, f"{__name__}:{name}", frame_part.GROUP) for name in ("Broken", "Glow")
+    ]
+    monkeypatch.setattr(frame_part, "entry_points", lambda group: points)
+    frame_part.frame_parts.cache_clear()
+    backend = PyrenderBackend(gl_owner)
+    stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
+    light(stage, uniform_sky(0.0), sun_irradiance=(0.0,) * 3)
+    yield stage
+    backend.close()
+    frame_part.frame_parts.cache_clear()
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("still", [True, False])
+def test_a_part_adds_to_the_sky_alone(glowing, still):
+    """Above the horizon its radiance, below it and on the box nothing; in motion as at rest."""
+    glowing.change(parts={GlowShown: GlowShown(glow=(3.0, 2.0, 1.0))})
+    up = look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0), still=still).radiance
+    np.testing.assert_allclose(up, np.broadcast_to([3.0, 2.0, 1.0], up.shape), rtol=1e-6)
+    box = look(glowing, (0.0, 1.0, 2.0), (0.0, 1.0, 0.0), still=still).radiance
+    assert box.max() == 0.0
+
+
+@pytest.mark.gl
+def test_a_part_that_raises_is_left_out_and_named_once(glowing, caplog):
+    """The other part and the picture stay."""
+    for glow in (1.0, 2.0):
+        glowing.change(parts={GlowShown: GlowShown(glow=(glow,) * 3)})
+        assert look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0)).radiance.max() == glow
+    assert [record.getMessage() for record in caplog.records] == [
+        "Broken is left out of pictures: ZeroDivisionError: no glow"
+    ]
+
+
+@pytest.mark.gl
+def test_a_part_without_messages_is_not_made(glowing):
+    """Nobody posts: no program is compiled, nothing is drawn."""
+    look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0))
+    assert glowing.ledger.done["glow"] == 0

@@ -1,0 +1,120 @@
+"""The modules' parts of the frame: made, shown their messages and drawn, on the GL thread."""
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from OpenGL import GL
+
+from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.render.passes.full_screen import FullScreen
+from vrut_lite.render.passes.view import View
+from vrut_lite.render.shader_files import shader_source
+from vrut_lite.scene.frame_part import FramePart, Heard, PartView, frame_parts
+
+_log = logging.getLogger(__name__)
+
+
+class FrameParts:
+    """One of each installed part."""
+
+    def __init__(self, context: Any, ledger: Ledger):
+        self._context = context
+        self._gl = _Gl(context, ledger)
+        self._types = frame_parts()
+        # Parts are made when they first have something to show.
+        self._parts: dict[str, FramePart] = {}
+        self._heard: dict[str, Heard] = {}
+        self._failed: set[str] = set()
+
+    def show(self, heard: Heard) -> None:
+        """Draw these messages from the next picture on."""
+        for name, part_type in self._types.items():
+            own = {kind: heard[kind] for kind in part_type.hears if kind in heard}
+            before = self._heard.get(name, {})
+            if own.keys() == before.keys() and all(own[kind] is before[kind] for kind in own):
+                continue
+            self._heard[name] = own
+            if name not in self._parts and name not in self._failed:
+                self._do(name, lambda name=name: self._make(name))  # type: ignore[misc]
+            if name in self._parts:
+                self._do(name, lambda name=name, own=own: self._parts[name].show(own))  # type: ignore[misc]
+
+    def _make(self, name: str) -> None:
+        self._parts[name] = self._types[name](self._gl)
+
+    @property
+    def are_seen(self) -> bool:
+        """Whether any part has something to draw."""
+        return any(part.is_seen for part in self._parts.values())
+
+    def draw_over_sky(self, size_px: tuple[int, int], view: View) -> None:
+        """Add what parts draw where nothing was drawn but the sky; depth is reversed."""
+        seen = [name for name, part in self._parts.items() if part.is_seen]
+        if not seen:
+            return
+        context = self._context
+        GL.glDepthFunc(GL.GL_GEQUAL)
+        context.enable(context.DEPTH_TEST | context.BLEND)
+        context.disable(context.CULL_FACE)
+        context.depth_mask = False
+        GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_ONE, GL.GL_ZERO, GL.GL_ONE)
+        for name in seen:
+            part = self._parts[name]
+            self._do(name, lambda part=part: part.draw_over_sky(size_px, view))  # type: ignore[misc]
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        context.disable(context.BLEND)
+        context.depth_mask = True
+        GL.glDepthFunc(GL.GL_GREATER)
+
+    def _do(self, name: str, work: Callable[[], None]) -> None:
+        """Do a part's work; one that raises is left out from now on."""
+        try:
+            work()
+        except BaseException as error:
+            pass_interrupt(error)
+            self._parts.pop(name, None)
+            self._failed.add(name)
+            _log.warning("%s is left out of pictures: %s", name, sentence_of(error))
+
+    def release(self) -> None:
+        """Free all GL objects."""
+        for name, part in list(self._parts.items()):
+            self._do(name, part.release)
+
+
+class _Gl:
+    """The renderer's side of a part; see `PartGl`."""
+
+    def __init__(self, context: Any, ledger: Ledger):
+        self.context, self.ledger = context, ledger
+
+    def screen(self, fragment_shader: Path) -> "_PartScreen":
+        """A program of a module's own shader."""
+        return _PartScreen(self.context, fragment_shader)
+
+    def program(self, vertex_shader: Path, fragment_shader: Path) -> Any:
+        """moderngl's program of a module's own shaders."""
+        return self.context.program(
+            vertex_shader=shader_source(vertex_shader),
+            fragment_shader=shader_source(fragment_shader),
+        )
+
+
+class _PartScreen(FullScreen):
+    """A shader for every pixel that knows its ray."""
+
+    def draw(  # type: ignore[override]
+        self, view: PartView, box_px: tuple[int, int, int, int] | None = None
+    ) -> None:
+        """Draw into the bound framebuffer, or a box of it: left, lower, width and height."""
+        self.set("ray_from_clip", np.linalg.inv(view.clip_from_eye).T.ravel())
+        if box_px is not None:
+            GL.glEnable(GL.GL_SCISSOR_TEST)
+            GL.glScissor(*box_px)
+        super().draw()
+        GL.glDisable(GL.GL_SCISSOR_TEST)
