@@ -137,9 +137,8 @@ class NightPart(FramePart):
     def release(self) -> None:
         """Free the GL objects."""
         self._release_points()
-        for thing in (self._program, self._screen, self._albedo):
-            if thing is not None:
-                thing.release()
+        if self._albedo is not None:
+            self._albedo.release()
 
     def _release_points(self) -> None:
         for thing in (self._points, self._buffer):

@@ -48,7 +48,7 @@ from vrut_lite.daylight.sky import (
     SpectrumSeen,
     ViewShader,
 )
-from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sky_light import SkyGlowAdded, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
@@ -243,6 +243,9 @@ SOUND = [
     ),
     StillAsked(camera=VIEW_LIGHT.camera, size_px=(16, 9)),
     VIEW_LIGHT,
+    SkyGlowAdded(
+        glow_rgb=Array(np.ones((4, 8, 3), np.float32)), of_slot="aurora", source="aurora"
+    ),
     SkyLightChanged(
         background=BackgroundChanged(
             cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"

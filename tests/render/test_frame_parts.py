@@ -46,10 +46,6 @@ class Glow(FramePart):
         self.screen.draw(view)
         self.gl.ledger.did("glow")
 
-    def release(self):
-        """Free the program."""
-        self.screen.release()
-
 
 class Broken(FramePart):
     """Raises when it draws."""

@@ -1,6 +1,8 @@
 """The complete light of the sky: the clear sky's, changed by the layers before it."""
 
 from vrut_lite import checks
+from vrut_lite.array import Array
+from vrut_lite.daylight.limits import MOST_LIGHT
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.messages import Derived
@@ -9,11 +11,41 @@ from vrut_lite.kernel.messages import Derived
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
+class SkyGlowAdded(Derived, frozen=True, kw_only=True):
+    """Light that a module adds to the clear sky, above its clouds.
+
+    Attributes:
+        glow_rgb: radiance (rows, columns, 3) float32 of the upper hemisphere, laid out as
+            `NightLightChanged.glow_rgb`; None to add no more.
+        of_slot: a slot that the module holds; the glow goes when nobody holds it.
+        source: the module.
+    """
+
+    glow_rgb: Array | None
+    of_slot: str
+    source: str
+
+    def key(self) -> str:
+        """Glows of several modules wait side by side."""
+        return self.source
+
+    def check(self) -> None:
+        """A map of the hemisphere."""
+        if self.glow_rgb is not None:
+            checks.arrays(self, {"glow_rgb": ("<f4", ("rows", "columns", 3))})
+        checks.text(self, "of_slot", "source")
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        if self.glow_rgb is not None:
+            checks.contents(self, "glow_rgb", 0.0, MOST_LIGHT)
+
+
 class SkyLightChanged(Derived, frozen=True, kw_only=True):
     """All light of the sky: the one message for consumers that light with it.
 
-    The holder of the slot `sky` posts the clear sky; layers (clouds) absorb and add light; `layers`
-    names them. Without layers the parts are the clear sky's own messages.
+    The holder of the slot `sky` posts the clear sky; layers (glows, clouds) absorb and add light;
+    `layers` names them. Without layers the parts are the clear sky's own messages.
 
     Attributes:
         background: the sky from the eye's height, for display. With layers its cube is an array,

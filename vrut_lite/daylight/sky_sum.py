@@ -1,17 +1,19 @@
 """The module that posts the complete light of the sky, for all consumers."""
 
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
 import numpy as np
 
 from vrut_lite import __version__
+from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
-from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyGlowAdded, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
@@ -34,9 +36,9 @@ class SumOutdated(Derived, frozen=True, kw_only=True):
 class SkySum(Module):
     """Posts `SkyLightChanged` where it is wanted.
 
-    Without clouds its parts are the clear sky's own messages, in the same transaction; with clouds
-    a background job sums. The ledger counts "sum" posted, and skips "sum: no layers", "sum:
-    unwanted" and "sum: no change to be seen".
+    Without layers its parts are the clear sky's own messages, in the same transaction; with clouds
+    or a glow (`SkyGlowAdded`) a background job sums. The ledger counts "sum" posted, and skips
+    "sum: no layers", "sum: unwanted" and "sum: no change to be seen".
     """
 
     speaks = (SumOutdated,)
@@ -50,6 +52,8 @@ class SkySum(Module):
         # Sources of the latest sum, posted or under way.
         self._made_from: tuple[Any, ...] = ()
         self._layers: tuple[CloudLayer, ...] = ()
+        # Glows by the modules that add them.
+        self._glows: dict[str, SkyGlowAdded] = {}
         self._height_m = 0.0
 
     # --- what it is made from ------------------------------------------------------------
@@ -70,11 +74,28 @@ class SkySum(Module):
         self._want_sky()
         self.link.post(SumOutdated())
 
+    @handles(SkyGlowAdded)
+    def on_glow(self, message: SkyGlowAdded) -> None:
+        """A module's glow is another, or gone."""
+        self._glows[message.source] = message
+        self._keep_glows(lambda glow: glow.glow_rgb is not None)
+
+    @handles(SlotChanged)
+    def on_slot(self, message: SlotChanged) -> None:
+        """Glows of a slot that nobody holds are gone."""
+        if message.holder == "":
+            self._keep_glows(lambda glow: glow.of_slot != message.name)
+        self.link.post(SumOutdated())
+
+    def _keep_glows(self, is_kept: Callable[[SkyGlowAdded], bool]) -> None:
+        self._glows = {source: glow for source, glow in self._glows.items() if is_kept(glow)}
+        self._want_sky()
+        self.link.post(SumOutdated())
+
     @handles(BackgroundChanged)
     @handles(KeyLightChanged)
     @handles(AmbientChanged)
     @handles(SkyRadianceChanged)
-    @handles(SlotChanged)
     @handles(SceneOpened)
     @handles(SceneNeeds)
     @handles(MoveCamera)
@@ -99,7 +120,7 @@ class SkySum(Module):
 
     def _want_sky(self) -> None:
         """Demand the clear sky; nothing is read back from the GPU, so it is made as an array."""
-        wanted, exact = self._wanted, bool(self._clouds())
+        wanted, exact = self._wanted, bool(self._clouds() or self._glows)
         for kind in LIGHT:
             size = 0 if wanted is None else wanted.size
             self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
@@ -129,7 +150,7 @@ class SkySum(Module):
             source=NAME,
         )
         layers = self._clouds()
-        if not layers:
+        if not layers and not self._glows:
             self._post_clear(clear)
         elif radiance is not None and not isinstance(background.cube, GpuTexture):
             self._start(layers, clear)
@@ -153,7 +174,8 @@ class SkySum(Module):
         layers, scene = self._unless_unseen(layers), self.link.last(SceneOpened)
         self._height_m = self._seen_from(layers)
         size = self._wanted.size or CUBE_SIZE
-        made_from = (*_parts(clear), layers, scene, self._height_m, size)
+        glows = tuple(glow.glow_rgb for glow in self._glows.values() if glow.glow_rgb is not None)
+        made_from = (*_parts(clear), layers, scene, self._height_m, size, *glows)
         if _same(made_from, self._made_from):
             self.ledger.skip("sum: no change to be seen")
             return
@@ -161,7 +183,7 @@ class SkySum(Module):
         middle_m, half_width_m = _square(scene)
         eye_m = (middle_m[0], self._height_m, middle_m[2])
         self.link.start_job(
-            JOB, sum_up, layers, clear, eye_m, middle_m, half_width_m, size, role="awaited"
+            JOB, sum_up, layers, glows, clear, eye_m, middle_m, half_width_m, size, role="awaited"
         )
 
     def _unless_unseen(self, layers: tuple[CloudLayer, ...]) -> tuple[CloudLayer, ...]:
@@ -183,6 +205,8 @@ class SkySum(Module):
         needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
         height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
         height_m = max(height_m, 0.0)
+        if not layers:
+            return 0.0
         levels_m = [level for layer in layers for level in (layer.base_m, layer.top_m)]
         distance_m = max(min(abs(level - height_m) for level in levels_m), _LEAST_DISTANCE_M)
         risen_m = abs(height_m - self._height_m)
@@ -195,6 +219,7 @@ class SkySum(Module):
 
 def sum_up(
     layers: tuple[CloudLayer, ...],
+    glows: tuple[Array, ...],
     clear: SkyLightChanged,
     eye_m: Vector,
     middle_m: Vector,
@@ -202,9 +227,14 @@ def sum_up(
     size: int,
 ) -> SkyLightChanged:
     """The background job."""
-    # Imported here because it imports numba, which is needed only if there are clouds.
+    # Imported here because they import numba, which is needed only if there are layers.
+    from vrut_lite.daylight.sky_glow import with_glow
     from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
 
+    for glow in glows:
+        clear = with_glow(clear, glow, NAME)
+    if not layers:
+        return clear
     view = Viewpoint(eye_m, middle_m, half_width_m)
     return light_under_clouds(layers, clear, view, size, NAME)
 

@@ -20,7 +20,7 @@ from vrut_lite.daylight.sky import (
     SkyRadianceChanged,
     SpectrumSeen,
 )
-from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sky_light import SkyGlowAdded, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
@@ -52,6 +52,7 @@ DERIVED: tuple[type[Derived], ...] = (
     CloudsChanged,
     AmbientChanged,
     SkyRadianceChanged,
+    SkyGlowAdded,
     SkyLightChanged,
     GpuJob,
     LightMapLaid,

@@ -90,11 +90,11 @@ class Link(Protocol):
         """Forget the running and the waiting job of a name: neither brings a result."""
 
 
-def handles(message_type: type[Message]) -> Callable[[Handler], Handler]:
-    """Mark a method as the handler of a message type (that very type, not its subclasses)."""
+def handles(*message_types: type[Message]) -> Callable[[Handler], Handler]:
+    """Mark a method as the handler of message types (those very types, not their subclasses)."""
 
     def mark(method: Handler) -> Handler:
-        method.__dict__.setdefault("handled_types", []).append(message_type)
+        method.__dict__.setdefault("handled_types", []).extend(message_types)
         return method
 
     return mark

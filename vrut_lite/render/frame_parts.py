@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +24,11 @@ class FrameParts:
     """One of each installed part."""
 
     def __init__(self, context: Any, ledger: Ledger):
-        self._context = context
-        self._gl = _Gl(context, ledger)
+        self._context, self._ledger = context, ledger
         self._types = frame_parts()
         # Parts are made when they first have something to show.
         self._parts: dict[str, FramePart] = {}
+        self._made: dict[str, _Gl] = {}
         self._heard: dict[str, Heard] = {}
         self._failed: set[str] = set()
 
@@ -39,13 +40,14 @@ class FrameParts:
             if own.keys() == before.keys() and all(own[kind] is before[kind] for kind in own):
                 continue
             self._heard[name] = own
-            if name not in self._parts and name not in self._failed:
-                self._do(name, lambda name=name: self._make(name))  # type: ignore[misc]
-            if name in self._parts:
-                self._do(name, lambda name=name, own=own: self._parts[name].show(own))  # type: ignore[misc]
+            if name not in self._failed:
+                self._do(name, partial(self._show, name, own))
 
-    def _make(self, name: str) -> None:
-        self._parts[name] = self._types[name](self._gl)
+    def _show(self, name: str, heard: Heard) -> None:
+        if name not in self._parts:
+            self._made[name] = _Gl(self._context, self._ledger)
+            self._parts[name] = self._types[name](self._made[name])
+        self._parts[name].show(heard)
 
     @property
     def are_seen(self) -> bool:
@@ -54,7 +56,7 @@ class FrameParts:
 
     def draw_over_sky(self, size_px: tuple[int, int], view: View) -> None:
         """Add what parts draw where nothing was drawn but the sky; depth is reversed."""
-        seen = [name for name, part in self._parts.items() if part.is_seen]
+        seen = {name: part for name, part in self._parts.items() if part.is_seen}
         if not seen:
             return
         context = self._context
@@ -63,9 +65,8 @@ class FrameParts:
         context.disable(context.CULL_FACE)
         context.depth_mask = False
         GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_ONE, GL.GL_ZERO, GL.GL_ONE)
-        for name in seen:
-            part = self._parts[name]
-            self._do(name, lambda part=part: part.draw_over_sky(size_px, view))  # type: ignore[misc]
+        for name, part in seen.items():
+            self._do(name, partial(part.draw_over_sky, size_px, view))
         GL.glDisable(GL.GL_SCISSOR_TEST)
         context.disable(context.BLEND)
         context.depth_mask = True
@@ -85,6 +86,8 @@ class FrameParts:
         """Free all GL objects."""
         for name, part in list(self._parts.items()):
             self._do(name, part.release)
+        for made in self._made.values():
+            made.release()
 
 
 class _Gl:
@@ -92,17 +95,27 @@ class _Gl:
 
     def __init__(self, context: Any, ledger: Ledger):
         self.context, self.ledger = context, ledger
+        self._made: list[Any] = []
 
     def screen(self, fragment_shader: Path) -> "_PartScreen":
         """A program of a module's own shader."""
-        return _PartScreen(self.context, fragment_shader)
+        screen = _PartScreen(self.context, fragment_shader)
+        self._made.append(screen)
+        return screen
 
     def program(self, vertex_shader: Path, fragment_shader: Path) -> Any:
         """moderngl's program of a module's own shaders."""
-        return self.context.program(
+        program = self.context.program(
             vertex_shader=shader_source(vertex_shader),
             fragment_shader=shader_source(fragment_shader),
         )
+        self._made.append(program)
+        return program
+
+    def release(self) -> None:
+        """Free all programs."""
+        for thing in self._made:
+            thing.release()
 
 
 class _PartScreen(FullScreen):

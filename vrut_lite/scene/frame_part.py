@@ -28,19 +28,19 @@ _log = logging.getLogger(__name__)
 
 
 class PartView(Protocol):
-    """From where a picture is seen.
-
-    Attributes:
-        eye_m: the eye (3,), world axes.
-        projection: clip space from the camera's axes (4, 4); depth is reversed.
-        clip_from_eye: clip space from positions relative to the eye, in world axes (4, 4).
-    """
-
-    eye_m: NDArray[np.float64]
-    projection: NDArray[np.float64]
+    """The camera of a picture."""
 
     @property
-    def clip_from_eye(self) -> NDArray[np.float64]: ...  # noqa: D102
+    def eye_m(self) -> NDArray[np.float64]:
+        """The eye (3,), world axes."""
+
+    @property
+    def projection(self) -> NDArray[np.float64]:
+        """Matrix (4, 4) from the camera's axes to clip space; depth is reversed."""
+
+    @property
+    def clip_from_eye(self) -> NDArray[np.float64]:
+        """Matrix (4, 4) from positions relative to the eye, in world axes, to clip space."""
 
 
 class Screen(Protocol):
@@ -54,12 +54,9 @@ class Screen(Protocol):
     def draw(self, view: PartView, box_px: tuple[int, int, int, int] | None = None) -> None:
         """Draw into the bound framebuffer, or a box of it: left, lower, width and height."""
 
-    def release(self) -> None:
-        """Free the GL objects."""
-
 
 class PartGl(Protocol):
-    """The renderer's side of a part.
+    """The renderer's side of a part; it frees what it made when the part goes.
 
     Attributes:
         context: moderngl's context.
@@ -103,7 +100,7 @@ class FramePart:
         """
 
     def release(self) -> None:
-        """Free the GL objects."""
+        """Free the GL objects that the part made by itself."""
 
 
 @cache

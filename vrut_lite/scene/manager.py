@@ -1,6 +1,5 @@
 """The scene manager: opens scenes, demands light and air, and owns the `SceneState`."""
 
-from collections.abc import Callable, Iterable
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
@@ -33,7 +32,6 @@ from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
-Handler = Callable[[Any, Any], None]
 Animated = Literal["rest", "time", "clock"]
 
 
@@ -74,17 +72,6 @@ class SceneSettings(msgspec.Struct, frozen=True):
     section_keeps: Annotated[
         Side, setting("Which side of the cut is seen, by the axis's values")
     ] = "below"
-
-
-def handles_each(kinds: Iterable[type[Derived]]) -> Callable[[Handler], Handler]:
-    """Mark a method as the handler of several message types."""
-
-    def mark(method: Handler) -> Handler:
-        for kind in kinds:
-            handles(kind)(method)
-        return method
-
-    return mark
 
 
 class SceneManager(Module):
@@ -268,7 +255,7 @@ class SceneManager(Module):
         """Light and reflect with the sky and its layers."""
         self._change(sky_light=message)
 
-    @handles_each(heard_by_parts())
+    @handles(*heard_by_parts())
     def on_part(self, message: Derived) -> None:
         """Hand it to the frame part that hears it."""
         self._change(parts=MappingProxyType({**self.state.parts, type(message): message}))

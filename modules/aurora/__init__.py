@@ -1,0 +1,1 @@
+"""Northern and southern lights."""
