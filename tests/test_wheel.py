@@ -14,6 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PACKAGES = {
+    "aurora": ROOT / "modules" / "aurora",
     "vrut_lite": ROOT / "vrut_lite",
     "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
     "clouds": ROOT / "modules" / "clouds",

@@ -133,6 +133,7 @@ def test_play_lets_time_go_by_at_the_chosen_speed_and_pause_stops_it(driver, qtb
 def test_a_setting_that_a_hand_drags_searches_the_suns_day_when_it_rests(driver, monkeypatch):
     """Once for all its moves: the search takes longer than a picture."""
     scout, searched = driver.window.desk.scout, []
+    scout._rest.setInterval(60_000)
     monkeypatch.setattr(scout, "_search", lambda second, wanted: searched.append(wanted))
     for turbidity in (3.0, 3.5, 4.0):
         driver.session.send(
