@@ -11,7 +11,7 @@ from stateful_backend import opened
 @pytest.mark.gl
 @pytest.mark.parametrize("eye_m", [2.0, 9_000.0, 420_000.0])
 def test_the_frame_shows_what_the_twin_computes(shared_gl_backend, box_file, eye_m):
-    """From the ground, an aircraft and a station; to 4 % of the brightest pixel, 1 % in the mean."""
+    """From the ground, an aircraft and a station; to 4 % of the brightest, 1 % in the mean."""
     band = AuroraShown(
         poleward=(0.0, 0.0, -1.0), edge_km=40.0, width_km=300.0, lean=0.2, kilorayleigh=100.0,
         haze=0.1, phases=phases_at(3000.0), source="test",
