@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.solver import SourceField, ground_irradiance
 from bruneton_sky.solver.grid import SunGrid
 from vrut_lite.geometry.colour import rgb_from_spectrum

@@ -7,7 +7,8 @@ where a path is still exact. Optical depth is a coefficient times a path.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bruneton_sky.geometry import Ray
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from vrut_lite.numeric_types import FloatArray
 
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(3)
@@ -87,3 +88,32 @@ def jacobian(ray: Ray, y: FloatArray) -> FloatArray:
     p = ray.perigee_radius_m
     squared = y * y + 2.0 * p
     return 2.0 * (y * y + p) / np.sqrt(np.where(squared > 0, squared, 1.0))
+
+
+def optical_depth_to_top(
+    atmosphere: Atmosphere, altitude_m: ArrayLike, mu: ArrayLike
+) -> FloatArray:
+    """Optical depth (..., C) to the top of the atmosphere, as if there were no ground.
+
+    Whether the ground is in the way is asked elsewhere, once: asked here again, rounding
+    would cut short the rays that graze it.
+    """
+    ray = make_ray(atmosphere.ground_radius_m, altitude_m, mu)
+    top = atmosphere.top_altitude_m
+    return optical_depth(atmosphere, ray, np.asarray(top), y_at_top(ray, top))
+
+
+def optical_depth(
+    atmosphere: Atmosphere, ray: Ray, end_altitude_m: FloatArray, end_y: FloatArray
+) -> FloatArray:
+    """Optical depth (..., C) from a ray's start to a point on it."""
+    depth = np.zeros((*np.broadcast(ray.y, end_y).shape, len(atmosphere.wavelength_nm)))
+    for kind in atmosphere.scatterers():
+        if kind.extinction.any():
+            path = exponential_path(ray, end_altitude_m, end_y, kind.scale_height_m)
+            depth += path[..., None] * kind.extinction
+    if any(atmosphere.absorption_extinction):
+        layers = atmosphere.absorber_altitude_m, atmosphere.absorber_density
+        absorbed = layered_path(ray, end_y, *layers)
+        depth += absorbed[..., None] * np.asarray(atmosphere.absorption_extinction)
+    return depth

@@ -21,9 +21,9 @@ from bruneton_sky.geometry import (
     make_ray,
     y_along,
 )
+from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
 from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
-from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.delta_m import forward_shares

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from bruneton_sky.reference.air_exact import light_before
+from bruneton_sky.published.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.reference.pipeline.pipeline import run_pipeline
+from bruneton_sky.published.pipeline.pipeline import run_pipeline
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables
 from numpy.typing import NDArray

@@ -1,7 +1,7 @@
 """Tables of any sizes, filled by the solver only at the nodes that are looked at."""
 
 import numpy as np
-from bruneton_sky.precompute import transmittance_table
+from bruneton_sky.published.precompute import transmittance_table
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view_kernels import march_rays

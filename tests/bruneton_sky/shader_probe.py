@@ -2,7 +2,7 @@
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.reference.gpu_single_scattering import atmosphere_uniforms, quadrature_uniforms
+from bruneton_sky.published.gpu_single_scattering import atmosphere_uniforms, quadrature_uniforms
 from bruneton_sky.shader_source import expand_includes
 from numpy.typing import NDArray
 
@@ -51,7 +51,7 @@ class ShaderProbe:
     def _run(self, context, body, uniforms, rays):
         if body not in self._programs:
             self._programs[body] = context.compute_shader(
-                expand_includes(PREAMBLE + body, "bruneton_sky.reference")
+                expand_includes(PREAMBLE + body, "bruneton_sky.published")
             )
         program = self._programs[body]
         for name, value in uniforms.items():

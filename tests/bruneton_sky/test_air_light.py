@@ -9,10 +9,10 @@ from bruneton_sky.air_volume import AirSizes, air_is_seen, air_volume
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import altitude_along
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.reference.air_exact import depth_along, light_before
-from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+from bruneton_sky.published.air_exact import depth_along, light_before
+from bruneton_sky.published.monte_carlo import monte_carlo_radiance
+from bruneton_sky.published.single_scattering import scattered_without_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from bruneton_sky.single_scattering import scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver.view import multiple_scattering

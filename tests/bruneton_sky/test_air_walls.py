@@ -5,7 +5,7 @@ import pytest
 from air_truth import WALLS_M, exactly, field, found, towards, white_wall
 from bruneton_sky.air_volume import air_volume
 from bruneton_sky.geometry import altitude_along
-from bruneton_sky.precompute import march_tables
+from bruneton_sky.published.precompute import march_tables
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables
 from long_parameters import mostly_long

@@ -14,8 +14,8 @@ from bruneton_sky.background import (
 )
 from bruneton_sky.geometry import distance_to_ground, end_of_ray, horizon_mu, make_ray
 from bruneton_sky.ground_light import GroundLight, ground_radiance
+from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, multiple_scattering, real_time_sizes, solve

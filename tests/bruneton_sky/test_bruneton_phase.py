@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.phase import henyey_greenstein_phase, mie_phase, mie_phase_parameters
-from bruneton_sky.single_scattering import scattered_without_phase
+from bruneton_sky.published.single_scattering import scattered_without_phase
 
 from vrut_lite.daylight.aerosol import cornette_shanks_phase
 

@@ -7,15 +7,12 @@ import pytest
 from bruneton_sky import Atmosphere, earth_spectral, precompute, single_scattering
 from bruneton_sky.atmosphere import KOSCHMIEDER
 from bruneton_sky.geometry import horizon_mu, make_ray, y_at_top
-from bruneton_sky.precompute import march_tables, transmittance_table
+from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
+from bruneton_sky.published.pipeline.pipeline import run_pipeline
+from bruneton_sky.published.precompute import march_tables, transmittance_table
+from bruneton_sky.published.single_scattering import scattered_without_phase
 from bruneton_sky.raised_ground import raise_ground
-from bruneton_sky.reference.pipeline.pipeline import run_pipeline
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
-from bruneton_sky.single_scattering import (
-    optical_depth,
-    optical_depth_to_top,
-    scattered_without_phase,
-)
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import solve
 from bruneton_sky.sun_light import sun_irradiance

@@ -12,8 +12,7 @@ from bruneton_sky.geometry import (
     end_of_ray,
     make_ray,
 )
-from bruneton_sky.optical_path import exponential_path, layered_path
-from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.optical_path import exponential_path, layered_path, optical_depth_to_top
 from scipy.integrate import quad
 
 HEIGHTS_M = (0.0, 1.7, 3000.0, 25_000.0, 59_000.0)

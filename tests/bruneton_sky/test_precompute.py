@@ -8,9 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, TableSizes, precompute, solve
-from bruneton_sky.precompute import VERSION, transmittance_table
-from bruneton_sky.reference.pipeline.first_order import transmittance
-from bruneton_sky.reference.pipeline.setting import Setting
+from bruneton_sky.published.pipeline.first_order import transmittance
+from bruneton_sky.published.pipeline.setting import Setting
+from bruneton_sky.published.precompute import VERSION, transmittance_table
 
 from vrut_lite.array_cache import ArrayCache
 

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.optical_path import optical_depth_to_top
+from bruneton_sky.published.single_scattering import single_scattering
 from bruneton_sky.raised_ground import raise_ground
-from bruneton_sky.single_scattering import optical_depth_to_top, single_scattering
 
 
 @pytest.mark.parametrize("ground_m", [-430.0, 0.0, 1600.0, 14_000.0, 45_000.0])

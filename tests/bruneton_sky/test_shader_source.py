@@ -4,10 +4,10 @@ import re
 
 import pytest
 from bruneton_sky.path_kernels import ERFCX
-from bruneton_sky.reference.gpu_single_scattering import MOST_ABSORBER_NODES, MOST_GAUSS_NODES
+from bruneton_sky.published.gpu_single_scattering import MOST_ABSORBER_NODES, MOST_GAUSS_NODES
 from bruneton_sky.shader_source import expand_includes, shader_source
 
-REFERENCE = "bruneton_sky.reference"
+REFERENCE = "bruneton_sky.published"
 
 
 def test_includes_are_replaced_each_file_once() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.path_kernels import ERFCX
-from bruneton_sky.single_scattering import scattered_without_phase
+from bruneton_sky.published.single_scattering import scattered_without_phase
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from scipy.special import erfcx
 

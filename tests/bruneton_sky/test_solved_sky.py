@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, earth_spectral, single_scattering, solve
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solved_sky import SolvedSky
 from hypothesis import example, given

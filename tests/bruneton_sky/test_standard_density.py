@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bruneton_sky import SolvedSky, single_scattering
 from bruneton_sky.presets import earth_at_night
-from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from bruneton_sky.solver import solve
 
 # Views toward the sun, overhead and away from it.

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bruneton_sky import single_scattering
-from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from dynamic_skylight.twilight import sky_of_hour
 from dynamic_skylight.twilight_table import (
     azimuth_coordinate,

@@ -9,7 +9,7 @@ from bruneton_sky.atmosphere import KOSCHMIEDER
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.presets import earth_spectral
-from bruneton_sky.reference.air_exact import light_before
+from bruneton_sky.published.air_exact import light_before
 from bruneton_sky.solver import solve
 from long_parameters import mostly_long
 from scene_stage import light, look

@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 from bruneton_sky import geometry
-from bruneton_sky.reference.air_exact import depth_along
-from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.optical_path import optical_depth_to_top
+from bruneton_sky.published.air_exact import depth_along
 from bruneton_sky.sun_light import disc_light, seen_irradiance_rgb, sun_irradiance
 from long_parameters import mostly_long
 from planets import CLEAR, EARTH, PLANETS, SHORT

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from bruneton_sky import phase, single_scattering
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.single_scattering import optical_depth_to_top, scattered_without_phase
+from bruneton_sky.optical_path import optical_depth_to_top
+from bruneton_sky.published.single_scattering import scattered_without_phase
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from long_parameters import mostly_long
 from planets import EARTH, PLANETS, SHORT

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bruneton_sky import single_scattering
-from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.solver import multiple_scattering, solve
 from measured_error import error_mw
 from vrut_lite_studies.framework.atmosphere import STUDY

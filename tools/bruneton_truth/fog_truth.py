@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Atmosphere, earth_spectral, single_scattering
-from bruneton_sky.reference.monte_carlo import monte_carlo_irradiance, monte_carlo_radiance
+from bruneton_sky.published.monte_carlo import monte_carlo_irradiance, monte_carlo_radiance
 
 TARGET = Path(__file__).parents[2] / "tests" / "data" / "fog_truth.npz"
 WAVELENGTH_NM, AEROSOL_DEPTH, HEIGHT_M = (600.0, 450.0), 0.1, 100.0

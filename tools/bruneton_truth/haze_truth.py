@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import single_scattering
-from bruneton_sky.reference.monte_carlo import monte_carlo_irradiance, monte_carlo_radiance
+from bruneton_sky.published.monte_carlo import monte_carlo_irradiance, monte_carlo_radiance
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from numpy.typing import NDArray
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.reference.monte_carlo import (
+from bruneton_sky.published.monte_carlo import (
     MonteCarloEstimate,
     enter_atmosphere,
     monte_carlo_irradiance,

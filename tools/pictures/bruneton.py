@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.background import background_cube, surroundings
-from bruneton_sky.precompute import irradiance_table, march_tables
+from bruneton_sky.published.precompute import irradiance_table, march_tables
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver_job import solve_air

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from bruneton_sky import single_scattering
-from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 
 from tools.twilight_fit.air import WAVELENGTH_NM, air
 from tools.twilight_fit.solve_skies import SINGLE_SAMPLES, cosine_to_sun
@@ -26,7 +26,7 @@ PATHS = {
 }  # fmt: skip
 DIRECTIONS = 4
 NOTES = """Sky radiance at the ground in twilight, W m^-2 sr^-1 nm^-1, and its standard error:
-exact first order plus backward Monte Carlo (bruneton_sky.reference) of all others. Spherical,
+exact first order plus backward Monte Carlo (bruneton_sky.published) of all others. Spherical,
 top 120 km, no refraction; molecules, aerosol and ozone as in tools/twilight_fit/air.py; made by
 tools/twilight_fit/make_truth.py. turbidity_sun_view_azimuth: rows of turbidity, the sun's
 elevation, the view's elevation and its azimuth from the sun (deg); wavelength_nm; radiance,

@@ -8,7 +8,7 @@ import numpy as np
 from bruneton_sky.air_volume import AirSizes, air_volume
 from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.geometry import altitude_along
-from bruneton_sky.reference.air_exact import light_before
+from bruneton_sky.published.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air

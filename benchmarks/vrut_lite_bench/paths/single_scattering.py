@@ -7,8 +7,8 @@ from functools import lru_cache, partial
 import numpy as np
 from bruneton_sky import Atmosphere, preset, single_scattering
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.reference.gpu_single_scattering import single_scattering_cube_job
-from bruneton_sky.single_scattering import Rule
+from bruneton_sky.published.gpu_single_scattering import single_scattering_cube_job
+from bruneton_sky.published.single_scattering import Rule
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SourceField, single_scattering_fast, solve
 from numpy.typing import NDArray

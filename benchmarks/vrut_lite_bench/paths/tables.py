@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 from bruneton_sky import Tables, TableSizes, precompute
-from bruneton_sky.reference.gpu_pipeline import GpuPipeline
-from bruneton_sky.reference.pipeline.pipeline import run_pipeline
+from bruneton_sky.published.gpu_pipeline import GpuPipeline
+from bruneton_sky.published.pipeline.pipeline import run_pipeline
 from numpy.typing import NDArray
 
 from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import NamedTuple, cast
 
 import numpy as np
-from bruneton_sky.reference.classical_rules import RULES
-from bruneton_sky.single_scattering import Rule
+from bruneton_sky.published.classical_rules import RULES
+from bruneton_sky.published.single_scattering import Rule
 
 from vrut_lite_studies.framework.colour import srgb, tone_mapped, xyz
 from vrut_lite_studies.framework.fisheye import pixels

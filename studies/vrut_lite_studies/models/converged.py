@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 
 from vrut_lite.numeric_types import FloatArray
@@ -89,7 +89,7 @@ def monte_carlo_sky(
 
     Seconds for a few directions: for checks, not for pictures.
     """
-    from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+    from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 
     seen = cosines(sun_zenith_rad, view_zenith_rad, relative_azimuth_rad)
     # Light scattered once needs no chance.

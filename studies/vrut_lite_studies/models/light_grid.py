@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.geometry import in_earth_shadow
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.phase import rayleigh_phase
-from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.parametrisations import texture_coordinate
 

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.geometry import altitude_along, distance_to_top
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.phase import rayleigh_phase
-from bruneton_sky.reference.classical_rules import accumulate, checked_intervals, rule_nodes
-from bruneton_sky.single_scattering import Rule, optical_depth_to_top, single_scattering
+from bruneton_sky.published.classical_rules import accumulate, checked_intervals, rule_nodes
+from bruneton_sky.published.single_scattering import Rule, single_scattering
 
 from vrut_lite.daylight.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray

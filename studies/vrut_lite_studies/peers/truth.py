@@ -46,7 +46,7 @@ def truth(name: str, view: View, paths: int = _PATHS) -> Truth:
 
 
 def _by_paths(here: PeerAir, view: View, rgb: FloatArray, paths: int) -> Truth:
-    from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+    from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 
     from vrut_lite.geometry.colour import luminance
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any, NamedTuple, cast
 
-from bruneton_sky.reference.classical_rules import RULES, checked_intervals
-from bruneton_sky.single_scattering import Rule
+from bruneton_sky.published.classical_rules import RULES, checked_intervals
+from bruneton_sky.published.single_scattering import Rule
 
 from vrut_lite.errors import UserError
 from vrut_lite_studies.framework.atmosphere import StudyAtmosphere

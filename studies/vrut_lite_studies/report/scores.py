@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
-from bruneton_sky.reference.classical_rules import RULES
-from bruneton_sky.single_scattering import Rule
+from bruneton_sky.published.classical_rules import RULES
+from bruneton_sky.published.single_scattering import Rule
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.errors import relative_error, rmse, total_rmse

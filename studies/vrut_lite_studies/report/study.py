@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from bruneton_sky.reference.classical_rules import RULES as TEXTBOOK
+from bruneton_sky.published.classical_rules import RULES as TEXTBOOK
 
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray

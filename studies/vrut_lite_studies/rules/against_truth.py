@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.single_scattering import single_scattering
+from bruneton_sky.published.single_scattering import single_scattering
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 
 from vrut_lite.numeric_types import FloatArray

@@ -1,6 +1,6 @@
 """The textbook rules compiled: one ray at a time, float64.
 
-The formulas are those of `bruneton_sky.reference.classical_rules`, for an observer at sea level
+The formulas are those of `bruneton_sky.published.classical_rules`, for an observer at sea level
 who looks up through molecules and aerosol. Simpson's odd nodes get the optical depth before them by
 the parabola through their neighbours, as there, or by the trapezoid rule.
 `bruneton_sky.single_scattering_kernels` has the other rule.
@@ -14,7 +14,7 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.reference.classical_rules import checked_intervals, rule_nodes
+from bruneton_sky.published.classical_rules import checked_intervals, rule_nodes
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.rules.airs import Rays

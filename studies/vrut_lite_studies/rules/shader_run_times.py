@@ -11,11 +11,11 @@ from typing import Any, cast
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.reference.gpu_single_scattering import (
+from bruneton_sky.published.gpu_single_scattering import (
     MOST_GAUSS_NODES,
     single_scattering_cube_job,
 )
-from bruneton_sky.single_scattering import Rule
+from bruneton_sky.published.single_scattering import Rule
 from vrut_lite_bench.gl import clock_name, has_timer
 
 from vrut_lite.daylight.gpu_job import GpuJob

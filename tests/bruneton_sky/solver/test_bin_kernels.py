@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.geometry import distance_to_ground, distance_to_top, make_ray
-from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.solver import SolverSizes
 from bruneton_sky.solver.nodes import Nodes, make_nodes
 from bruneton_sky.solver.wavelength_groups import groups_of_air

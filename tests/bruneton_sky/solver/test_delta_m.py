@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from bruneton_sky import SolvedSky
 from bruneton_sky import solve as solve_sky
+from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.presets import earth_spectral
-from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SolverSizes, multiple_scattering, real_time_sizes, solve
 from bruneton_sky.solver.delta_m import forward_shares, kept_coefficients, thinned
@@ -78,7 +78,7 @@ def test_closed_forms_stay_as_they_are():
 @pytest.mark.parametrize("aerosol", ["continental-average", "desert"])
 def test_the_solved_sky_is_monte_carlos(aerosol):
     """They agree by day, on the ground, with the same table, within noise and 2 %."""
-    from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+    from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 
     air = air_of(aerosol, type_optics(aerosol).optical_depth_550)
     mu = np.sin(np.radians([6.0, 20.0, 60.0, 6.0, 20.0, 60.0]))

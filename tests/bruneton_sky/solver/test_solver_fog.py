@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, earth_spectral, single_scattering
 from bruneton_sky.geometry import make_ray
+from bruneton_sky.optical_path import optical_depth
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.single_scattering import optical_depth
 from bruneton_sky.solver import (
     SolverSizes,
     SourceField,

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.geometry import distance_to_ground, make_ray
+from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.precompute import march_tables
-from bruneton_sky.single_scattering import (
-    optical_depth,
-    optical_depth_to_top,
-    single_scattering,
-)
+from bruneton_sky.published.precompute import march_tables
+from bruneton_sky.published.single_scattering import single_scattering
 from bruneton_sky.solver import (
     SolverSizes,
     SourceField,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.phase import rayleigh_phase
-from bruneton_sky.precompute import irradiance_table, march_tables
+from bruneton_sky.published.precompute import irradiance_table, march_tables
 from bruneton_sky.solver import (
     SolverSizes,
     SourceField,
