@@ -1,6 +1,7 @@
 # make run        set up, then open a scene in a window; without a display, render every scene at
 #                 four hours into out/
-# make test       set up, then run the tests
+# make test       set up, then run the tests of the product
+# make test-lab   set up, then run the tests of the laboratory (lab/)
 # make docs       set up, then build the documentation as a site, out/site/index.html
 # make lint       set up, then ruff and mypy, of the versions that pyproject.toml pins
 # make test-long  set up, then the tests that take long: the stability suite at 1.2e8 inputs, 1,000
@@ -15,7 +16,7 @@ WITH_SYSTEM := if [ -f .system/env ]; then . ./.system/env; fi;
 # The tests run side by side, so each keeps to one core (LP: Mesa's llvmpipe).
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 
-.PHONY: run test lint docs test-long clean
+.PHONY: run test test-lab lint docs test-long clean
 
 run:
 	@sh tools/bootstrap.sh run
@@ -27,6 +28,12 @@ test:
 	@$(ONE_CORE) $(BIN)/python tests/compile_first.py
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist worksteal \
 		--durations=10 --durations-min=1
+
+test-lab:
+	@sh tools/bootstrap.sh test
+	@$(ONE_CORE) $(BIN)/python tests/compile_first.py
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest lab/tests -n auto --maxprocesses 8 \
+		--dist worksteal --durations=10 --durations-min=1
 
 lint:
 	@sh tools/bootstrap.sh lint
@@ -41,12 +48,12 @@ docs:
 
 test-long:
 	@sh tools/bootstrap.sh long
-	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto -m long --long
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests lab/tests -n auto -m long --long
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --long tests/stress --stress-scale 20
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest \
 		tests/recording/test_random_sessions.py --live-runs 1000
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/test_soak.py --long --soak-minutes 60
 
 clean:
-	rm -rf out build dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf out build dist lab/build .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from tools.cloud_accuracy import ordinates_of
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import density, distance_up_m
 from vrut_lite.daylight.cloud_transport import transport_tables
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite_lab.cloud_accuracy import ordinates_of
 
 # Scattering of molecules at 635, 550 and 465 nm (Bucholtz 1995), with a scale height of 8 km.
 MOLECULES_PER_M = (6.6e-6, 1.19e-5, 2.36e-5)

@@ -42,6 +42,8 @@ class Machine:
         self.bin.mkdir()
         shutil.copytree(ROOT / "tools", self.root / "tools")
         shutil.copy(ROOT / "pyproject.toml", self.root)
+        (self.root / "lab").mkdir()
+        shutil.copy(ROOT / "lab" / "pyproject.toml", self.root / "lab")
         for tool in PLAIN_TOOLS:
             found = shutil.which(tool)
             assert found, tool
@@ -307,10 +309,11 @@ esac"""
 
 
 def installations(machine: Machine) -> list[str]:
-    """The extras of each call of pip."""
+    """The product's extras in each call of pip, which installs the laboratory beside it."""
     calls = [call for call in machine.calls("python") if " -m pip install " in call]
-    calls = [call for call in calls if "--editable" in call]
-    return [call.rpartition(f"--editable {machine.root}")[2] for call in calls]
+    both = [call.split(f" --editable {machine.root}")[1:] for call in calls]
+    assert all(lab.startswith("/lab") for _, lab in filter(None, both))
+    return [product for product, _ in filter(None, both)]
 
 
 def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
@@ -321,10 +324,11 @@ def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
     done = machine.shell("tools/bootstrap.sh", "test")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert installations(machine) == []
-    with (machine.root / "pyproject.toml").open("a") as file:
-        file.write("# changed\n")
-    machine.shell("tools/bootstrap.sh", "test")
-    assert installations(machine) == ["[app,test,ref]"]
+    for changed in ("pyproject.toml", "lab/pyproject.toml"):
+        with (machine.root / changed).open("a") as file:
+            file.write("# changed\n")
+        machine.shell("tools/bootstrap.sh", "test")
+        assert installations(machine) == ["[app,test,ref]"]
 
 
 def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
@@ -362,7 +366,7 @@ def test_uv_installs_from_the_index_that_pip_is_told(machine):
     assert machine.shell("tools/bootstrap.sh", "run").returncode == 0
     (call,) = (call for call in machine.calls("python") if " -m uv " in call)
     assert " --default-index https://mirror.example/simple --editable" in call
-    assert call.endswith("[app]")
+    assert call.endswith(f"{machine.root}[app] --editable {machine.root}/lab")
 
 
 @pytest.mark.parametrize("purpose", ["run", "test"])

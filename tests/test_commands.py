@@ -42,6 +42,27 @@ def test_help_shows_every_command_with_an_example(vrut_lite):
         assert "Example: vrut-lite" in vrut_lite(command, "--help")
 
 
+@pytest.mark.parametrize("command", ["bench", "study"])
+def test_without_the_laboratory_its_commands_say_what_to_install(
+    vrut_lite, monkeypatch, capsys, command
+):
+    """The product's wheel lists none of them; who types one is told where it is, in a line."""
+    product = [
+        point
+        for point in cli.entry_points(group=cli.GROUP)
+        if not point.module.startswith("vrut_lite_lab")
+    ]
+    monkeypatch.setattr(cli, "entry_points", lambda group: product)
+    assert command not in vrut_lite("--help").split()
+    with pytest.raises(SystemExit) as exit_:
+        vrut_lite(command, "--quick", "-o", "page.html")
+    assert exit_.value.code == 2
+    assert capsys.readouterr().err == (
+        f"vrut-lite: {command} needs the package vrut-lite-lab: in a checkout, run pip install "
+        "./lab\n"
+    )
+
+
 def test_settings_of_modules_are_options(vrut_lite):
     """The modules' settings are options, with bounds and units."""
     text = " ".join(vrut_lite("render", "--help").split())

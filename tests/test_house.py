@@ -18,8 +18,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = {
     "vrut_lite": ROOT / "vrut_lite",
     **{folder.name: folder for folder in (ROOT / "modules").iterdir() if folder.is_dir()},
-    "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
-    "vrut_lite_studies": ROOT / "studies" / "vrut_lite_studies",
+    "vrut_lite_lab": ROOT / "lab" / "vrut_lite_lab",
     "tools": ROOT / "tools",
 }
 MODULES = [

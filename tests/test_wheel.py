@@ -24,8 +24,6 @@ PACKAGES = {
     "photo_sky": ROOT / "modules" / "photo_sky",
     "weather_sky": ROOT / "modules" / "weather_sky",
     "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
-    "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
-    "vrut_lite_studies": ROOT / "studies" / "vrut_lite_studies",
     "bruneton_sky": ROOT / "modules" / "bruneton_sky",
 }
 
@@ -36,7 +34,7 @@ def wheel(tmp_path_factory):
     source = tmp_path_factory.mktemp("source")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    for name in ("vrut_lite", "modules", "benchmarks", "studies", "scenes"):
+    for name in ("vrut_lite", "modules", "lab", "scenes"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"],
@@ -79,7 +77,7 @@ def test_the_packages_are_marked_as_typed(wheel, package):
 
 
 def test_nothing_else_is_in_the_wheel(wheel):
-    """Tests and tools are not top-level packages of the wheel."""
+    """Tests, tools and the laboratory are not packages of the wheel."""
     tops = {name.split("/")[0] for name in wheel.namelist()}
     folders = {f"vrut_lite-{PROJECT['version']}.{kind}" for kind in ("dist-info", "data")}
     assert tops == {*PACKAGES, *folders}

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Sets up what `make run` and `make test` need, in the checkout: .venv with the project and its
-# packages, then the system's libraries for GL, windows and mitsuba (bootstrap_system.sh). Quick
+# Sets up what `make run` and `make test` need, in the checkout: .venv with the project, the laboratory
+# beside it and their packages, then the system's libraries for GL, windows and mitsuba (bootstrap_system.sh). Quick
 # when there is nothing to do.
 #
 #   tools/bootstrap.sh run|test|lint|long|docs
@@ -61,7 +61,7 @@ make_venv() {
 installation_key() {
     echo "$root"
     "$python" -c 'import sys; print(sys.version)'
-    cat "$root/pyproject.toml"
+    cat "$root/pyproject.toml" "$root/lab/pyproject.toml"
 }
 
 # is_installed PURPOSE KEY
@@ -73,18 +73,22 @@ is_installed() {
 # Editable, so that a change of the sources needs no installation, only one of pyproject.toml. What is
 # never imported is never compiled: that saves half of the time. uv takes a third of pip's and is
 # told pip's index and certificates; where uv is not to be had or fails, pip says what is wrong.
+# install_editable EXTRAS LAB_EXTRAS
 install_editable() {
+    # Entry points of an earlier build in the checkout would be found before the installed ones.
+    rm -rf "$root"/*.egg-info "$root"/lab/*.egg-info
     if "$python" -m pip install --quiet --quiet --no-compile 'uv>=0.8,<1' 2>/dev/null; then
         index=${PIP_INDEX_URL:-$("$python" -m pip config get global.index-url 2>/dev/null || true)}
         certificates=${SSL_CERT_FILE:-${PIP_CERT-}}
         env ${certificates:+"SSL_CERT_FILE=$certificates"} "$python" -m uv pip install --quiet \
             --python "$python" ${index:+--default-index} ${index:+"$index"} \
-            --editable "$root$1" 2>/dev/null && return
+            --editable "$root$1" --editable "$root/lab$2" 2>/dev/null && return
     fi
-    "$python" -m pip install --quiet --quiet --no-compile --editable "$root$1"
+    "$python" -m pip install --quiet --quiet --no-compile \
+        --editable "$root$1" --editable "$root/lab$2"
 }
 
-# install_packages PURPOSE EXTRAS; what suffices to lint suffices to test, and that to run.
+# install_packages PURPOSE EXTRAS LAB_EXTRAS; what suffices to lint suffices to test, and that to run.
 install_packages() {
     key=$(installation_key)
     case $1 in
@@ -98,12 +102,12 @@ install_packages() {
         fi
     done
     say "installing Python packages into .venv (the first time takes a minute or more)"
-    if install_editable "$2"; then
+    if install_editable "$2" "$3"; then
         printf '%s\n' "$key" >"$root/.venv/installed-for-$1"
     elif [ "$1" = test ]; then
         # Leaves no stamp, so that the next time tries again.
         say "trying without mitsuba: the tests that compare with it will be skipped"
-        install_editable '[app,test]'
+        install_editable '[app,test]' '[test]'
     else
         return 1
     fi
@@ -113,17 +117,17 @@ install_packages() {
 . "$root/tools/bootstrap_system.sh"
 
 case ${1-} in
-run) extras='[app]' ;;
-test) extras='[app,test,ref]' ;;
-lint) extras='[app,test,ref,lint]' ;;
-long) extras='[app,test,ref,radiance,usd,film]' ;;
-docs) extras='[app,docs]' ;;
+run) extras='[app]' lab_extras= ;;
+test) extras='[app,test,ref]' lab_extras='[test]' ;;
+lint) extras='[app,test,ref,lint]' lab_extras='[test]' ;;
+long) extras='[app,test,ref,usd,film]' lab_extras='[test,radiance]' ;;
+docs) extras='[app,docs]' lab_extras= ;;
 *)
     say "usage: tools/bootstrap.sh run|test|lint|long|docs"
     exit 2
     ;;
 esac
 make_venv
-install_packages "$1" "$extras"
+install_packages "$1" "$extras" "$lab_extras"
 # Linters load no library of the system's, nor does the documentation.
 [ "$1" = lint ] || [ "$1" = docs ] || provide_system "$root" "$1"

@@ -22,6 +22,9 @@ from vrut_lite.interrupts import (
 )
 
 GROUP = "vrut_lite.commands"
+# Commands of another distribution, which is not installed with the program.
+LABORATORY = ("bench", "study")
+_IN_LABORATORY = "needs the package vrut-lite-lab: in a checkout, run pip install ./lab"
 # New objects after which garbage in cycles is sought. With Python's 700 it is sought 375 times
 # while a picture is made, in a tenth of its time: nearly all objects are of libraries, and stay.
 _NEW_OBJECTS = 20_000
@@ -41,6 +44,8 @@ class EntryPointGroup(click.Group):
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
         """Import a command."""
         point = self._points().get(name)
+        if point is None and name in LABORATORY:
+            return _broken(name, UserError(f"{name} {_IN_LABORATORY}"))
         if point is None:
             return None
         try:

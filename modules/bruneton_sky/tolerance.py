@@ -9,7 +9,7 @@
 | `altitude_steps` | unseen moves of the eye, in steps of `unseen_moves` | proportion |
 
 Orders of scattering never exceed the setting `orders`. The fronts are measured by
-`tools/tolerance_fronts.py`.
+`vrut_lite_lab.tolerance_fronts`.
 """
 
 from collections.abc import Mapping

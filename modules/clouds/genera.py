@@ -2,7 +2,8 @@
 
 Heights, thicknesses and extinctions are typical of middle latitudes (WMO 2017, "International Cloud
 Atlas"; Hess, Koepke and Schult 1998, table 1b, for extinctions); forms are ours, by eye. Ice's
-extinction counts what turns light by more than the sun's disc, 36 % of all (tools/ice_phase.py).
+extinction counts what turns light by more than the sun's disc, 36 % of all
+(vrut_lite_lab.ice_phase).
 """
 
 from typing import Literal, NamedTuple

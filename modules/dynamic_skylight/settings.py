@@ -57,7 +57,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
             "same optical depth, for continental haze up to a depth of 0.5, beyond which it cannot "
             "follow; published: the model as its authors give it, at Preetham's turbidity, 1.1 to "
             "2 times too bright",
-            source="Hosek and Wilkie 2012; tools/hosek_wilkie_fit",
+            source="Hosek and Wilkie 2012; vrut_lite_lab.hosek_wilkie_fit",
         ),
     ] = "equal-haze"
     sun_colour: Annotated[

@@ -8,7 +8,7 @@
 | `altitude_change` | share by which air may thin over unseen moves of the eye | proportion |
 
 The model itself is a formula: no order or sample of it depends on the tolerance. The fronts are
-measured by `tools/tolerance_fronts.py`.
+measured by `vrut_lite_lab.tolerance_fronts`.
 """
 
 from functools import lru_cache

@@ -1,6 +1,6 @@
 """The distribution of twilight over the sky: a table of solved multiple scattering.
 
-The table (`data/twilight.npz`, made by tools/twilight_fit) holds the logarithm of the sky's
+The table (`data/twilight.npz`, made by vrut_lite_lab.twilight_fit) holds the logarithm of the sky's
 radiance over the illuminance on level ground, for seven turbidities from 1 to 10, suns from 2 to
 -13 deg and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions
 for bilinear look-up, small enough to be a shader's texture.

@@ -9,7 +9,7 @@
 | `hour_change`, `sun_rad` | invisible moves of sky and sun | proportion |
 
 At the default tolerance sizes are finer than it asks for: noise is seen as a pattern, and coarse
-texels as missing shadows. The fronts are measured by `tools/tolerance_fronts.py`.
+texels as missing shadows. The fronts are measured by `vrut_lite_lab.tolerance_fronts`.
 """
 
 from collections.abc import Mapping

@@ -10,7 +10,7 @@ from vrut_lite.numeric_types import FloatArray
 
 @lru_cache(maxsize=1)
 def night_data() -> dict[str, FloatArray]:
-    """Arrays of `night.npz` by name; tools/extract_night.py writes it."""
+    """Arrays of `night.npz` by name; vrut_lite_lab.extract_night writes it."""
     with (files("night_sky") / "data" / "night.npz").open("rb") as file, np.load(file) as found:
         return {name: np.asarray(found[name], dtype=float) for name in found.files}
 

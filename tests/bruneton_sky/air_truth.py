@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from bruneton_sky.published.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
@@ -12,6 +11,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_volume import look_up_air
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.air_exact import light_before
 
 WALLS_M = np.array([1e3, 1e4, 1e5])
 

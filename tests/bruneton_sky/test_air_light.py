@@ -9,8 +9,6 @@ from bruneton_sky.air_volume import AirSizes, air_is_seen, air_volume
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import altitude_along
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.published.air_exact import depth_along, light_before
-from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from bruneton_sky.published.single_scattering import scattered_without_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import fill_cube, sky_view
@@ -23,6 +21,8 @@ from vrut_lite.daylight.air_volume import light_of, look_up_air
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum, solar_irradiance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.air_exact import depth_along, light_before
+from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
 
 @pytest.fixture(scope="module")

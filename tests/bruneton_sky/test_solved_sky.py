@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, earth_spectral, single_scattering, solve
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solved_sky import SolvedSky
 from hypothesis import example, given
@@ -17,6 +16,7 @@ from long_parameters import mostly_long
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
 DATA = Path(__file__).parents[1] / "data"
 TRUTH = np.load(DATA / "bruneton_truth.npz")

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from bruneton_sky import SolvedSky, single_scattering
 from bruneton_sky.presets import earth_at_night
-from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from bruneton_sky.solver import solve
+
+from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
 # Views toward the sun, overhead and away from it.
 MU, AZIMUTH = np.array([0.2, 1.0, 0.3]), np.array([0.0, 0.0, np.pi])

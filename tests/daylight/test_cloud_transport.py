@@ -5,7 +5,6 @@ import pytest
 from cloud_stage import slab
 from long_parameters import mostly_long
 
-from tools.cloud_accuracy import DEPTHS, ELEVATIONS_DEG, ordinates_of
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_transport import (
     even_transmittance,
@@ -14,6 +13,7 @@ from vrut_lite.daylight.cloud_transport import (
 )
 from vrut_lite.daylight.cloud_view import clouds_seen
 from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite_lab.cloud_accuracy import DEPTHS, ELEVATIONS_DEG, ordinates_of
 
 CASES = [(depth, elevation) for depth in DEPTHS for elevation in ELEVATIONS_DEG]
 NARROW_RAD = 1e-4

@@ -2,12 +2,13 @@
 
 import subprocess
 import sys
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
 from dynamic_skylight.hosek_wilkie.coefficients import tables
 from path_tracer_here import mitsuba_or_skip
+
+from vrut_lite_lab import extract_hosek_wilkie as extract
 
 ROOT = Path(__file__).parents[2]
 
@@ -15,11 +16,6 @@ ROOT = Path(__file__).parents[2]
 def test_committed_tables_equal_the_wheels():
     """Extraction must not have touched a bit (sunsky_datasets.bin of the mitsuba wheel)."""
     mitsuba = mitsuba_or_skip()
-    spec = spec_from_file_location("extract", ROOT / "tools" / "extract_hosek_wilkie.py")
-    assert spec is not None
-    assert spec.loader is not None
-    extract = module_from_spec(spec)
-    spec.loader.exec_module(extract)
     source = Path(mitsuba.__file__).parent / "data" / "sunsky" / "sunsky_datasets.bin"
     fields = extract.read_tensor_file(source.read_bytes())
     assert set(tables()) == set(extract.FIELDS)

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bruneton_sky import single_scattering
-from bruneton_sky.published.monte_carlo import monte_carlo_radiance
 from dynamic_skylight.twilight import sky_of_hour
 from dynamic_skylight.twilight_table import (
     azimuth_coordinate,
@@ -20,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.colour import luminance
+from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "modules" / "dynamic_skylight" / "data" / "twilight.npz"
@@ -34,7 +34,7 @@ def truth():
         np.load(ROOT / "tests" / "data" / "twilight_truth.npz") as data,
     ):
         patch.syspath_prepend(str(ROOT))
-        from tools.twilight_fit.spectra import rgb_of
+        from vrut_lite_lab.twilight_fit.spectra import rgb_of
 
         radiance = data["radiance"].astype(float)
         error = (data["error"] / radiance).mean(axis=-1)
@@ -129,7 +129,7 @@ def test_the_blue_of_the_zenith_is_traced_again():
     """With fewer paths, to 2 %."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT))
-        from tools.twilight_fit import air, spectra
+        from vrut_lite_lab.twilight_fit import air, spectra
 
         mu_s, atmosphere = float(np.sin(np.radians(-5.0))), air.air(2.0)
         first = single_scattering(atmosphere, 0.0, 1.0, mu_s, mu_s, samples=48)
@@ -143,7 +143,7 @@ def test_the_file_says_where_it_comes_from():
     with np.load(DATA, allow_pickle=False) as data:
         provenance = str(data["provenance"])
         assert data["log_shape_steps"].shape == (7, data["sun_deg"].size, 24, 13, 3)
-    for word in ("tools/twilight_fit", "solver", "ozone", "no refraction", "axes"):
+    for word in ("twilight_fit", "solver", "ozone", "no refraction", "axes"):
         assert word in provenance
     assert DATA.stat().st_size < 200_000
 

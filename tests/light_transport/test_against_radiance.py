@@ -11,18 +11,18 @@ from light_transport.daylight_numbers.now import hour_at_sensors
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.sensors import free_sensors
 
-from tools.radiance.grids import GRIDS, Grid, compared_hours
-from tools.radiance.irradiance import (
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.radiance.grids import GRIDS, Grid, compared_hours
+from vrut_lite_lab.radiance.irradiance import (
     Effort,
     irradiance_by_radiance,
     radiance_folder,
     run_in,
 )
-from tools.radiance.overcast import GLAZED, PANES, compared
-from tools.radiance.year import compared_year
-from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.radiance.overcast import GLAZED, PANES, compared
+from vrut_lite_lab.radiance.year import compared_year
 
 SKY = "dynamic_skylight"
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
@@ -101,7 +101,7 @@ def test_sensors_have_radiance_s_illuminance(scene):
 def test_hours_of_a_year_of_weather_have_radiance_s_illuminance(scene, tmp_path):
     """Interpolated suns and coarse cells of the sky: within 5 % over the year."""
     pytest.importorskip("pvlib")
-    from tools.weather_year.epw_year import epw_text
+    from vrut_lite_lab.weather_year.epw_year import epw_text
 
     path = tmp_path / "prague.epw"
     path.write_text(epw_text(), encoding="ascii")

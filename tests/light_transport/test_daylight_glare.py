@@ -20,8 +20,8 @@ from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import HOURS, YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
-from tools.radiance.irradiance import radiance_folder
 from vrut_lite.pictures.write_hdr import write_hdr
+from vrut_lite_lab.radiance.irradiance import radiance_folder
 
 EAST = Eye(np.array([0.0, 1.2, 0.0]), np.array([1.0, 0.0, 0.0]))
 

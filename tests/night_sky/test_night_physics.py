@@ -178,7 +178,7 @@ def test_the_sun_lights_the_moon_from_the_sun():
 
 @pytest.fixture(scope="module")
 def skyfield():
-    # The oracle is an extra of its own; `pip install vrut-lite[bench]` brings it.
+    # The oracle is an extra of its own; `pip install vrut-lite-lab[bench]` brings it.
     api = pytest.importorskip("skyfield.api", reason="needs skyfield")
     data = pytest.importorskip("skyfield_data", reason="needs skyfield-data (DE421)")
     folder = data.get_skyfield_data_path()

@@ -9,7 +9,6 @@ from bruneton_sky.atmosphere import KOSCHMIEDER
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.presets import earth_spectral
-from bruneton_sky.published.air_exact import light_before
 from bruneton_sky.solver import solve
 from long_parameters import mostly_long
 from scene_stage import light, look
@@ -17,6 +16,7 @@ from stateful_backend import opened
 
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum
 from vrut_lite.scene.loading import load_scene
+from vrut_lite_lab.air_exact import light_before
 
 pytestmark = pytest.mark.gl
 EYE_M = 300.0

@@ -34,7 +34,7 @@ def rebuilt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the script's output."""
     folder = tmp_path_factory.mktemp("scenes")
     subprocess.run(
-        [sys.executable, "-m", "tools.scenes.build_scenes", "small", "--into", folder],
+        [sys.executable, "-m", "vrut_lite_lab.scenes.build_scenes", "small", "--into", folder],
         cwd=ROOT,
         check=True,
         capture_output=True,

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from tools.broken_files.mangled import GOOD, broken
 from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene
+from vrut_lite_lab.broken_files.mangled import GOOD, broken
 
 FILES, LEAST_REFUSED = 130, 100
 # Words of libraries' errors, which would not help the user.

@@ -7,15 +7,15 @@ import pytest
 from light_messages import light_messages
 from stateful_backend import StatefulBackend, opened
 
-from tools.pictures.climb import heights_m, steps_between
-from tools.scenes import hall, terrain
-from tools.scenes import satellite as satellite_script
-from tools.scenes.satellite import ALTITUDE_M, satellite
 from vrut_lite.daylight.camera import MoveCamera, camera_from_pose, look_at
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.project import load_project
 from vrut_lite.render.passes.view import translation
 from vrut_lite.scene.loading import load_scene
+from vrut_lite_lab.pictures.climb import heights_m, steps_between
+from vrut_lite_lab.scenes import hall, terrain
+from vrut_lite_lab.scenes import satellite as satellite_script
+from vrut_lite_lab.scenes.satellite import ALTITUDE_M, satellite
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 EYE_M, TARGET_M = np.array([-2.9, 2.1, 6.8]), np.array([0.35, -0.7, 0.0])

@@ -17,8 +17,6 @@ from hypothesis import strategies as st
 from loaded_scenes import MODELS
 from scene_files import SQUARE, TRIANGLES
 
-from tools.broken_files.bombs import BOMBS, Files, bomb, document, gltf, obj, png
-from tools.broken_files.measure import measured, open_scene, scene_files, table
 from vrut_lite.errors import UserError
 from vrut_lite.memory_limit import VARIABLE
 from vrut_lite.scene.budget import (
@@ -33,6 +31,8 @@ from vrut_lite.scene.gltf_scene import GltfScene
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite_lab.broken_files.bombs import BOMBS, Files, bomb, document, gltf, obj, png
+from vrut_lite_lab.broken_files.measure import measured, open_scene, scene_files, table
 
 GIB = 2**30
 # Larger than what the document takes, so that a file that is read twice shows.

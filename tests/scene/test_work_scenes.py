@@ -21,7 +21,14 @@ def scenes():
 
 def test_the_script_makes_the_committed_bytes(tmp_path):
     """Nobody edits them by hand; each below 300 kB."""
-    command = [sys.executable, "-m", "tools.scenes.build_scenes", "work", "--into", tmp_path]
+    command = [
+        sys.executable,
+        "-m",
+        "vrut_lite_lab.scenes.build_scenes",
+        "work",
+        "--into",
+        tmp_path,
+    ]
     subprocess.run(command, cwd=SCENES.parent, check=True, capture_output=True)
     assert sorted(path.name for path in (SCENES / "work").iterdir()) == NAMES
     for name in NAMES:

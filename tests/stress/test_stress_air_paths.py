@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from bruneton_sky import geometry
 from bruneton_sky.optical_path import optical_depth_to_top
-from bruneton_sky.published.air_exact import depth_along
 from bruneton_sky.sun_light import disc_light, seen_irradiance_rgb, sun_irradiance
 from long_parameters import mostly_long
 from planets import CLEAR, EARTH, PLANETS, SHORT
@@ -18,6 +17,8 @@ from stress_cases import (
     assert_rising,
     assert_same_on_threads,
 )
+
+from vrut_lite_lab.air_exact import depth_along
 
 planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 

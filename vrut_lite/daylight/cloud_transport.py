@@ -1,4 +1,4 @@
-"""Light in plane layers of cloud, by tables of adding and doubling (tools/cloud_transport.py).
+"""Light in plane layers of cloud, by tables of adding and doubling (vrut_lite_lab.cloud_transport).
 
 Layers scatter without loss, by the phase function of droplets (Deirmendjian's C1, Mie's theory).
 Delta-M takes a share `forward_share` of the scattered light for not scattered: the tables count in
@@ -98,7 +98,7 @@ def _droplets_parts() -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=1)
 def ice_crystals() -> PhaseTable:
-    """Phase functions of hexagonal columns of ice at 475, 550 and 625 nm (tools/ice_phase.py).
+    """Phase functions of hexagonal columns of ice at 475, 550 and 625 nm (vrut_lite_lab.ice_phase).
 
     Without diffraction and what passes parallel faces, 64 % of a crystal's extinction: that light
     keeps its direction, and counts as not scattered.

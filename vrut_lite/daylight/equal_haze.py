@@ -2,7 +2,7 @@
 
 Their turbidity is not Preetham's: at equal optical depth theirs is two to three times as high, and
 the sky then 1.1 to 2 times too bright. The table brings shape and level together. It was fitted to
-skies of this project's solver under OPAC's continental average (tools/hosek_wilkie_fit): no
+skies of this project's solver under OPAC's continental average (vrut_lite_lab.hosek_wilkie_fit): no
 measurement enters. With it nine tenths of the sky's luminance lie within 0.8 to 1.25 of the solved
 sky's, for suns from 10 degrees up and depths to 0.2. Beyond depth 0.5, or of other aerosol, the
 model cannot follow: the last row holds.

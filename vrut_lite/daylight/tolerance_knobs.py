@@ -1,7 +1,8 @@
 """A module's declaration of the sizes that it chooses by the tolerance, for measuring fronts.
 
-`tools/tolerance_fronts.py` measures the fronts of error against work of any module that declares
-`KNOBS`, a `ToleranceKnobs`: in `tolerance_knobs.py` beside its class's file, or in that file.
+`vrut_lite_lab.tolerance_fronts` measures the fronts of error against work of any module that
+declares `KNOBS`, a `ToleranceKnobs`: in `tolerance_knobs.py` beside its class's file, or in
+that file.
 """
 
 from collections.abc import Callable, Mapping

@@ -23,7 +23,7 @@ SRGB_FROM_XYZ = np.array(
 SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 LUMINANCE_WEIGHTS = np.linalg.inv(SRGB_FROM_XYZ)[1]
 # Four wavelengths whose radiance determines the colour of clear skylight by day and twilight, and
-# the linear sRGB of radiance over solar irradiance at each of them, fitted by tools/colour_fit.
+# the linear sRGB of radiance over solar irradiance at each of them, by vrut_lite_lab.colour_fit.
 SKYLIGHT_NM = (635.0, 570.0, 520.0, 445.0)
 RGB_OF_TRANSFER = np.array(
     [

@@ -78,7 +78,7 @@ def test_closed_forms_stay_as_they_are():
 @pytest.mark.parametrize("aerosol", ["continental-average", "desert"])
 def test_the_solved_sky_is_monte_carlos(aerosol):
     """They agree by day, on the ground, with the same table, within noise and 2 %."""
-    from bruneton_sky.published.monte_carlo import monte_carlo_radiance
+    from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
     air = air_of(aerosol, type_optics(aerosol).optical_depth_550)
     mu = np.sin(np.radians([6.0, 20.0, 60.0, 6.0, 20.0, 60.0]))

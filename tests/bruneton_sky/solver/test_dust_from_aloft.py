@@ -14,7 +14,7 @@ from vrut_lite.geometry.colour import SKYLIGHT_NM
 def test_the_planet_under_dust_is_monte_carlos(altitude_m):
     """Air and ground together, within noise and 0.5 %: what delta-M takes for the ground's own
     light, not scattered, is to Monte Carlo the light of the air; each alone differs by 2 %."""
-    from bruneton_sky.published.monte_carlo import monte_carlo_radiance
+    from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
     optics = type_optics("desert")
     air = earth_spectral(SKYLIGHT_NM).with_optics(optics, optics.optical_depth_550)

@@ -14,7 +14,7 @@ import numpy as np
 from vrut_lite.daylight.aerosols.phase_table import PhaseTable, node_cosines
 from vrut_lite.numeric_types import FloatArray
 
-# Made by tools/fog_droplets.py.
+# Made by vrut_lite_lab.fog_droplets.
 _FILE = Path(__file__).parents[1] / "data" / "fog_droplets.npz"
 _SPREAD_RAD = np.radians(24.0)
 

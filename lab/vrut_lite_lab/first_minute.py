@@ -1,0 +1,138 @@
+"""The first minute of a new user, timed: the real window is opened, turned, and made to export.
+
+    xvfb-run -a -s "-screen 0 1920x1200x24" python -m vrut_lite_lab.first_minute [SCENE]
+
+Prints seconds since the process began, of the wall's clock and of the processor's, when each step
+was done, and what it took. Nothing is kept from earlier sessions but compiled kernels.
+"""
+
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter, process_time
+
+from vrut_lite_lab.checkout import ROOT
+
+_BEGAN_S = perf_counter(), process_time()
+
+
+class Watch:
+    """Prints a line for each step."""
+
+    def __init__(self) -> None:
+        self._last_s = _BEGAN_S
+        print(f"{'':34}{'at':>8}{'took':>8}{'CPU':>8}   s")
+
+    def step(self, title: str) -> None:
+        """A step is done."""
+        now_s = perf_counter(), process_time()
+        wall_s, took_s, cpu_s = (
+            now_s[0] - _BEGAN_S[0],
+            now_s[0] - self._last_s[0],
+            now_s[1] - self._last_s[1],
+        )
+        print(f"{title:34}{wall_s:8.2f}{took_s:8.2f}{cpu_s:8.2f}", flush=True)
+        self._last_s = now_s
+
+
+def main() -> None:
+    """Open, look around, type an hour, export."""
+    watch = Watch()
+    # As `vrut-lite run` does it.
+    from vrut_lite.render.gl_environment import begin_probe
+
+    begin_probe()
+    import numba  # noqa: F401
+
+    import vrut_lite.host  # noqa: F401
+
+    watch.step("the host's code is imported")
+    from PySide6.QtCore import QEventLoop, QPoint, Qt, QTimer
+    from PySide6.QtTest import QTest
+    from PySide6.QtWidgets import QApplication
+
+    from vrut_lite.app.engine.session import Session
+    from vrut_lite.app.theme import apply_theme
+    from vrut_lite.app.window.first_size import first_place
+    from vrut_lite.app.window.kept import Kept
+    from vrut_lite.app.window.main_window import MainWindow
+    from vrut_lite.daylight.light_map import SurfaceLightChanged
+    from vrut_lite.daylight.scene import SceneOpened
+    from vrut_lite.project import project_of_path
+
+    scenes = ROOT / "scenes"
+    project = project_of_path(sys.argv[1] if len(sys.argv) > 1 else str(scenes / "street.toml"))
+    watch.step("the window's code is imported")
+    app = QApplication([])
+    apply_theme(app)
+    session = Session()
+    session.start()
+    with tempfile.TemporaryDirectory() as folder:
+        window = MainWindow(session, kept=Kept(Path(folder)))
+        watch.step("the window is made")
+        window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
+        window.show()
+        window.files.open_project(project)
+
+        def until(is_so: Callable[[], object]) -> None:
+            # As `app.exec()` does, and unlike QTest.qWait, this waits without Python's lock.
+            loop = QEventLoop()
+            watch_on = QTimer(interval=2)
+            watch_on.timeout.connect(lambda: loop.quit() if is_so() else None)
+            watch_on.start()
+            loop.exec()
+
+        pictures: list[bool] = []
+        session.picture_shown.connect(lambda shown: pictures.append(shown.still))
+
+        def shown(title: str) -> None:
+            """A first picture after something, and a finished one."""
+            pictures.clear()
+            until(lambda: pictures)
+            watch.step(f"{title}: a picture")
+            until(lambda: pictures[-1])
+            watch.step(f"{title}: a finished one")
+
+        until(lambda: window.isVisible())
+        watch.step("the window is seen")
+        until(lambda: session.roster.modules)
+        watch.step("the host is ready")
+        until(lambda: session.last(SceneOpened))
+        watch.step("the scene is opened")
+        until(lambda: pictures)
+        watch.step("the first picture")
+        until(lambda: session.last(SurfaceLightChanged))
+        watch.step("the first light of surfaces")
+        until(lambda: pictures[-1])
+        watch.step("a finished picture")
+
+        # Without a window manager nobody else does: keys go to what is active.
+        window.activateWindow()
+        until(window.isActiveWindow)
+        view = window.desk.viewport
+        middle = view.rect().center()
+        QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)
+        for way in range(0, 250, 25):
+            QTest.mouseMove(view, middle + QPoint(way, 0))
+        QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle + QPoint(250, 0))
+        shown("a drag of 250 px")
+
+        clock = window.time.clock
+        window.type_time("clock")
+        QTest.keyClicks(clock, "8:30")
+        QTest.keyClick(clock, Qt.Key.Key_Return)
+        shown("8:30 is typed")
+
+        export = window.panels["export"]
+        export.export(str(Path(folder, "picture.png")))  # type: ignore[attr-defined]
+        until(lambda: "EV100" in export.status.text())  # type: ignore[attr-defined]
+        watch.step("the picture is exported")
+        window.close()
+        until(lambda: session.has_ended)
+        watch.step("the window is closed")
+        session.join()
+
+
+if __name__ == "__main__":
+    main()

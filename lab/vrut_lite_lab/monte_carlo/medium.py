@@ -1,0 +1,191 @@
+"""An atmosphere for the compiled path tracer: its parameters, and transmittances along rays.
+
+Rays and optical paths are those of `path_kernels`: one geometry for the whole package. A ray is
+(altitude, radius, perigee radius, perigee altitude, y, radius * mu), see `geometry`.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
+from bruneton_sky.phase import particles_phase
+
+from vrut_lite.numeric_types import FloatArray
+
+# Weights of wavelengths that share a path: their scattering to this power (0 makes weak ones noisy,
+# -2 strong ones). The second number is the least scattering, as a share of the strongest.
+IMPORTANCE_POWER, LEAST_SCATTERING = -1.5, 1e-2
+# Nodes of the aerosol's phase function, uniform in sin(theta / 2): lines between them leave 1e-5 of
+# a lobe with g = 0.9.
+_PHASE_NODES = 8193
+
+
+class Medium(NamedTuple):
+    """An atmosphere as compiled code reads it; coefficients (5 or 4, C) in 1/m, lengths in m.
+
+    Extinction of molecules, aerosol, absorber, fog, aerosol aloft; scattering of molecules,
+    aerosol, fog, aerosol aloft. The scales of fog and aloft are 0 where there is none.
+    `phase` (nodes, C) in sr^-1 is the aerosol's phase function, `turn` (nodes - 1,) the cumulated
+    chance that its mean over the wavelengths gives a turn between two nodes; others are fog's and
+    those of aerosol aloft.
+    """
+
+    radius: float
+    top: float
+    mie_scale: float
+    aloft_scale: float
+    fog_scale: float
+    extinction: FloatArray
+    scattering: FloatArray
+    # Shares and scale heights (2, n) of the exponentials that are the molecules' density.
+    molecules: FloatArray
+    absorber_altitude: FloatArray
+    absorber_density: FloatArray
+    phase: FloatArray
+    turn: FloatArray
+    fog_phase: FloatArray
+    fog_turn: FloatArray
+    aloft_phase: FloatArray
+    aloft_turn: FloatArray
+    albedo: FloatArray
+    # The weight (C,) with which each wavelength's share of a path starts.
+    importance: FloatArray
+
+
+def medium_of(atmosphere: Atmosphere) -> Medium:
+    """An atmosphere of any number of wavelengths."""
+    molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
+    aloft, fog = atmosphere.aloft_scattering, atmosphere.fog_scattering
+    extinction = [
+        molecules,
+        atmosphere.mie_extinction,
+        atmosphere.absorption_extinction,
+        atmosphere.fog_extinction,
+        atmosphere.aloft_extinction,
+    ]
+    return Medium(
+        atmosphere.ground_radius_m,
+        atmosphere.top_altitude_m,
+        atmosphere.mie_scale_height_m,
+        atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
+        atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
+        np.array(extinction),
+        np.array([molecules, aerosol, fog, aloft]),
+        np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms)),
+        np.array(atmosphere.absorber_altitude_m),
+        np.array(atmosphere.absorber_density),
+        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aerosol", nu)),
+        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "fog", nu)),
+        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aloft", nu)),
+        np.array(atmosphere.ground_albedo),
+        _importance(np.array(molecules) + np.array(aerosol) + np.array(fog) + np.array(aloft)),
+    )
+
+
+def _phase_and_turn(of: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray, FloatArray]:
+    squared = np.linspace(0.0, 1.0, _PHASE_NODES) ** 2
+    phase = np.ascontiguousarray(of(1.0 - 2.0 * squared))
+    mean = phase.mean(axis=1)
+    turn = np.cumsum(0.5 * (mean[:-1] + mean[1:]) * np.diff(squared))
+    return phase, turn / turn[-1]
+
+
+def _importance(scattering: FloatArray) -> FloatArray:
+    strongest = float(scattering.max())
+    if strongest == 0.0:
+        return np.ones_like(scattering)
+    relative = np.maximum(scattering / strongest, LEAST_SCATTERING)
+    return np.asarray(relative**IMPORTANCE_POWER)
+
+
+@compiled
+def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def]
+    """Multiply weights (C,) by a scale and by a ray's transmittance as far as y."""
+    rayleigh = molecules_to(medium, ray, altitude, y)
+    mie = path_to(ray, altitude, y, medium.mie_scale)
+    aloft = 0.0
+    if medium.aloft_scale > 0.0:
+        aloft = path_to(ray, altitude, y, medium.aloft_scale)
+    absorbed = 0.0
+    if medium.extinction[2].any():
+        absorbed = layered_path(ray, y, medium.absorber_altitude, medium.absorber_density)
+    fog = 0.0
+    if medium.fog_scale > 0.0:
+        fog = path_to(ray, altitude, y, medium.fog_scale)
+    extinction = medium.extinction
+    for c in range(weight.size):
+        depth = extinction[0, c] * rayleigh + extinction[1, c] * mie + extinction[2, c] * absorbed
+        depth += extinction[3, c] * fog + extinction[4, c] * aloft
+        weight[c] *= scale * math.exp(-depth)
+
+
+@compiled
+def path_to(ray, altitude, y, scale):  # type: ignore[no-untyped-def]
+    """Metres of sea-level air of a scale height, from the start of a ray to y."""
+    start, end = math.exp(-ray[0] / scale), math.exp(-altitude / scale)
+    return exponential_path(ray, start, altitude, y, end, scale)
+
+
+@compiled
+def molecules_to(medium, ray, altitude, y):  # type: ignore[no-untyped-def]
+    """The same of the molecules."""
+    path = 0.0
+    for k in range(medium.molecules.shape[1]):
+        path += medium.molecules[0, k] * path_to(ray, altitude, y, medium.molecules[1, k])
+    return path
+
+
+@compiled
+def y_at_top(medium, ray):  # type: ignore[no-untyped-def]
+    """Coordinate y at which a ray leaves the atmosphere."""
+    return max(math.sqrt(max(medium.top - ray[3], 0.0)), ray[4])
+
+
+@compiled
+def meets_ground(ray):  # type: ignore[no-untyped-def]
+    """Whether a ray ends on the ground."""
+    return ray[4] < 0.0 and ray[3] <= 0.0
+
+
+@compiled
+def densities(medium, altitude):  # type: ignore[no-untyped-def]
+    """Relative densities of molecules, aerosol, fog and aerosol aloft."""
+    fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
+    thin = 0.0
+    for k in range(medium.molecules.shape[1]):
+        thin += medium.molecules[0, k] * math.exp(-altitude / medium.molecules[1, k])
+    haze = math.exp(-altitude / medium.mie_scale)
+    aloft = math.exp(-altitude / medium.aloft_scale) if medium.aloft_scale > 0.0 else 0.0
+    return thin, haze, fog, aloft
+
+
+@compiled
+def absorber_at(medium, altitude):  # type: ignore[no-untyped-def]
+    """The absorber's relative density."""
+    nodes, density = medium.absorber_altitude, medium.absorber_density
+    for k in range(nodes.size - 1):
+        if nodes[k] <= altitude < nodes[k + 1]:
+            part = (altitude - nodes[k]) / (nodes[k + 1] - nodes[k])
+            return density[k] + part * (density[k + 1] - density[k])
+    return 0.0
+
+
+@compiled
+def distance_to(ray, y):  # type: ignore[no-untyped-def]
+    """Metres from a ray's start."""
+    return y * math.sqrt(y * y + 2.0 * ray[2]) - ray[5]
+
+
+@compiled
+def dot(a, b):  # type: ignore[no-untyped-def]
+    """Scalar product of arrays or tuples."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def cosine_at(point, direction, radius):  # type: ignore[no-untyped-def]
+    """Cosine of a direction's zenith angle at a point of that radius, in [-1, 1]."""
+    return min(max(dot(point, direction) / radius, -1.0), 1.0)

@@ -1,0 +1,34 @@
+"""A truth without its grain, by Intel's Open Image Denoise (Afra 2024), for FLIP alone.
+
+Region means are of the traced picture: it is right in the mean, a denoised one need not be.
+"""
+
+import mitsuba_oidn
+import numpy as np
+from path_tracer.guides import guides
+from path_tracer.settings import PathTracerSettings
+from path_tracer.subject import Subject
+
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite_lab.path_traced.cases import Case
+from vrut_lite_lab.path_traced.truths import Arrays, Picture, kept
+
+GUIDES_NAME = "guides"
+_GUIDE_SAMPLES = 32
+
+
+def guides_of(case: Case, state: SceneState) -> Arrays:
+    """Colours and normals that the eye meets, from disk if known."""
+    settings = PathTracerSettings(surfaces="layered")
+    return kept(
+        case, GUIDES_NAME, lambda: guides(Subject(state), settings, _GUIDE_SAMPLES)._asdict()
+    )
+
+
+def denoised(radiance: Picture, guide: Arrays) -> Picture:
+    """Radiance (h, w, 3) without grain."""
+    found = mitsuba_oidn.denoise(
+        np.ascontiguousarray(radiance, np.float32), guide["albedo"], guide["normal"], hdr=True
+    )
+    # Copied, for the next call may write into the same memory.
+    return np.array(found, np.float32)

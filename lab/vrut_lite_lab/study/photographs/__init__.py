@@ -1,0 +1,1 @@
+"""Sky models beside photographs of the sky: `python -m vrut_lite_lab.study.photographs`."""

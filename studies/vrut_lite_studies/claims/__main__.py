@@ -1,7 +1,0 @@
-"""Print the measurements of the papers' claims."""
-
-from vrut_lite_studies.claims import coefficients, look_ups, looks, resolution
-
-for part in (coefficients, look_ups, resolution, looks):
-    for text in part.report():
-        print(text, flush=True)

@@ -1,1 +1,0 @@
-"""Sky models beside photographs of the sky: `python -m vrut_lite_studies.photographs`."""
