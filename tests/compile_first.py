@@ -49,7 +49,7 @@ pytest.main(["--collect-only", "-q"])
 
 # Some 30 s of CPU.
 LIGHT = """
-from light_transport.tolerance_knobs import KNOBS
+from vrut_lite_lab.tolerance.light_transport import KNOBS
 KNOBS.knobs["bounces"].run(10)
 """
 

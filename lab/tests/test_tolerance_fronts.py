@@ -8,7 +8,7 @@ from vrut_lite_lab.tolerance_fronts import declared_knobs, front_lines, measure
 THIRD_SKY = """
 from pathlib import Path
 import numpy as np
-from vrut_lite.daylight.tolerance_knobs import Knob, ToleranceKnobs
+from vrut_lite_lab.tolerance.knobs import Knob, ToleranceKnobs
 from vrut_lite.kernel.module import Manifest, Module
 
 class ThirdSky(Module):

@@ -5,7 +5,7 @@
     python -m vrut_lite_lab.tolerance_fronts bruneton_sky --pictures 90 --write --keep FOLDER
 
 Any installed module, or one in a folder named by --modules, that declares its knobs
-(`vrut_lite.daylight.tolerance_knobs`) can be measured. With --write one set of random pictures
+(`vrut_lite_lab.tolerance.knobs`) can be measured. With --write one set of random pictures
 makes the fronts in the module's data file. A second set is made at each tolerance and compared with
 its truth. The Bruneton sky's truth takes half a minute of CPU for fifteen pictures: --keep names a
 folder in which truths are stored and found again.
@@ -25,21 +25,25 @@ import msgspec
 import numpy as np
 
 from vrut_lite.daylight.tolerance import Measured, Point, read_fronts
-from vrut_lite.daylight.tolerance_knobs import MOST, ToleranceKnobs, Truth
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.module import Module
+from vrut_lite_lab.tolerance.knobs import MOST, ToleranceKnobs, Truth
 
 _SEED, _ROUNDS = 1, 3
 Truths = Callable[[Any], Truth]
 
 
 def knobs_of(module: type[Module]) -> ToleranceKnobs[Any] | None:
-    """What a module's class declares: `KNOBS` in its own file or in `tolerance_knobs` beside it."""
+    """A module's `KNOBS`: of `tolerance`, of `tolerance_knobs` beside its file, or of that file."""
     home = sys.modules[module.__module__]
-    beside = f"{home.__package__}.tolerance_knobs"
-    if home.__package__ and find_spec(beside) is not None:
-        home = import_module(beside)
+    for name in (
+        f"vrut_lite_lab.tolerance.{module.manifest.name}",
+        f"{home.__package__}.tolerance_knobs",
+    ):
+        if home.__package__ and find_spec(name) is not None:
+            home = import_module(name)
+            break
     declared = getattr(home, "KNOBS", None)
     return declared if isinstance(declared, ToleranceKnobs) else None
 

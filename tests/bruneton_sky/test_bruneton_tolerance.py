@@ -11,12 +11,12 @@ from bruneton_sky.solver import SourceField, real_time_sizes
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, rung_tolerance
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
-from bruneton_sky.tolerance_knobs import Air, air_errors, evaluated, random_airs
 from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
 from vrut_lite.testing.sky_on_bus import SkyOnBus
+from vrut_lite_lab.tolerance.bruneton_sky import Air, air_errors, evaluated, random_airs
 
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 AIRS = {

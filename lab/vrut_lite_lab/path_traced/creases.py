@@ -25,7 +25,6 @@ from light_transport.rays.ray_starts import OFF
 from light_transport.rays.trace import first_hits
 from light_transport.surfaces.surfaces import GROUND, Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
-from light_transport.tolerance_knobs import Room, hour_of, scene_of
 from path_tracer.library import load_mitsuba
 from path_tracer.sky_map import sky_emitter
 from scipy.spatial import cKDTree
@@ -37,6 +36,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 from vrut_lite_lab.path_traced.cases import states
 from vrut_lite_lab.radiance.grids import hour_of as hour_of_state
 from vrut_lite_lab.scenes.crease_rooms import crease_room, inside_of
+from vrut_lite_lab.tolerance.light_transport import Room, hour_of, scene_of
 
 SCENES = (
     "large/hall.toml", "work/indoor.glb", "work/room.glb", "work/ground.glb", "street.toml",

@@ -1,9 +1,9 @@
 """Random rooms full of creases: boxes with a window, columns, tables with legs, beams, sills."""
 
 import numpy as np
-from light_transport.tolerance_knobs import Room
 
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.tolerance.light_transport import Room
 
 _WALL_M = 0.3
 

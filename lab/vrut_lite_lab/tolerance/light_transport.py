@@ -13,23 +13,23 @@ from math import log
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-
 from light_transport.bake import Bake
 from light_transport.hour.hour import Hour
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import FRONTS, Quality, quality_for
+from numpy.typing import NDArray
+
 from vrut_lite.array import Array
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import MAP_NAMES, NONE, SceneGeometry, SceneMaterials
 from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
-from vrut_lite.daylight.tolerance_knobs import Knob, ToleranceKnobs, Truth
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import BoolArray, FloatArray
+from vrut_lite_lab.tolerance.knobs import Knob, ToleranceKnobs, Truth
 
 TEXELS = (15_000, 30_000, 60_000, 120_000)
 RAYS = (64, 128, 256, 512)

@@ -12,8 +12,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.ray_light import scattered_once
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
@@ -23,11 +21,13 @@ from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
 from bruneton_sky.unseen_moves import sun_step_rad
-from vrut_lite.daylight.tolerance_knobs import Knob, ToleranceKnobs, Truth, picture_error
+from numpy.typing import NDArray
+
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.tolerance.knobs import Knob, ToleranceKnobs, Truth, picture_error
 
 # Directions are the texels of so small a cube that lie above the horizon.
 EDGE = 20

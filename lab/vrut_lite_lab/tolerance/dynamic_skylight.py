@@ -7,16 +7,16 @@ the horizon and the horizon, the others anywhere above. The truth is the float64
 from typing import NamedTuple
 
 import numpy as np
-
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import FRONTS, Quality, quality_for
 from dynamic_skylight.twilight import sky_of_hour
-from vrut_lite.daylight.tolerance_knobs import FLOOR, Knob, ToleranceKnobs, Truth, picture_error
+
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.tolerance.knobs import FLOOR, Knob, ToleranceKnobs, Truth, picture_error
 
 CUBE_SIZES = (32, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 LIGHT_SIZES = (8, 16, 24, 32, 48, 64, 96, 128, 256)

@@ -1,8 +1,8 @@
-"""A module's declaration of the sizes that it chooses by the tolerance, for measuring fronts.
+"""A declaration of the sizes that a module chooses by the tolerance, for measuring fronts.
 
-`vrut_lite_lab.tolerance_fronts` measures the fronts of error against work of any module that
-declares `KNOBS`, a `ToleranceKnobs`: in `tolerance_knobs.py` beside its class's file, or in
-that file.
+`vrut_lite_lab.tolerance_fronts` measures the fronts of error against work of any module for which
+there is a `KNOBS`, a `ToleranceKnobs`: of ours in a file of this folder by the module's name, of
+others in `tolerance_knobs.py` beside the file of the module's class, or in that file.
 """
 
 from collections.abc import Callable, Mapping
