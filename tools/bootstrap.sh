@@ -1,7 +1,7 @@
 #!/bin/sh
-# Sets up what `make run` and `make test` need, in the checkout: .venv with the project, the laboratory
-# beside it and their packages, then the system's libraries for GL, windows and mitsuba (bootstrap_system.sh). Quick
-# when there is nothing to do.
+# Sets up what `make run` and `make test` need, in the checkout: .venv with the project, the
+# laboratory and their packages, then the system's libraries for GL, windows and mitsuba
+# (bootstrap_system.sh). Quick when there is nothing to do.
 #
 #   tools/bootstrap.sh run|test|lint|long|docs
 #
@@ -88,7 +88,8 @@ install_editable() {
         --editable "$root$1" --editable "$root/lab$2"
 }
 
-# install_packages PURPOSE EXTRAS LAB_EXTRAS; what suffices to lint suffices to test, and that to run.
+# install_packages PURPOSE EXTRAS LAB_EXTRAS
+# What suffices to lint suffices to test, and that to run.
 install_packages() {
     key=$(installation_key)
     case $1 in

@@ -22,7 +22,7 @@ from vrut_lite.interrupts import (
 )
 
 GROUP = "vrut_lite.commands"
-# Commands of another distribution, which is not installed with the program.
+# Commands that the distribution vrut-lite-lab brings.
 LABORATORY = ("bench", "study")
 _IN_LABORATORY = "needs the package vrut-lite-lab: in a checkout, run pip install ./lab"
 # New objects after which garbage in cycles is sought. With Python's 700 it is sought 375 times
