@@ -42,7 +42,7 @@ VALUES = {
     "plain_numbers", "sound_environment", "write_atomic",
 }  # fmt: skip
 # Parts of vrut_lite that modules may import: messages, atmosphere and sky are still in daylight.
-FOR_MODULES = {"kernel", "daylight", "geometry", "vrut_lite"} | VALUES
+FOR_MODULES = {"kernel", "daylight", "geometry", "frame_part", "vrut_lite"} | VALUES
 BELOW = {
     "kernel": set(),
     "geometry": set(),
@@ -50,8 +50,9 @@ BELOW = {
     "daylight": {"kernel", "geometry", "discovery"},
     "recording": {"kernel", "daylight", "discovery"},
     "pictures": {"geometry", "daylight"},
-    "scene": {"kernel", "geometry", "daylight", "pictures"},
-    "render": {"kernel", "geometry", "daylight", "scene", "pictures"},
+    "frame_part": {"kernel"},
+    "scene": {"kernel", "geometry", "daylight", "pictures", "frame_part"},
+    "render": {"kernel", "geometry", "daylight", "scene", "pictures", "frame_part"},
     "testing": {"kernel", "geometry", "daylight", "recording", "discovery"},
 }
 

@@ -23,6 +23,7 @@ from vrut_lite.daylight.sky import LookAlong
 from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
 from vrut_lite.discovery import discover
+from vrut_lite.frame_part import frame_parts
 from vrut_lite.kernel.messages import (
     KERNEL_MESSAGES,
     ChooseSlot,
@@ -37,7 +38,6 @@ from vrut_lite.kernel.messages import (
 )
 from vrut_lite.kernel.module import Module
 from vrut_lite.render.gl_jobs import GlJobs
-from vrut_lite.scene.frame_part import frame_parts
 from vrut_lite.scene.manager import SceneManager
 
 ROOT = Path(__file__).resolve().parents[1]

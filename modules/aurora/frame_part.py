@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from aurora.curtains import MOLECULES, SCALE_KM, AuroraShown, line_colours
-from vrut_lite.scene.frame_part import FramePart, Heard, PartView, Screen
+from vrut_lite.frame_part import FramePart, Heard, PartView, Screen
 
 _SHADER = Path(__file__).parent / "shaders" / "aurora.frag"
 

@@ -15,7 +15,7 @@ from vrut_lite.daylight.night import (
     MoonDiscChanged,
     StarsChanged,
 )
-from vrut_lite.scene.frame_part import FramePart, Heard, PartGl, PartView, Screen
+from vrut_lite.frame_part import FramePart, Heard, PartGl, PartView, Screen
 
 _SHADERS = Path(__file__).parent / "shaders"
 # Around the disc, for the pixels that it touches.

@@ -9,10 +9,10 @@ from box_stage import uniform_sky
 from scene_stage import light, look
 from stateful_backend import StatefulBackend, opened
 
+from vrut_lite import frame_part
+from vrut_lite.frame_part import FramePart
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.render.pyrender_backend import PyrenderBackend
-from vrut_lite.scene import frame_part
-from vrut_lite.scene.frame_part import FramePart
 
 SIZE = 32, 24
 SHADER = """#version 430 core

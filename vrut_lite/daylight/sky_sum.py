@@ -227,16 +227,11 @@ def sum_up(
     size: int,
 ) -> SkyLightChanged:
     """The background job."""
-    # Imported here because they import numba, which is needed only if there are layers.
-    from vrut_lite.daylight.sky_glow import with_glow
-    from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
+    # Imported here because it imports numba, which is needed only if there are layers.
+    from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_of_layers
 
-    for glow in glows:
-        clear = with_glow(clear, glow, NAME)
-    if not layers:
-        return clear
     view = Viewpoint(eye_m, middle_m, half_width_m)
-    return light_under_clouds(layers, clear, view, size, NAME)
+    return light_of_layers(layers, glows, clear, view, size, NAME)
 
 
 def _square(scene: SceneOpened | None) -> tuple[Vector, float]:

@@ -19,6 +19,7 @@ from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_glow import with_glow
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import HazeLayer
 from vrut_lite.daylight.sun_aloft import haze_depth
@@ -58,6 +59,23 @@ class _OnGround(NamedTuple):
     cube: FloatArray
     harmonics: FloatArray
     share: FloatArray
+
+
+def light_of_layers(
+    layers: tuple[CloudLayer, ...],
+    glows: tuple[Array, ...],
+    clear: SkyLightChanged,
+    view: Viewpoint,
+    size: int,
+    source: str,
+) -> SkyLightChanged:
+    """The sum of a clear sky, glows behind its clouds (`with_glow`), and clouds.
+
+    Without clouds its background has the clear sky's own size; see `light_under_clouds`.
+    """
+    for glow in glows:
+        clear = with_glow(clear, glow, source)
+    return light_under_clouds(layers, clear, view, size, source) if layers else clear
 
 
 def light_under_clouds(

@@ -15,6 +15,7 @@ from vrut_lite.daylight.night import MoonDiscChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader, mean_level
 from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.frame_part import Heard
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.kernel.ledger import Ledger
@@ -35,7 +36,6 @@ from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.still_picture import StillPictures
 from vrut_lite.scene.backend import IsGivenUp
-from vrut_lite.scene.frame_part import Heard
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Slices of the filtered sky (of 24) in a frame that must not wait for them: a sixth of its time

@@ -10,12 +10,12 @@ import numpy as np
 from OpenGL import GL
 
 from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.frame_part import FramePart, Heard, PartView, frame_parts
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.shader_files import shader_source
-from vrut_lite.scene.frame_part import FramePart, Heard, PartView, frame_parts
 
 _log = logging.getLogger(__name__)
 

@@ -18,6 +18,7 @@ from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import NO_PARTS, SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.frame_part import Heard
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame
@@ -31,7 +32,6 @@ from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.surface_look_up import LitScene
 from vrut_lite.render.value_light import ValueLight, in_false_colours
 from vrut_lite.scene.backend import IsGivenUp
-from vrut_lite.scene.frame_part import Heard
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 

@@ -22,11 +22,11 @@ from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.frame_part import heard_by_parts
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
 from vrut_lite.scene.backend import SceneView
-from vrut_lite.scene.frame_part import heard_by_parts
 from vrut_lite.scene.loading import OpenScene
 from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
