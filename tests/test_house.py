@@ -38,8 +38,8 @@ DAYLIGHT = (
 # are listed as values.
 VALUES = {
     "arguments", "array", "array_cache", "checks", "compiled_code", "errors", "foreign_errors",
-    "interrupts", "mailbox", "memory_limit", "njit", "npz_arrays", "numeric_types",
-    "plain_numbers", "sound_environment", "write_atomic",
+    "interrupts", "mailbox", "memory_limit", "njit", "npz_arrays", "numba_shortcuts",
+    "numeric_types", "plain_numbers", "sound_environment", "write_atomic",
 }  # fmt: skip
 # Parts of vrut_lite that modules may import: messages, atmosphere and sky are still in daylight.
 FOR_MODULES = {"kernel", "daylight", "geometry", "frame_part", "vrut_lite"} | VALUES

@@ -29,6 +29,8 @@ with interrupts_held():
     from numba.core.dispatcher import Dispatcher
     from numba.np import linalg
 
+    from vrut_lite import numba_shortcuts
+
 __all__ = ["SUMS_IN_ORDER", "njit"]
 # For `fastmath`: there is no NaN, infinity or signed zero, and a product and its sum may be rounded
 # once. Sums keep their order, so that the digits do not depend on the width of vectors. Nor do they
@@ -177,6 +179,7 @@ with interrupts_held():
 # Only functions handed to C as callbacks have a use for this wrapper, and none of ours is: 3 of 40
 # seconds of compiling were spent on it, in numba's own helpers too.
 setattr(compiler.Flags.options["no_cfunc_wrapper"], "_default", True)  # noqa: B010
+numba_shortcuts.install()
 _nested = _Nested()
 _compile_or_load = Dispatcher.compile
 setattr(Dispatcher, "compile", _compile)  # noqa: B010

@@ -1,0 +1,42 @@
+"""numba's compiler with shortcuts makes the code that it makes without them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+# Prints the machine code of kernels with tuples, errors, sums and inner functions, without the
+# numbers that numba gives to functions.
+CODE = """
+import re, sys
+from vrut_lite import numba_shortcuts
+if sys.argv[1] == "without":
+    numba_shortcuts.install = lambda: None
+from vrut_lite.compiling.kernel_list import announced_kernels, compile_kernel
+from importlib import import_module
+for group in announced_kernels().of("light_transport"):
+    for kernel in group.kernels:
+        if kernel.function in ("_part", "_best_neighbours", "_copied", "_fill_map"):
+            compile_kernel(*kernel.key)
+            code = getattr(import_module(kernel.module), kernel.function).inspect_asm()
+            print(re.sub(r"(v|B)[0-9]+", r"\\\\1", "".join(code.values())))
+"""
+
+
+def run(code: str, cache: Path, *arguments: str) -> str:
+    """What python code prints in a process with a cache of its own."""
+    folders = {"NUMBA_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)}
+    # Names of functions hold sets of options, in the order of their hashes.
+    environment = os.environ | folders | {"PYTHONHASHSEED": "0"}
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_machine_code_is_the_same(tmp_path: Path) -> None:
+    """Results of kernels are compared by digest: no bit of them may depend on a shortcut."""
+    plain, short = (run(CODE, tmp_path / way, way) for way in ("without", "with"))
+    assert plain.count('.file\t"<string>"') == 4
+    assert short == plain
