@@ -17,6 +17,7 @@ import msgspec
 
 FILE = Path("data") / "kernels.json"
 _MODULES = "vrut_lite.modules"
+_NAMED = re.compile(r"\w+(\.\w+)+:\w+")
 _ARRAY = re.compile(r"(\w+)\[(\d+)([CFA])(r?)(u?)\]")
 
 
@@ -39,6 +40,12 @@ class Kernel(msgspec.Struct, frozen=True):
     def key(self) -> tuple[str, str, str]:
         """Key of the compiled code: module, function and argument types."""
         return self.module, self.function, self.arguments
+
+    @property
+    def family(self) -> str:
+        """First named tuple of the arguments, else the name: likely to call the same functions."""
+        found = _NAMED.search(self.arguments)
+        return found[0] if found else f"{self.module}.{self.function}"
 
     @property
     def title(self) -> str:

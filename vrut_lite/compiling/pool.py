@@ -1,7 +1,9 @@
 """Processes that compile announced kernels side by side while their user goes on.
 
 Within a process numba compiles one kernel at a time. What a process compiles lands in numba's
-cache on disk, where this process finds it: it waits for the kernels that it needs.
+cache on disk, where this process finds it: it waits for the kernels that it needs. Kernels with the
+same named tuples call the same inner functions, which each process compiles for itself: they go to
+one process, which saves a seventh of the CPU time on two.
 """
 
 import atexit
@@ -12,7 +14,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import IO, Any, NamedTuple
@@ -58,6 +60,8 @@ class KernelPool:
         self.processes = processes or min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
         self._changed = threading.Condition()
         self._queue: deque[tuple[str, Kernel]] = deque()
+        # Number of the process that compiles the kernels of a family.
+        self._owners: dict[str, int] = {}
         # Kernels under way by key, with what they are called.
         self._running: dict[Key, str] = {}
         self._known: set[Key] = set()
@@ -141,8 +145,15 @@ class KernelPool:
             return
         atexit.register(self.close)
         count = self._serving = min(self.processes, len(self._queue))
+        # The process of the largest family begins with it, while others compile what is first.
+        family_s: dict[str, float] = defaultdict(float)
+        for _, kernel in self._queue:
+            family_s[kernel.family] += kernel.seconds
+        self._owners[max(family_s, key=lambda family: family_s[family])] = 0
         self._servers = [
-            threading.Thread(target=self._serve, name=f"vrut-lite compiling_{k}", daemon=True)
+            threading.Thread(
+                target=self._serve, args=(k,), name=f"vrut-lite compiling_{k}", daemon=True
+            )
             for k in range(count)
         ]
         for server in self._servers:
@@ -164,7 +175,7 @@ class KernelPool:
             pass
         return True
 
-    def _serve(self) -> None:
+    def _serve(self, number: int) -> None:
         """Feed one process."""
         try:
             with subprocess.Popen(
@@ -177,7 +188,7 @@ class KernelPool:
                 with self._changed:
                     self._children.append(child)
                 try:
-                    while not self._closed and self._feed(child):
+                    while not self._closed and self._feed(child, number):
                         pass
                 finally:
                     with suppress(OSError):
@@ -188,12 +199,12 @@ class KernelPool:
             # After any error, a follower's too, nobody may wait for ever.
             self._end()
 
-    def _feed(self, child: "subprocess.Popen[str]") -> bool:
+    def _feed(self, child: "subprocess.Popen[str]", number: int) -> bool:
         """Compile the next kernel; False where there is none or the process has ended."""
         with self._changed:
             if not self._queue:
                 return False
-            title, kernel = self._queue.popleft()
+            title, kernel = self._next_of(number)
             self._running[kernel.key] = f"{title}: {kernel.title}"
         try:
             self._tell()
@@ -204,6 +215,16 @@ class KernelPool:
                 self._done += 1
                 self._done_s += kernel.seconds
                 self._changed.notify_all()
+
+    def _next_of(self, number: int) -> tuple[str, Kernel]:
+        """Take a kernel of the first group: of this process's families, of no other's, or any."""
+        group = [each for each in self._queue if each[0] == self._queue[0][0]]
+        owners = [self._owners.get(kernel.family) for _, kernel in group]
+        wish = next((owner for owner in (number, None) if owner in owners), owners[0])
+        taken = group[owners.index(wish)]
+        self._queue.remove(taken)
+        self._owners.setdefault(taken[1].family, number)
+        return taken
 
     def _end(self) -> None:
         """After the last process: nothing is waited for any more."""

@@ -13,6 +13,9 @@ from typing import TextIO
 
 from vrut_lite.compiling.kernel_list import compile_kernel
 
+# Module that numba colours its error messages with; it took 2 % of the time for messages that
+# nobody reads: numba makes them for typings that it tries and drops.
+_COLOURS = "colorama"
 # numba makes many objects and few cycles.
 _NEW_OBJECTS = 100_000
 
@@ -23,6 +26,7 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.nice(int(sys.argv[1]))
     gc.set_threshold(_NEW_OBJECTS)
+    sys.modules[_COLOURS] = None  # type: ignore[assignment]
     # On a thread: the C library gives a first thread's memory back after each compilation, and the
     # system took 2.4 s to clear it anew where a thread's own arena takes 1.0.
     compiling = threading.Thread(target=_compile_what_comes, args=(sys.stdout,))
