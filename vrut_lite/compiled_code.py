@@ -9,7 +9,7 @@ import atexit
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -52,6 +52,15 @@ def find_room(package: Path) -> None:
         return
     os.environ[_VARIABLE] = folder
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
+
+
+def folders_of(sources: Path) -> Iterator[Path]:
+    """Folders in which numba keeps compiled code of a folder of sources."""
+    named = os.environ.get(_VARIABLE)
+    if not named:
+        yield sources / "__pycache__"
+    common = Path(named) if named else platformdirs.user_cache_path("numba")
+    yield from common.glob(f"{sources.name}_*")
 
 
 def _is_open(folder: Path) -> bool:

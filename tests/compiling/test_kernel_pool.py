@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from vrut_lite.commands.progress import compiling_text
+from vrut_lite.compiling.ahead import CompileAhead
 from vrut_lite.compiling.kernel_list import Kernel, KernelGroup
 from vrut_lite.compiling.pool import KernelPool, Progress
 
@@ -111,6 +112,44 @@ def test_closing_ends_what_is_under_way() -> None:
     pool.close()
     assert not pool.is_on
     assert all(child.poll() is not None for child in pool._children)
+
+
+class Began:
+    """A follower that counts its first calls."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def begin(self) -> None:
+        """numba will compile."""
+        self.count += 1
+
+    def __call__(self, progress: Progress) -> None:
+        """Not looked at."""
+
+
+@pytest.mark.parametrize("known", ["nothing", "compiled code", "an earlier start"])
+def test_only_a_first_start_compiles_before_a_kernel_is_called(
+    known: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Cores are busy while libraries are imported; later starts pay for no process."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "numba"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    began = Began()
+    ahead = CompileAhead(began, scene=True)
+    if known == "compiled code":
+        kernel = ahead.groups("")[0].kernels[0]
+        folder, name = kernel.module.split(".")[-2:]
+        index = tmp_path / "numba" / f"{folder}_0" / f"{name}.{kernel.function}-1.py311.nbi"
+        index.parent.mkdir(parents=True)
+        index.touch()
+    elif known == "an earlier start":
+        (tmp_path / "cache" / "vrut_lite").mkdir(parents=True)
+        (tmp_path / "cache" / "vrut_lite" / "compiling.lock").touch()
+    ahead.begin()
+    is_on = ahead.pool.is_on
+    ahead.pool.close()
+    assert (began.count, is_on) == ((1, True) if known == "nothing" else (0, False))
 
 
 @pytest.mark.parametrize("done", [0, 7, 20])

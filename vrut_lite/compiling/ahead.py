@@ -4,8 +4,15 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from vrut_lite import compiled_code
-from vrut_lite.compiling.kernel_list import Announced, KernelGroup, announced_kernels, kernel_of
-from vrut_lite.compiling.pool import KernelPool, Progress
+from vrut_lite.compiling.kernel_list import (
+    Announced,
+    Kernel,
+    KernelGroup,
+    announced_kernels,
+    is_on_disk,
+    kernel_of,
+)
+from vrut_lite.compiling.pool import KernelPool, Progress, is_first_use
 
 # Less is compiled sooner than processes start.
 LEAST_SECONDS = 4.0
@@ -26,6 +33,8 @@ class Follower(Protocol):
 class CompileAhead:
     """Starts a `KernelPool` when numba compiles; where all kernels are on disk it does nothing.
 
+    On a first start the pool works from the beginning, before a kernel is called.
+
     Args:
         follow: hears of the progress.
         scene: a scene is drawn: what its picture needs by the default settings is compiled too.
@@ -37,16 +46,26 @@ class CompileAhead:
         self._follow, self._scene, self._window = follow, scene, window
         self._began = False
 
+    def begin(self) -> None:
+        """Start at once where nothing was ever compiled: libraries are imported meanwhile."""
+        groups = self.groups("")
+        first = [group.kernels[0] for group in groups]
+        if first and is_first_use() and not any(map(is_on_disk, first)):
+            self._start(groups)
+
     def note(self, dispatcher: Any, arguments: Any) -> None:
         """numba compiles a kernel, on any thread: compile what will be needed besides."""
-        if not self._began:
-            self._began = True
-            self._follow.begin()
         kernel = kernel_of(dispatcher, arguments)
         package = dispatcher.py_func.__module__.partition(".")[0]
         groups = self.groups(package)
+        self._start(groups, but=kernel)
+
+    def _start(self, groups: list[KernelGroup], but: Kernel | None = None) -> None:
+        if not self._began:
+            self._began = True
+            self._follow.begin()
         if sum(group.seconds for group in groups) >= LEAST_SECONDS:
-            self.pool.add(groups, but=kernel)
+            self.pool.add(groups, but)
 
     def wait_for(self, dispatcher: Any, arguments: Any) -> None:
         """Return when no process of the pool compiles a kernel."""
@@ -75,4 +94,5 @@ def compile_ahead(follow: Follower, scene: bool, window: bool = False) -> Compil
     """From now on, compile ahead where numba compiles anything; see `CompileAhead`."""
     ahead = CompileAhead(follow, scene, window)
     compiled_code.ahead = ahead
+    ahead.begin()
     return ahead

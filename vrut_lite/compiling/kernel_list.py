@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from vrut_lite import compiled_code
+
 FILE = Path("data") / "kernels.json"
 _MODULES = "vrut_lite.modules"
 _NAMED = re.compile(r"\w+(\.\w+)+:\w+")
@@ -114,6 +116,17 @@ def _groups(package: str) -> Iterator[KernelGroup]:
         except (OSError, msgspec.DecodeError):
             # Its kernels are compiled where they are needed, as without a list.
             return
+
+
+def is_on_disk(kernel: Kernel) -> bool:
+    """Whether numba has an index of compiled code for a kernel, perhaps of an older source."""
+    package, *inner, name = kernel.module.split(".")
+    file = list_file(package)
+    if file is None:
+        return False
+    beside = file.parents[1].joinpath(*inner)
+    found = f"{name}.{kernel.function}-*.nbi"
+    return any(any(folder.glob(found)) for folder in compiled_code.folders_of(beside))
 
 
 def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> Kernel | None:

@@ -17,6 +17,7 @@ import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 import platformdirs
@@ -161,10 +162,10 @@ class KernelPool:
 
     def _is_alone(self) -> bool:
         """Whether no other program compiles; if so, none will until this one has ended."""
-        folder = platformdirs.user_cache_path("vrut_lite")
+        file = _lock_file()
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            self._lock = open(folder / "compiling.lock", "w")  # noqa: SIM115
+            file.parent.mkdir(parents=True, exist_ok=True)
+            self._lock = open(file, "w")  # noqa: SIM115
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             with self._changed:
@@ -250,6 +251,15 @@ class KernelPool:
             left_s = (self._total_s - self._done_s) / max(pace, 1e-3)
             told = Progress(running[0] if running else "", self._done, len(self._known), left_s)
         self._follow(told)
+
+
+def is_first_use() -> bool:
+    """Whether no pool has compiled for this user yet."""
+    return not _lock_file().exists()
+
+
+def _lock_file() -> Path:
+    return platformdirs.user_cache_path("vrut_lite") / "compiling.lock"
 
 
 def _is_answered(child: "subprocess.Popen[str]", kernel: Kernel) -> bool:
