@@ -3,10 +3,10 @@
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.cloud_density import density, distance_up_m
-from vrut_lite.daylight.cloud_transport import transport_tables
-from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.clouds.cloud_density import density, distance_up_m
+from vrut_lite.clouds.cloud_transport import transport_tables
+from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite_lab.cloud_accuracy import ordinates_of
 
 # Scattering of molecules at 635, 550 and 465 nm (Bucholtz 1995), with a scale height of 8 km.

@@ -3,8 +3,8 @@
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene_content import MAP_NAMES, SceneMaterials
-from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
+from vrut_lite.messages.scene_content import MAP_NAMES, SceneMaterials
+from vrut_lite.messages.surface_terms import SurfaceTerms, as_row
 
 
 def grey_materials():

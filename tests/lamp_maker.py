@@ -3,7 +3,7 @@
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.lamps import ALL_AROUND, NONE, TABLE_SHAPE, SceneLamps
+from vrut_lite.messages.lamps import ALL_AROUND, NONE, TABLE_SHAPE, SceneLamps
 
 
 def lamps_of(*lamps):

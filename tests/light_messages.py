@@ -4,11 +4,11 @@ import numpy as np
 from air_phases import lobe
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume, SecondLight
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry import spherical_harmonics
+from vrut_lite.messages.air import AirChanged, AirVolume, SecondLight
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
 
 
 def light_messages(cube, sun_direction=(0.0, 1.0, 0.0), sun_irradiance=(0.0, 0.0, 0.0)):

@@ -9,17 +9,17 @@ from light_messages import light_messages
 from light_transport.module import LightTransport
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.sky_sum import SkySum
-from vrut_lite.daylight.view_light import StillAsked
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Input, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.view_light import StillAsked
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
+from vrut_lite.sky.sky_sum import SkySum
 
 WANT = Demand(consumer="test", message="SurfaceLightChanged")
 NO_MORE = Demand(consumer="test", message="SurfaceLightChanged", size=0)

@@ -7,13 +7,13 @@ import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.night import MoonLight, NightLightChanged
-from vrut_lite.daylight.sky_module import SkyModule
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import Input
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.air import AirChanged, AirVolume
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.night import MoonLight, NightLightChanged
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.sky.sky_module import SkyModule
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 FULL_MOON = 2.5e-6

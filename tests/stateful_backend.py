@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import msgspec
 
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.packing import packed
+from vrut_lite.scene.scene_state import SceneState
 
 LIGHT = {"background", "key_light", "ambient"}
 

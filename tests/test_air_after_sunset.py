@@ -20,16 +20,16 @@ from moon_on_bus import (
     towards,
 )
 
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_volume import light_of, look_up_air
-from vrut_lite.daylight.refraction import horizon_elevation
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sky_at_night import night_share, sun_share
-from vrut_lite.daylight.sun import KeyLightChanged
-from vrut_lite.daylight.tolerance import tolerance_of
+from vrut_lite.atmosphere.refraction import horizon_elevation
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.messages.tolerance import tolerance_of
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.air_volume import light_of, look_up_air
+from vrut_lite.sky.sky_at_night import night_share, sun_share
 
 HAZES = mostly_long([0.05, 0.2, 0.5], (0.2).__eq__)
 SUNS = mostly_long(

@@ -6,8 +6,8 @@ from click.testing import CliRunner
 from PIL import Image
 
 from vrut_lite.cli import root
-from vrut_lite.daylight.air import AirChanged
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.messages.air import AirChanged
 from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
 
 SQUARE = """

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tools import docs_site
-from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
+from vrut_lite.messages.vocabulary import DAYLIGHT_MESSAGES
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])

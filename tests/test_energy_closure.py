@@ -9,15 +9,15 @@ import trimesh
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions, texel_solid_angles
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
 PLACE = "50.0755,14.4378"

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, horizontal_irradiance
 from vrut_lite.kernel.messages import ChooseSlot, EnableModule, SetSetting
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
 SCENES = Path(__file__).parents[1] / "scenes"

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from vrut_lite import cli
-from vrut_lite.daylight.placement import PlacedFile, Placement
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.messages.placement import PlacedFile, Placement
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.project import Project, load_project, save_project, view_inputs
 from vrut_lite.scene.manager import SceneManager
 

@@ -1,7 +1,7 @@
 """Every installed sky keeps the contract of `vrut_lite.testing`."""
 
-from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.discovery import discover
+from vrut_lite.sky.sky_module import SkyModule
 from vrut_lite.testing.sky_contract import SkyContract
 
 SKIES = [module for module in discover()[0] if issubclass(module, SkyModule) and module.follows_sun]

@@ -5,13 +5,13 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged, LookAlong, SpectrumSeen
 
 # Four wavelengths of the solver against twelve, and the model's bands against its RGB fit.
 TOLERANCE = 0.06

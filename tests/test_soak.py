@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
-from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.kernel.messages import SetClockRate, Tick
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
 ROOT = Path(__file__).parents[1]

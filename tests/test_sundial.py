@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
 pytestmark = pytest.mark.gl

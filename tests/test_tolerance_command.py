@@ -14,8 +14,8 @@ from vrut_lite.commands.record import record
 from vrut_lite.commands.replay import replay
 from vrut_lite.commands.sky import sky
 from vrut_lite.commands.sky_pictures import SkyPlan
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.errors import UserError
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.project import Project, load_project
 
 AT = ["--at", "2026-06-21T12:00Z", "--place", "50.0755,14.4378"]

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from vrut_lite import cli
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.project import Project, daylight_inputs
 
 PAGE = Path(__file__).parents[1] / "docs" / "write_a_module.md"

@@ -28,8 +28,8 @@ PYTHON = {
     "Modules": [
         "vrut_lite.kernel.module.Manifest",
         "vrut_lite.kernel.module.Module",
-        "vrut_lite.daylight.sky_module.SkyModule",
-        "vrut_lite.daylight.sky_of_hour",
+        "vrut_lite.sky.sky_module.SkyModule",
+        "vrut_lite.sky.sky_of_hour",
         "vrut_lite.testing.sky_contract.SkyContract",
     ],
     "Journals": ["vrut_lite.recording.recorder.Recorder", "vrut_lite.recording.replay.Replay"],
@@ -103,7 +103,7 @@ def _command(name: str, command: click.Command, context: click.Context) -> Itera
 
 def settings_reference() -> Iterator[str]:
     """Every installed module: slots, and settings with their ranges and defaults."""
-    from vrut_lite.daylight.daylight_kernel import daylight_kernel
+    from vrut_lite.daylight_kernel import daylight_kernel
     from vrut_lite.kernel.settings import describe
 
     kernel, _ = daylight_kernel()
@@ -129,7 +129,7 @@ def settings_reference() -> Iterator[str]:
 
 def messages_reference() -> Iterator[str]:
     """Every message of daylight: what it says and its fields."""
-    from vrut_lite.daylight.vocabulary import DERIVED, INPUTS
+    from vrut_lite.messages.vocabulary import DERIVED, INPUTS
 
     yield "# Messages\n"
     for title, types in (("Inputs", INPUTS), ("What modules post", DERIVED)):

@@ -77,7 +77,7 @@ def draw(scene: str, moves: bool) -> None:
 
 def _move(host: Any) -> None:
     """Pictures as the window draws them while a hand turns the camera."""
-    from vrut_lite.daylight.scene_state import FrameSkips
+    from vrut_lite.scene.scene_state import FrameSkips
 
     before, host.frame_skips = host.frame_skips, FrameSkips()
     for _ in range(3):

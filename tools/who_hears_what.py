@@ -14,14 +14,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.sky import LookAlong
-from vrut_lite.daylight.sky_sum import SkySum
-from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.discovery import discover
 from vrut_lite.frame_part import frame_parts
 from vrut_lite.kernel.messages import (
@@ -37,8 +30,15 @@ from vrut_lite.kernel.messages import (
     SetSetting,
 )
 from vrut_lite.kernel.module import Module
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.sky import LookAlong
+from vrut_lite.messages.vocabulary import DAYLIGHT_MESSAGES
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.sky.sky_sum import SkySum
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "who_hears_what.md"

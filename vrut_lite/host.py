@@ -5,12 +5,11 @@ from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.scene_state import FrameSkips, SceneState
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
@@ -20,6 +19,7 @@ from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, SceneView
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.scene.scene_state import FrameSkips, SceneState
 
 
 class Host:

@@ -7,10 +7,10 @@ import msgspec
 
 from vrut_lite.arguments import as_number
 from vrut_lite.commands.scene_pictures import ScenePlan, SceneShot
-from vrut_lite.daylight.place_time import time_zone_at
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.preview import captioned_html, png
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.place_time import time_zone_at
 from vrut_lite.project import Project, in_words, project_of_path
 
 if TYPE_CHECKING:

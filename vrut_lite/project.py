@@ -13,24 +13,24 @@ import msgspec
 import numpy as np
 import tomli_w
 
-from vrut_lite.daylight.aerosols.own import OwnAerosol
-from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.glazing import Glazing
-from vrut_lite.daylight.haze import DEFAULT_AEROSOL, MOST_OPTICAL_DEPTH, AerosolType, SetHaze
-from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
-from vrut_lite.daylight.placement import PlacedFile, Placement
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.scene_state import Shown
-from vrut_lite.daylight.section import Axis, Side
-from vrut_lite.daylight.tolerance import SetTolerance
-from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.daylight.weather_file import read_weather
+from vrut_lite.atmosphere.aerosols.own import OwnAerosol
+from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.haze import DEFAULT_AEROSOL, MOST_OPTICAL_DEPTH, AerosolType, SetHaze
+from vrut_lite.messages.picture import Resize, SetExposure, ToneMap
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.placement import PlacedFile, Placement
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.section import Axis, Side
+from vrut_lite.messages.tolerance import SetTolerance
+from vrut_lite.messages.weather import SetWeather
+from vrut_lite.place_time import Place, parse_instant, parse_place
+from vrut_lite.scene.scene_state import Shown
+from vrut_lite.weather.weather_file import read_weather
 from vrut_lite.write_atomic import atomic_output
 
 PROJECT_SUFFIX = ".toml"

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrut_lite.daylight.aerosols.phase_table import node_cosines
-from vrut_lite.daylight.cloud_density_kernels import compiled
+from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
+from vrut_lite.clouds.cloud_density_kernels import compiled
 
 PIXELS, PERIOD_M, MU_0 = 32, 500.0, 0.5
 # Light goes along +x.

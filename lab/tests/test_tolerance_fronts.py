@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vrut_lite.daylight.tolerance import Measured, read_fronts
+from vrut_lite.messages.tolerance import Measured, read_fronts
 from vrut_lite_lab.tolerance_fronts import declared_knobs, front_lines, measure
 
 THIRD_SKY = """

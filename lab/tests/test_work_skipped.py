@@ -7,8 +7,8 @@ import msgspec
 import pytest
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.project import Project, load_project
+from vrut_lite.scene.scene_state import FrameSkips
 from vrut_lite_lab.bench.paths.frame import NOTHING
 from vrut_lite_lab.work_skipped import DAY_SCENES, SCENES, difference, play_frames, rows
 

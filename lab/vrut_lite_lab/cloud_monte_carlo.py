@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.aerosols.phase_table import node_cosines
-from vrut_lite.daylight.cloud_density_kernels import compiled, density_at
-from vrut_lite.daylight.cloud_transport import scatterer
+from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
+from vrut_lite.clouds.cloud_density_kernels import compiled, density_at
+from vrut_lite.clouds.cloud_transport import scatterer
 from vrut_lite.numeric_types import FloatArray
 
 

@@ -57,8 +57,8 @@ def main() -> None:
     from vrut_lite.app.window.first_size import first_place
     from vrut_lite.app.window.kept import Kept
     from vrut_lite.app.window.main_window import MainWindow
-    from vrut_lite.daylight.light_map import SurfaceLightChanged
-    from vrut_lite.daylight.scene import SceneOpened
+    from vrut_lite.messages.light_map import SurfaceLightChanged
+    from vrut_lite.messages.scene import SceneOpened
     from vrut_lite.project import project_of_path
 
     scenes = ROOT / "scenes"

@@ -1,4 +1,4 @@
-"""Make vrut_lite/daylight/data/fog_droplets.npz: the phase function of fog's droplets by Mie.
+"""Make vrut_lite/atmosphere/data/fog_droplets.npz: the phase function of fog's droplets by Mie.
 
     python -m vrut_lite_lab.fog_droplets
 
@@ -9,7 +9,7 @@ Querry 1973.
 
 import numpy as np
 
-from vrut_lite.daylight.aerosols.mie import spheres_together
+from vrut_lite.atmosphere.aerosols.mie import spheres_together
 from vrut_lite_lab.checkout import ROOT
 
 TARGET = ROOT / "vrut_lite" / "daylight" / "data" / "fog_droplets.npz"

@@ -1,4 +1,4 @@
-"""Make vrut_lite/daylight/data/ice_crystals.npz: the phase function of hexagonal columns of ice.
+"""Make vrut_lite/clouds/data/ice_crystals.npz: the phase function of hexagonal columns of ice.
 
     python -m vrut_lite_lab.ice_phase
 
@@ -16,8 +16,8 @@ import math
 
 import numpy as np
 
-from vrut_lite.daylight.aerosols import PhaseTable
-from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES, node_cosines
+from vrut_lite.atmosphere.aerosols import PhaseTable
+from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES, node_cosines
 from vrut_lite.njit import njit
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.checkout import ROOT

@@ -25,8 +25,8 @@ from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
 from light_transport.tolerance import Quality, quality_for
 
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
 from vrut_lite_lab.scenes.dense import build

@@ -23,12 +23,12 @@ from typing import NamedTuple
 from light_transport.messages import NAME, BakeGrown
 from light_transport.module import LightTransport
 
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Message, SetClock, SetSetting
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite_lab.checkout import ROOT
 

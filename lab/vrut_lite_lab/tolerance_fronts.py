@@ -24,10 +24,10 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from vrut_lite.daylight.tolerance import Measured, Point, read_fronts
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.module import Module
+from vrut_lite.messages.tolerance import Measured, Point, read_fronts
 from vrut_lite_lab.tolerance.knobs import MOST, ToleranceKnobs, Truth
 
 _SEED, _ROUNDS = 1, 3

@@ -28,14 +28,14 @@ from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import project_of_path
 from vrut_lite.scene.backend import IsGivenUp
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.checkout import ROOT
 
 _SCENES = ROOT / "scenes"

@@ -20,12 +20,12 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import SetClock
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
+from vrut_lite.scene.scene_state import FrameSkips
 from vrut_lite_lab.bench.paths.frame import NOTHING
 from vrut_lite_lab.checkout import ROOT
 

@@ -8,14 +8,14 @@ import numpy as np
 from aurora.curtains import SLOT, AuroraShown, radiance
 from aurora.oval import aurora_over
 from vrut_lite.array import Array
-from vrut_lite.daylight.haze import SetHaze, haze_of
-from vrut_lite.daylight.night_glow import map_directions
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_light import SkyGlowAdded, SkyLightChanged
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
+from vrut_lite.messages.haze import SetHaze, haze_of
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky_light import SkyGlowAdded, SkyLightChanged
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.sky.night_glow import map_directions
 
 NAME, GLOW = "aurora", "glow"
 # The sky of a higher sun outshines it; an oval farther away lies below the horizon.

@@ -10,8 +10,8 @@ from datetime import datetime
 import numpy as np
 
 from aurora.curtains import AuroraShown, phases_at
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.numeric_types import FloatArray
 
 _POLE_LATITUDE_DEG, _POLE_LONGITUDE_DEG = 80.65, -72.68

@@ -21,13 +21,13 @@ from bruneton_sky.atmosphere_numbers import (
     per_wavelength,
 )
 from vrut_lite.arguments import as_flag, as_number, as_numbers
-from vrut_lite.daylight.aerosol import (
+from vrut_lite.atmosphere.aerosol import (
     ANGSTROM_EXPONENT,
     ASYMMETRY,
     SCALE_HEIGHT_M,
     SINGLE_SCATTERING_ALBEDO,
 )
-from vrut_lite.daylight.aerosols import AerosolOptics, PhaseTable
+from vrut_lite.atmosphere.aerosols import AerosolOptics, PhaseTable
 from vrut_lite.numeric_types import FloatArray
 
 _ANGSTROM_WAVELENGTH_NM = 550.0

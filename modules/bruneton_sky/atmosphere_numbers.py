@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.arguments import as_number, as_numbers, check_choice
-from vrut_lite.daylight.aerosols import PhaseTable
+from vrut_lite.atmosphere.aerosols import PhaseTable
 from vrut_lite.numeric_types import FloatArray
 
 # Fields of an atmosphere with a number for each wavelength; those of layers may be left out.

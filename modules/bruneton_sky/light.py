@@ -20,11 +20,14 @@ from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
 from bruneton_sky.sun_light import haze_layers, limb_darkening_rgb
 from bruneton_sky.tolerance import TABLES, Quality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.sky_of_hour import (
+from vrut_lite.atmosphere.haze_layer import HAZE_NM
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+from vrut_lite.sky.sky_of_hour import (
     AIR_JOB,
     CUBE_JOB,
     Background,
@@ -34,9 +37,6 @@ from vrut_lite.daylight.sky_of_hour import (
     SunDisc,
     Unseen,
 )
-from vrut_lite.daylight.sun import HAZE_NM
-from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
 NAME = "bruneton_sky"
 

@@ -16,10 +16,10 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, haze_of_ai
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.tolerance import Quality, quality_for
-from vrut_lite.daylight.sky_module import SkyModule
-from vrut_lite.daylight.sky_of_hour import Hour, Prepared, Work
-from vrut_lite.daylight.sun import Body, SunMoved
 from vrut_lite.kernel.module import Link, Manifest
+from vrut_lite.messages.sun import Body, SunMoved
+from vrut_lite.sky.sky_module import SkyModule
+from vrut_lite.sky.sky_of_hour import Hour, Prepared, Work
 
 # Settings of where a sky is computed, which do not change the sky.
 _NOT_AIR = {"cube_device": "cpu"}

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from vrut_lite.daylight.aerosol import cornette_shanks_factor
+from vrut_lite.atmosphere.aerosol import cornette_shanks_factor
 
 
 class MiePhase(NamedTuple):

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from vrut_lite.arguments import as_flag, as_numbers, shown
-from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
-from vrut_lite.daylight.gases import ozone_absorption, rayleigh_scattering
+from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
+from vrut_lite.atmosphere.gases import ozone_absorption, rayleigh_scattering
 from vrut_lite.geometry.colour import solar_irradiance
 
 RGB_NM = (680.0, 550.0, 440.0)

@@ -13,19 +13,19 @@ from bruneton_sky.atmosphere_numbers import MiePhaseForm
 from bruneton_sky.presets import earth_at_night, earth_spectral, preset
 from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import MOST_ORDERS
-from vrut_lite.daylight.aerosol import (
+from vrut_lite.atmosphere.aerosol import (
     ANGSTROM_EXPONENT,
     LEAST_TURBIDITY,
     MOST_TURBIDITY,
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
-from vrut_lite.daylight.aerosols.droplets import droplets_phase
-from vrut_lite.daylight.gases import ozone_absorption
-from vrut_lite.daylight.haze import DEFAULT_HAZE, AerosolType, SetHaze
-from vrut_lite.daylight.left_open import Preset
+from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
+from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
+from vrut_lite.messages.haze import DEFAULT_HAZE, AerosolType, SetHaze
+from vrut_lite.sky.left_open import Preset
 
 PresetName = Literal[
     "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"

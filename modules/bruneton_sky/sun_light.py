@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import entry_to_air, horizon_mu
 from bruneton_sky.optical_path import optical_depth_to_top
-from vrut_lite.daylight.sun import HazeLayer
+from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 

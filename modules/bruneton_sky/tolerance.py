@@ -20,7 +20,7 @@ from typing import NamedTuple, cast
 
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
-from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
+from vrut_lite.messages.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 # How many times as fine as usual a sky-view table is.

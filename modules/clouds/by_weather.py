@@ -11,7 +11,7 @@ import numpy as np
 
 from clouds.genera import Genus
 from clouds.settings import PREFIXES, CloudSettings, Layer, Passes
-from vrut_lite.daylight.cloudiness import CloudinessChanged
+from vrut_lite.messages.cloudiness import CloudinessChanged
 
 # Less cover is a clear sky; more is a closed layer.
 _CLEAR, _CLOSED = 0.05, 0.95

@@ -8,7 +8,7 @@ extinction counts what turns light by more than the sun's disc, 36 % of all
 
 from typing import Literal, NamedTuple
 
-from vrut_lite.daylight.clouds import CloudForm, Particles
+from vrut_lite.messages.clouds import CloudForm, Particles
 
 LowGenus = Literal["Cu", "Sc", "St", "Ns", "Cb"]
 MiddleGenus = Literal["Ac", "As"]

@@ -7,7 +7,7 @@ from clouds.genera import GENERA
 from clouds.noise import detail_volume, shape_volume, weather_map
 from clouds.settings import Layer, Passes
 from vrut_lite.array import Array
-from vrut_lite.daylight.cloud_density import (
+from vrut_lite.clouds.cloud_density import (
     column_of,
     density_of,
     detail_at,
@@ -15,8 +15,8 @@ from vrut_lite.daylight.cloud_density import (
     shape_at,
     weather_at,
 )
-from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
-from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.clouds.cloud_transport import even_transmittance, layer_transmittance
+from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
 # Samples for the coverage: columns along each side, and heights.

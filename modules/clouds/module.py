@@ -11,12 +11,12 @@ import numpy as np
 
 from clouds.by_weather import layers_under
 from clouds.settings import CloudSettings, Layer
-from vrut_lite.daylight.cloudiness import CloudinessChanged
-from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.cloudiness import CloudinessChanged
+from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
+from vrut_lite.messages.place import SetPlace
 
 NAME = "clouds"
 JOB = "layers"

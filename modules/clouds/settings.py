@@ -5,9 +5,9 @@ from typing import Annotated, ClassVar, NamedTuple, get_args
 import msgspec
 
 from clouds.genera import GENERA, Genus, HighGenus, LowGenus, MiddleGenus
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.left_open import Preset
 from vrut_lite.kernel.settings import setting
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.sky.left_open import Preset
 
 SHAPE_SOURCE = "Schneider 2015"
 GENUS_SOURCE = "WMO 2017, International Cloud Atlas"

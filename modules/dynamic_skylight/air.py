@@ -20,22 +20,22 @@ import numpy as np
 
 from dynamic_skylight.daylight import Daylight
 from vrut_lite.array import Array
-from vrut_lite.daylight.aerosols import PhaseTable
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.daylight.air_reach import UNSEEN_SHARE
-from vrut_lite.daylight.air_rows import Grid
-from vrut_lite.daylight.air_volume import (
+from vrut_lite.atmosphere.aerosols import PhaseTable
+from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.air_reach import UNSEEN_SHARE
+from vrut_lite.sky.air_rows import Grid
+from vrut_lite.sky.air_volume import (
     NodeRays,
     column_cosines,
     molecules_phase,
     node_rays,
     slice_shares,
 )
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
-from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.numeric_types import FloatArray, Vector
 
 GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
 _MOLECULES_M = 8000.0

@@ -14,10 +14,10 @@ from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky, half_scale
 from dynamic_skylight.kept_cubes import kept_cube
 from dynamic_skylight.sun_light import SunColour, SunLight, sun_behind_air, sun_light
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, HourSky, sky_of_hour
-from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
-from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
+from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
 
 # Light from the sky needs a small cube of its own, for every size of the picture.

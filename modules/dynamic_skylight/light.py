@@ -11,10 +11,12 @@ from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import Quality
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.sky_of_hour import (
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.sky_of_hour import (
     CUBE_JOB,
     Background,
     Hour,
@@ -23,8 +25,6 @@ from vrut_lite.daylight.sky_of_hour import (
     SunDisc,
     Unseen,
 )
-from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.numeric_types import FloatArray, Vector
 
 NAME = "dynamic_skylight"
 # Over how many metres, and the eye's own height, air thins: an eye that moves by a share of it

@@ -14,19 +14,19 @@ from dynamic_skylight.light import NAME, HosekWilkieLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun.position import position_at
 from dynamic_skylight.tolerance import Quality, quality_for
-from vrut_lite.daylight.aerosol import (
+from vrut_lite.atmosphere.aerosol import (
     LEAST_TURBIDITY,
     MOST_TURBIDITY,
     optical_depth_of_turbidity,
 )
-from vrut_lite.daylight.equal_haze import equal_sky
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_module import SkyModule
-from vrut_lite.daylight.sky_of_hour import Hour
-from vrut_lite.daylight.sun import SunMoved, sun_moved
+from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.kernel.module import Manifest, handles
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import SunMoved, sun_moved
+from vrut_lite.sky.sky_module import SkyModule
+from vrut_lite.sky.sky_of_hour import Hour
 
 
 class DynamicSkyLight(SkyModule):

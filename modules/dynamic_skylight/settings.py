@@ -6,9 +6,9 @@ import msgspec
 
 from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
-from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
-from vrut_lite.daylight.left_open import Preset
+from vrut_lite.atmosphere.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
 from vrut_lite.kernel.settings import setting
+from vrut_lite.sky.left_open import Preset
 
 Device = Literal["cpu", "gpu"]
 SkyLevel = Literal["equal-haze", "published"]

@@ -21,8 +21,6 @@ from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.sky import SOLAR_DISC_RADIUS_RAD
 from dynamic_skylight.twilight import sky_of_hour
-from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
-from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.colour import (
     LUMINANCE_WEIGHTS,
     integration_matrix,
@@ -30,7 +28,9 @@ from vrut_lite.geometry.colour import (
     rgb_from_spectrum,
     solar_irradiance,
 )
+from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.clear_sun import sun_irradiance_rgb
 
 SunColour = Literal["air", "disc", "sky_formula", "white"]
 Polynomial = tuple[float, ...]

@@ -15,7 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
+from vrut_lite.messages.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 # Of cube map and light at the default tolerance, about half a step of 8 bits at the display's

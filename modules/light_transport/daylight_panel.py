@@ -21,14 +21,14 @@ from light_transport.legend import Legend
 from light_transport.plane_view import PlaneView
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import Chooser, faint_label, make_timer, panel_column
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.place_time import Place, local_text
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ClockMoved, Demand, SetSetting, SettingChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.place_time import Place, local_text
 
 if TYPE_CHECKING:
     from light_transport.daylight_numbers.numbers_now import NumbersNow

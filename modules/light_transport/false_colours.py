@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.light_map_values import noise_of_pair, texel_edges_m
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.false_colours import coloured, scale_of
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.light_map_values import noise_of_pair, texel_edges_m
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 
 

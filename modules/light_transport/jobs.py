@@ -27,15 +27,15 @@ from light_transport.kept_layout import (
 from light_transport.messages import NAME
 from vrut_lite.array import Array
 from vrut_lite.array_cache import Arrays
-from vrut_lite.daylight.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import ground_albedo
-from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
-from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
+from vrut_lite.messages.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
+from vrut_lite.sky.ground_albedo import ground_albedo
 
 if TYPE_CHECKING:
     from light_transport.bake import Bake

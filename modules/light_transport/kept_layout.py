@@ -7,8 +7,8 @@ import numpy as np
 from light_transport.digests import code_digest
 from light_transport.struct_arrays import arrays_of, struct_of
 from vrut_lite.array_cache import ArrayCache
-from vrut_lite.daylight.light_map import LightMapLaid
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.light_map import LightMapLaid
+from vrut_lite.messages.scene import SceneOpened
 
 # A scene takes some MB.
 _LIMIT_BYTES = 1 << 28

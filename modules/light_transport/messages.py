@@ -4,8 +4,8 @@ import numpy as np
 
 from vrut_lite import checks
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import LightMapLaid
 from vrut_lite.kernel.messages import Derived
+from vrut_lite.messages.light_map import LightMapLaid
 
 NAME = "light_transport"
 

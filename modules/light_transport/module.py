@@ -25,14 +25,14 @@ from light_transport.messages import NAME, BakeGrown, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import Quality, quality_for
 from light_transport.unseen_hours import looks_like
-from vrut_lite.daylight.light_map import SLOT, LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
-from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.light_map import SLOT, LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
+from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 
 PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
 # Charts of more triangles take longer than half a second.

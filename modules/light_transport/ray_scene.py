@@ -24,7 +24,7 @@ from light_transport.surfaces.links import links_of, seam_links
 from light_transport.surfaces.map_texels import Texels, map_geometry, texels_of, with_backs
 from light_transport.surfaces.sheets import sheets_of
 from light_transport.surfaces.surfaces import Surfaces
-from vrut_lite.daylight.lamps import SceneLamps
+from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import BoolArray
 
 BLOCK_ROWS = 2048

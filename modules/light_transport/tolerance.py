@@ -19,7 +19,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, NamedTuple, get_args
 
-from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
+from vrut_lite.messages.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 Rung = Literal["draft", "usual", "fine", "finest"]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
 
 
 def looks_like(

@@ -9,8 +9,8 @@ from night_sky.moon_light import earthshine_radiance_rgb, irradiance_rgb
 from night_sky.night_air import NightAir
 from night_sky.sky_axes import unit
 from vrut_lite.array import Array
-from vrut_lite.daylight.night import THROUGH_PLACES, MoonDiscChanged
-from vrut_lite.daylight.refraction import apparent_elevation, dip_rad
+from vrut_lite.atmosphere.refraction import apparent_elevation, dip_rad
+from vrut_lite.messages.night import THROUGH_PLACES, MoonDiscChanged
 from vrut_lite.numeric_types import FloatArray, Vector
 
 # Selenographic longitude and latitude (deg) and diameter (km) of the maria (IAU gazetteer), and how

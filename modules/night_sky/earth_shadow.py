@@ -13,9 +13,9 @@ import numpy as np
 
 from night_sky.moon import Moon
 from night_sky.sky_axes import AU_KM, Watch, refracted
-from vrut_lite.daylight.moon_disc import shadow_share
-from vrut_lite.daylight.night import EarthShadow
+from vrut_lite.messages.night import EarthShadow
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.moon_disc import shadow_share
 
 _EARTH_KM, _SUN_KM, _ENLARGED = 6378.14, 696_000.0, 1.02
 # By the number: magnitudes below the full moon in the middle of the umbra; colours, red 1.

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.night import (
+from vrut_lite.frame_part import FramePart, Heard, PartGl, PartView, Screen
+from vrut_lite.messages.night import (
     EDGE_OVER_MIDDLE,
     THROUGH_PLACES,
     MoonDiscChanged,
     StarsChanged,
 )
-from vrut_lite.frame_part import FramePart, Heard, PartGl, PartView, Screen
 
 _SHADERS = Path(__file__).parent / "shaders"
 # Around the disc, for the pixels that it touches.

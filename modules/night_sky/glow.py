@@ -15,8 +15,8 @@ from night_sky.lamp_sky import lamp_share
 from night_sky.night_air import SENT_DOWN, NightAir
 from night_sky.sky_axes import Watch, body_km, ecliptic_of_j2000, unit
 from night_sky.stars import colour_of, planck_colour
-from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
 
 # Luminance (cd m^-2) of one star of V = 10 per square degree.

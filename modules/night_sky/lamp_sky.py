@@ -10,10 +10,10 @@ from functools import lru_cache
 import numpy as np
 
 from night_sky.night_air import RADIUS_M, RGB_NM, TOP_M
-from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES
-from vrut_lite.daylight.clear_sun import extinctions_per_m
-from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
+from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.clear_sun import extinctions_per_m
 
 # Elevations, steps along a ray, slopes and azimuths of light that comes up; altitudes.
 _NODES, _STEPS, _SLOPES, _TURNS, _HEIGHTS = 32, 48, 8, 24, 256

@@ -15,11 +15,13 @@ import numpy as np
 
 from night_sky.settings import NightSkySettings
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.eye import eye_height_m
-from vrut_lite.daylight.haze import SetHaze, haze_of
-from vrut_lite.daylight.moon_path import MoonPathChanged
-from vrut_lite.daylight.night import (
+from vrut_lite.atmosphere.refraction import dip_rad, eye_aloft_m, horizon_elevation
+from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.haze import SetHaze, haze_of
+from vrut_lite.messages.moon_path import MoonPathChanged
+from vrut_lite.messages.night import (
     NO_ECLIPSE,
     SLOT,
     MoonDiscChanged,
@@ -27,16 +29,14 @@ from vrut_lite.daylight.night import (
     NightLightChanged,
     StarsChanged,
 )
-from vrut_lite.daylight.night_glow import map_directions
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.refraction import dip_rad, eye_aloft_m, horizon_elevation
-from vrut_lite.daylight.scene import SceneNeeds
-from vrut_lite.daylight.sky import NO_LAMPS
-from vrut_lite.daylight.sky_module import PRODUCTS
-from vrut_lite.daylight.sun import SunMoved
-from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
-from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneNeeds
+from vrut_lite.messages.sky import NO_LAMPS
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.eye import eye_height_m
+from vrut_lite.sky.night_glow import map_directions
+from vrut_lite.sky.sky_module import PRODUCTS
 
 if TYPE_CHECKING:
     from night_sky.glow import Sources

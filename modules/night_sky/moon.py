@@ -7,7 +7,7 @@ import numpy as np
 
 from night_sky.moon_light import Phase
 from night_sky.sky_axes import AU_KM, Watch, body_km, moon_axes, refracted
-from vrut_lite.daylight.refraction import dip_rad
+from vrut_lite.atmosphere.refraction import dip_rad
 from vrut_lite.numeric_types import FloatArray
 
 RADIUS_KM = 1737.4

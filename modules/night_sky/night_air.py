@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrut_lite.daylight.clear_sun import extinction_per_m
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.refraction import dip_rad
+from vrut_lite.atmosphere.refraction import dip_rad
+from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.clear_sun import extinction_per_m
 
 # Where linear sRGB has its weight.
 RGB_NM = np.array([610.0, 550.0, 465.0])

@@ -8,8 +8,8 @@ import numpy as np
 
 from night_sky.sky_axes import Watch, body_km, refracted, watch
 from vrut_lite.array import Array
-from vrut_lite.daylight.moon_path import MoonPathChanged
-from vrut_lite.daylight.place import SetPlace
+from vrut_lite.messages.moon_path import MoonPathChanged
+from vrut_lite.messages.place import SetPlace
 
 # Civil days of a UTC date begin up to 14 hours before it, and end up to 12 hours after it.
 _BEFORE, _LENGTH = timedelta(hours=14), timedelta(hours=50)

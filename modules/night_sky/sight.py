@@ -12,8 +12,8 @@ from night_sky.eclipse import sun_left
 from night_sky.moon import Moon, moon_at
 from night_sky.night_air import NightAir
 from night_sky.sky_axes import Watch, sun_elevation_rad, watch
-from vrut_lite.daylight.night import EarthShadow, MoonDiscChanged
-from vrut_lite.daylight.place import SetPlace
+from vrut_lite.messages.night import EarthShadow, MoonDiscChanged
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.numeric_types import Vector
 
 # Above this elevation of the sun there is neither glow nor star to be seen from the ground.

@@ -8,7 +8,7 @@ import astronomy
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.refraction import apparent_elevation
+from vrut_lite.atmosphere.refraction import apparent_elevation
 from vrut_lite.geometry.frames import world_from_enu
 from vrut_lite.numeric_types import FloatArray
 

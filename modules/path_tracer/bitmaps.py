@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.scene_content import Sampler
+from vrut_lite.messages.scene_content import Sampler
 
 Plugin = dict[str, Any]
 _TILES = 16

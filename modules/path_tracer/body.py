@@ -10,7 +10,7 @@ import numpy as np
 
 from path_tracer.bitmaps import Plugin
 from path_tracer.plugins import register
-from vrut_lite.daylight.scene_content import Material
+from vrut_lite.messages.scene_content import Material
 
 PLUGIN = "vrut_lite_body"
 # What is smoother than this lets light straight on, as in the GL frame.

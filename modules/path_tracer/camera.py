@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from path_tracer.subject import Subject
-from vrut_lite.daylight.camera import look_at
+from vrut_lite.messages.camera import look_at
 
 # As near as the GL frame's, in radii of the scene.
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3

@@ -11,7 +11,7 @@ import numpy as np
 
 from path_tracer.plugins import register
 from path_tracer.subject import Subject
-from vrut_lite.daylight.lamps import NONE, TABLE_SHAPE, SceneLamps
+from vrut_lite.messages.lamps import NONE, TABLE_SHAPE, SceneLamps
 
 PLUGIN = "vrut_lite_lamp"
 _SHARPEST_RAMP = 1e-3

@@ -17,19 +17,19 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.section import SectionChanged
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
-from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.section import SectionChanged
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.messages.sky_light import LIGHT, SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.scene.scene_state import SceneState
 
 NAME = "path_tracer"
 JOB = "samples"

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vrut_lite.daylight.scene_content import Mesh
 from vrut_lite.geometry.connected import connected_components
+from vrut_lite.messages.scene_content import Mesh
 from vrut_lite.numeric_types import BoolArray
 
 # The attribute of a mesh's triangles, as mitsuba wants it named.

@@ -24,8 +24,8 @@ from path_tracer.surfaces import (
     painted_vertices,
     surface,
 )
-from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
-from vrut_lite.daylight.scene_content import Material, Mesh
+from vrut_lite.messages.ground_disc import GroundDisc, triangulate
+from vrut_lite.messages.scene_content import Material, Mesh
 
 # Flatter than this, a matrix has no usable inverse in single precision.
 _FLAT = 1e-5

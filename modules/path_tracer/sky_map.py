@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.geometry.panorama import sample_sky
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.sky import BackgroundChanged, SkyRadianceChanged
 
 # Rows for each texel of a cube face's edge: a row is then no wider than half the smallest texel.
 _ROWS_A_TEXEL = 4

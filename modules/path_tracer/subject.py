@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sky import BackgroundChanged, SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.scene.scene_state import SceneState
 
 # The scene's own radius in units of the tracer, whose ray offsets are made for such sizes:
 # a watch and a city are traced alike.

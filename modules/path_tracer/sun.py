@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
 
 _TEXELS = 128
 # The disc and a margin of two texels around it, so that its edge is not cut.

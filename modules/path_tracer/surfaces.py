@@ -23,9 +23,9 @@ from path_tracer.layered import PANE, PLUGIN, register
 from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.terms import mitsubas_pane, sampler_of, terms_of
 from path_tracer.textures import Maps, maps_of
-from vrut_lite.daylight.scene_content import Material, Sampler
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
+from vrut_lite.messages.scene_content import Material, Sampler
 
 Plugin = dict[str, Any]
 # Of a vertex's colour, as mitsuba wants attributes named.

@@ -9,8 +9,8 @@ from path_tracer.bitmaps import Plugin, bitmap
 from path_tracer.body import SMOOTH
 from path_tracer.layered import PANE
 from path_tracer.textures import Maps
-from vrut_lite.daylight.scene_content import MapName, Material, Sampler
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.messages.scene_content import MapName, Material, Sampler
+from vrut_lite.messages.surface_terms import SurfaceTerms
 
 
 def sampler_of(material: Material, name: MapName) -> Sampler:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from vrut_lite.daylight.scene_content import MapName, Material
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.messages.scene_content import MapName, Material
+from vrut_lite.messages.surface_terms import SurfaceTerms
 
 FloatArray = NDArray[np.float32]
 # A cut-out map is enlarged to at most so many texels, to have smooth edges after the cut.

@@ -6,11 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from photo_sky.photograph import Photograph
-from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
 
 RADIUS_RAD = 0.004675
 _LIGHT_SIZE = 64

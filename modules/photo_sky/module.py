@@ -13,14 +13,14 @@ from photo_sky.light import RADIUS_RAD, PhotoLight
 from photo_sky.photograph import Photograph, photograph_of
 from photo_sky.read_panorama import read_panorama
 from photo_sky.settings import PhotoSettings
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_module import SkyModule
-from vrut_lite.daylight.sky_of_hour import Hour
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.frames import enu_from_world
 from vrut_lite.kernel.messages import ClockMoved, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, handles
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.sky.sky_module import SkyModule
+from vrut_lite.sky.sky_of_hour import Hour
 
 NAME = "photo_sky"
 

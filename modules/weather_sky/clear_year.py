@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.cloudiness import CloudinessChanged
-from vrut_lite.daylight.suns import suns_of_year
-from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.messages.cloudiness import CloudinessChanged
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.suns import suns_of_year
 from weather_sky.perez import LOWEST_SUN_RAD, SOLAR_CONSTANT_W_M2, air_mass, distance_factor
 
 _HALF_SEASON_DAYS, _CLEAREST = 15, 0.9

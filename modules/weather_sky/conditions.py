@@ -6,8 +6,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from vrut_lite.daylight.cie_skies import OVERCAST, SUNLESS, general_sky
-from vrut_lite.daylight.sky_distribution import Distribution, Overcast
+from vrut_lite.atmosphere.cie_skies import OVERCAST, SUNLESS, general_sky
+from vrut_lite.atmosphere.sky_distribution import Distribution, Overcast
 from weather_sky.clear_year import meinel
 from weather_sky.perez import LOWEST_SUN_RAD, AllWeather, all_weather, precipitable_water_cm
 from weather_sky.twilight import twilight_alone, twilight_lux

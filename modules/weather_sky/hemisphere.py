@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.sky_distribution import Distribution, Overcast
+from vrut_lite.atmosphere.sky_distribution import Distribution, Overcast
 from vrut_lite.numeric_types import FloatArray
 
 

@@ -6,14 +6,14 @@ from functools import cached_property
 import msgspec
 import numpy as np
 
-from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
-from vrut_lite.daylight.haze import MOST_OPTICAL_DEPTH, SetHaze
-from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
-from vrut_lite.daylight.suns import RADIUS_RAD
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
+from vrut_lite.messages.haze import MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+from vrut_lite.sky.clear_sun import sun_irradiance_rgb
+from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
+from vrut_lite.sky.suns import RADIUS_RAD
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.conditions import Conditions
 from weather_sky.hemisphere import horizontal

@@ -12,16 +12,16 @@ import logging
 
 import numpy as np
 
-from vrut_lite.daylight.cloudiness import CloudinessChanged
-from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_module import SkyModule
-from vrut_lite.daylight.sky_of_hour import Hour
-from vrut_lite.daylight.sun import sun_moved
-from vrut_lite.daylight.suns import middle_of_sunlit, suns_at
-from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.kernel.module import Link, Manifest, handles
+from vrut_lite.messages.cloudiness import CloudinessChanged
+from vrut_lite.messages.clouds import CloudsChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import sun_moved
+from vrut_lite.messages.weather import SetWeather
+from vrut_lite.sky.sky_module import SkyModule
+from vrut_lite.sky.sky_of_hour import Hour
+from vrut_lite.sky.suns import middle_of_sunlit, suns_at
 from weather_sky.clear_year import ClearYear
 from weather_sky.conditions import Conditions
 from weather_sky.light import WeatherLight, haze_before

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.sky_distribution import Distribution
+from vrut_lite.atmosphere.sky_distribution import Distribution
 from vrut_lite.numeric_types import FloatArray
 
 SOLAR_CONSTANT_W_M2 = 1367.0

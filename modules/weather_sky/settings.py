@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
-from vrut_lite.daylight.left_open import Preset
 from vrut_lite.kernel.settings import setting
+from vrut_lite.sky.left_open import Preset
 from weather_sky.conditions import Kind
 
 _OPEN = " None: the weather file's, or without one"

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
-from vrut_lite.daylight.haze import DEFAULT_HAZE
-from vrut_lite.daylight.sky_distribution import Distribution
-from vrut_lite.daylight.suns import suns_of_year
-from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.atmosphere.sky_distribution import Distribution
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.haze import DEFAULT_HAZE
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.clear_sun import sun_irradiance_rgb
+from vrut_lite.sky.suns import suns_of_year
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.hemisphere import Nodes, horizontal, nodes
 from weather_sky.perez import all_weather, precipitable_water_cm

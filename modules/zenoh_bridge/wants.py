@@ -11,10 +11,10 @@ from typing import get_args
 
 import msgspec
 
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.demands import Demands
 from vrut_lite.kernel.messages import Demand, Encoding
+from vrut_lite.messages.sky import BackgroundChanged
 from zenoh_bridge.shareable import BY_NAME
 
 # How much is wanted: edge in texels and encoding, by type of message.

@@ -18,7 +18,7 @@ except ImportError:
 def days_found_once():
     """Windows of one process share the sun's days, each of which takes 400 places of the sun."""
     from vrut_lite.app.engine import day_scout
-    from vrut_lite.daylight.place import SetPlace
+    from vrut_lite.messages.place import SetPlace
 
     found, day_of = {}, day_scout.day_of
 

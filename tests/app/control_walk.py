@@ -20,7 +20,7 @@ from window_driver import PATIENCE_MS
 
 from vrut_lite.app.panels.day_bar import DayBar
 from vrut_lite.app.panels.world_map import WorldMap
-from vrut_lite.daylight.picture import Resize
+from vrut_lite.messages.picture import Resize
 
 _DRAWN = (DayBar, WorldMap)
 _KINDS = (

@@ -15,12 +15,12 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, load_project

@@ -11,12 +11,12 @@ from dynamic_skylight.module import DynamicSkyLight
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, EnableModule, Fault, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.sky.sky_sum import SkySum
 
 NIGHT = datetime(2026, 12, 9, 21, tzinfo=UTC)
 

@@ -7,10 +7,10 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_volume import look_up_air
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.messages.air import AirVolume
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.air_volume import look_up_air
 from vrut_lite_lab.air_exact import light_before
 
 WALLS_M = np.array([1e3, 1e4, 1e5])

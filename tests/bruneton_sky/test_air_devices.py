@@ -8,12 +8,12 @@ import trimesh
 from long_parameters import mostly_long
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting
+from vrut_lite.messages.air import AirChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.place import SetPlace
 
 pytestmark = pytest.mark.gl
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)

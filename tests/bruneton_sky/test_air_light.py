@@ -17,10 +17,10 @@ from bruneton_sky.solver.view import multiple_scattering
 from bruneton_sky.solver_job import solve_air
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.air_volume import light_of, look_up_air
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum, solar_irradiance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.air_volume import light_of, look_up_air
 from vrut_lite_lab.air_exact import depth_along, light_before
 from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 

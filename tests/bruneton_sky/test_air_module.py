@@ -7,11 +7,11 @@ from bruneton_sky.module import BrunetonSky
 from bruneton_sky.sky_view import STANDING_M
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume
-from vrut_lite.daylight.air_volume import look_up_air
-from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.air import AirChanged, AirVolume
+from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.sky.air_volume import look_up_air
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 

@@ -10,9 +10,9 @@ from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver.particles import KINDS, kinds_of, shares_at
 
-from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
-from vrut_lite.daylight.aerosols import type_optics
-from vrut_lite.daylight.aerosols.droplets import droplets_phase
+from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
+from vrut_lite.atmosphere.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
 
 
 def test_earth_is_brunetons_demonstration_atmosphere() -> None:

@@ -11,13 +11,13 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings, PresetName, atmosphere_of
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import solar_irradiance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.messages import EnableModule, JobResult
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)

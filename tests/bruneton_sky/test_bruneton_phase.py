@@ -8,7 +8,7 @@ from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.phase import henyey_greenstein_phase, mie_phase, mie_phase_parameters
 from bruneton_sky.published.single_scattering import scattered_without_phase
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 
 NU, WEIGHT = np.polynomial.legendre.leggauss(400)
 FORMS = {

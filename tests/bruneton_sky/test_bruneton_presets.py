@@ -9,7 +9,7 @@ from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.presets import PRESETS, earth_at_night, earth_spectral, preset
 from bruneton_sky.raised_ground import raise_ground
 
-from vrut_lite.daylight.gases import ozone_absorption, rayleigh_scattering
+from vrut_lite.atmosphere.gases import ozone_absorption, rayleigh_scattering
 from vrut_lite.geometry.colour import solar_irradiance
 
 

@@ -13,8 +13,8 @@ from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, ru
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
 from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 from vrut_lite_lab.tolerance.bruneton_sky import Air, air_errors, evaluated, random_airs
 

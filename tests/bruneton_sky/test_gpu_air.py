@@ -10,8 +10,8 @@ from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 
-from vrut_lite.daylight.air_volume import light_of
 from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
+from vrut_lite.sky.air_volume import light_of
 
 COARSE = SolverSizes(
     altitude=8, mu_s=24, direction_mu=8, direction_azimuth=8, degree=4, source_mu=8,

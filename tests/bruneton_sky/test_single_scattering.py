@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from long_parameters import mostly_long
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 
 DATA = Path(__file__).parents[1] / "data" / "sky_truth_ground.npz"
 COSINE = st.floats(-1.0, 1.0) | st.sampled_from([-1.0, -1e-9, 0.0, 1e-9, 1.0])

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera, look_at
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sky_of_hour import SunDisc
 from vrut_lite.errors import UserError
+from vrut_lite.messages.camera import MoveCamera, look_at
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.recording.codec import arrays_of, decode, to_plain
 from vrut_lite.render.still_picture import FEWER_SHIFTS_PX
+from vrut_lite.sky.sky_of_hour import SunDisc
 
 COARSE = SolverSizes(
     altitude=8, mu_s=8, direction_mu=8, direction_azimuth=8, degree=4, source_mu=8,

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 from light_messages import clear_sky_light, light_messages
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.cloudiness import CloudinessChanged
-from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
-from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.cloudiness import CloudinessChanged
+from vrut_lite.messages.clouds import CloudsChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
 
 FOLLOWS = CloudSettings(follow_weather=True)
 

@@ -7,7 +7,8 @@ from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.cloud_density import (
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.clouds.cloud_density import (
     PLANET_RADIUS_M,
     altitude_m,
     density,
@@ -15,7 +16,6 @@ from vrut_lite.daylight.cloud_density import (
     optical_depth,
     sun_transmittance,
 )
-from vrut_lite.daylight.sun_aloft import sun_aloft
 
 EYE = np.zeros(3)
 

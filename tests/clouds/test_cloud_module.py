@@ -8,10 +8,10 @@ from clouds import module as clouds_module
 from clouds.module import Clouds, drift_m
 from clouds.settings import CloudSettings
 
-from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock, SetSetting
+from vrut_lite.messages.clouds import CloudsChanged
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay

@@ -4,8 +4,8 @@ import pytest
 from clouds.genera import GENERA
 from clouds.settings import CloudSettings
 
-from vrut_lite.daylight.left_open import presets_of
 from vrut_lite.kernel.settings import change
+from vrut_lite.sky.left_open import presets_of
 
 
 def test_without_genus_or_coverage_there_are_no_clouds():

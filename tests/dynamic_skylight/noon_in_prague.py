@@ -4,8 +4,8 @@ from datetime import UTC, datetime, timedelta
 
 from dynamic_skylight.module import DynamicSkyLight
 
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.kernel.messages import ChooseSlot, SetClock
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 NOON = datetime(2026, 6, 21, 11, 0, tzinfo=UTC)

@@ -11,14 +11,14 @@ from dynamic_skylight.air import (
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.module import DynamicSkyLight
 
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.air_volume import look_up_air
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.geometry.colour import (
     SKYLIGHT_NM,
     rgb_from_spectrum,
     solar_irradiance,
 )
+from vrut_lite.messages.air import AirChanged
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.sky.air_volume import look_up_air
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 AIR = layers_of(DEFAULT_HAZE)

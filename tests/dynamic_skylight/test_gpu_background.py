@@ -8,10 +8,10 @@ from dynamic_skylight.module import DynamicSkyLight
 from noon_in_prague import PRAGUE, clock
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 SCENES = Path(__file__).parents[2] / "scenes"

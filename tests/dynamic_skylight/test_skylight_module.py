@@ -8,12 +8,12 @@ import pytest
 from dynamic_skylight import sun_position
 from noon_in_prague import NOON, PRAGUE, clock, sky_with_its_sun
 
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.messages import ChooseSlot
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 

@@ -7,11 +7,11 @@ from dynamic_skylight.twilight import sky_of_hour
 from exact_cube import angles_to, world_sun
 from noon_in_prague import PRAGUE, clock, sky_with_its_sun
 
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.messages import ChooseSlot
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 UPPER = texel_directions(24)[texel_directions(24)[..., 1] > 0]

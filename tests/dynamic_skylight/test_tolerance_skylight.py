@@ -9,9 +9,9 @@ from dynamic_skylight.sun_step import RADIANCE_TOLERANCE
 from dynamic_skylight.tolerance import FRONTS, Quality, quality_for
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 from vrut_lite_lab.tolerance.dynamic_skylight import hour_error, random_hours, truth
 

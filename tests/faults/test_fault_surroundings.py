@@ -72,7 +72,7 @@ class NoZones(zoneinfo.ZoneInfo):
 
 def test_without_time_zone_data(refused, tmp_path, monkeypatch):
     """The line names the time zone and the package to install."""
-    monkeypatch.setattr("vrut_lite.daylight.place_time.ZoneInfo", NoZones)
+    monkeypatch.setattr("vrut_lite.place_time.ZoneInfo", NoZones)
     at = ["--at", "2026-06-21T12:00", "--place", "50,14"]
     line = refused("sky", *at, "--size", "16", "-o", tmp_path / "sky.npz")
     assert "Europe/Prague" in line

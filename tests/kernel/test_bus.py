@@ -7,9 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.messages import (
@@ -25,6 +22,9 @@ from vrut_lite.kernel.messages import (
     SlotChanged,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import SunMoved
 
 
 class Poke(Input, frozen=True, kw_only=True):

@@ -4,10 +4,10 @@ import pytest
 from hostile_modules import Good, Hostile, Mute, Odd
 from probe_messages import Heard, Poke, act, collect, faults_of
 
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import JobResult, Tick
 from vrut_lite.kernel.module import handles
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.held_runner import HeldRunner
 
 

@@ -4,9 +4,9 @@ import numpy as np
 from grey_materials import grey_materials
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.ground_disc import disc_under
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import SceneGeometry
+from vrut_lite.messages.ground_disc import disc_under
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.scene_content import SceneGeometry
 
 
 def opened(*meshes, places=None, ground=False):

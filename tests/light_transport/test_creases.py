@@ -10,7 +10,7 @@ from light_transport.hour.free_points import light_at
 from light_transport.hour.view_light import view_light
 from light_transport.hour.view_smoothing import PointGrid, smoothed
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.messages.camera import MoveCamera
 
 TEXEL_M = 0.1
 

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 from light_transport.daylight_numbers.command import daylight
 from light_transport.daylight_numbers.glass import glass_of
 
-from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.errors import UserError
+from vrut_lite.messages.glazing import Glazing
 from vrut_lite.project import Project, load_project, save_project
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed

@@ -24,8 +24,8 @@ from light_transport.daylight_numbers.year_light import HOURS, YearLight, lit_ho
 from light_transport.giving_up import GivenUp, unless
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.false_colours import scale_of
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.pictures.image_files import write_png
 
 

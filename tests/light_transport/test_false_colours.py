@@ -7,8 +7,8 @@ from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file, layouts
 from light_transport.false_colours import density_picture, error_picture, light_picture
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.messages.scene import SceneOpened
 
 
 @pytest.fixture

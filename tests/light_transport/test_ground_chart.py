@@ -12,7 +12,7 @@ from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
 from mesh_scenes import box, opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.messages.ground_disc import GroundDisc
 
 DISC = GroundDisc((30.0, -7.0), 1.5, 600.0)
 CHART = ground_chart(DISC, 10.0, (64, 200))

@@ -11,9 +11,9 @@ from light_stage import COARSE, LightStage, Look, Shine, Show, box_file, lights
 from light_transport.bake import Bake
 from light_transport.kept_cuts import kept_cut_texels
 
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, JobResult
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.view_light import ViewLightChanged
 
 STILL = (
     Demand(consumer="still", message=SurfaceLightChanged.__name__, size=LARGEST_DEMAND),

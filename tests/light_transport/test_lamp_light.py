@@ -7,7 +7,7 @@ from lamp_maker import lamps_of, spot_table
 from light_transport.bake import Bake
 from light_transport.hour.lamp_light import _share, lamps_in_radii
 
-from vrut_lite.daylight.lamps import MOST_DRAWN
+from vrut_lite.messages.lamps import MOST_DRAWN
 
 
 def lit(scene, *lamps, rays=64):

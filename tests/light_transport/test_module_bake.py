@@ -24,9 +24,9 @@ from light_transport.layout.mesh_shapes import charts_of, stretched
 from light_transport.messages import BakeGrown
 from light_transport.tolerance import quality_for
 
-from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import EnableModule, RestartModule, SetSetting
+from vrut_lite.messages.light_map import NOT_MAPPED, LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.scene import SceneOpened
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 

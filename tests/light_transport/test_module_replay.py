@@ -12,15 +12,15 @@ from light_transport.messages import NAME
 from light_transport.module import LightTransport
 from long_parameters import mostly_long
 
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, RestartModule, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.sky.sky_sum import SkySum
 
 MODULES = [DynamicSkyLight, LightTransport, SceneManager, SkySum]
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)

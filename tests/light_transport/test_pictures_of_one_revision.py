@@ -13,13 +13,6 @@ import pytest
 
 from vrut_lite.app.engine.engine import PICTURE, PROBLEM, Engine
 from vrut_lite.app.engine.stage import GlStage
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.sky import AmbientChanged
-from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import (
     ChooseSlot,
@@ -29,6 +22,13 @@ from vrut_lite.kernel.messages import (
     SetClock,
     SetSetting,
 )
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.sky import AmbientChanged
+from vrut_lite.messages.weather import SetWeather
 
 pytestmark = pytest.mark.gl
 

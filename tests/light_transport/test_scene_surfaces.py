@@ -7,8 +7,8 @@ from light_transport.surfaces.map_means import linear, triangle_means
 from light_transport.surfaces.surfaces import GROUND, surfaces_of
 from PIL import Image
 
-from vrut_lite.daylight.scene_content import MaterialMap, Mesh, Sampler
 from vrut_lite.geometry.reflection import all_bounces, reflectance, reflectance_table
+from vrut_lite.messages.scene_content import MaterialMap, Mesh, Sampler
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
 

@@ -11,8 +11,8 @@ from light_transport.tolerance import RUNGS, quality_for
 from light_transport.unseen_hours import looks_like
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
 
 USUAL = quality_for(0.1)
 

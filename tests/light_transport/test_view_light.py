@@ -11,9 +11,9 @@ from light_transport.hour.free_points import light_at
 from light_transport.hour.view_light import view_light
 from light_transport.hour.view_smoothing import PointGrid, smoothed
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.messages import Demand
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.view_light import ViewLightChanged
 
 WANT_VIEW = Demand(consumer="still", message=ViewLightChanged.__name__)
 NO_VIEW = Demand(consumer="still", message=ViewLightChanged.__name__, size=0)

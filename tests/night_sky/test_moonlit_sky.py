@@ -8,7 +8,7 @@ from bruneton_sky.raised_ground import raise_ground
 from night_sky.data_files import table
 from night_sky.moon_light import Phase, albedo_at, irradiance_rgb, sun_rgb
 
-from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.geometry.colour import (
     LUMENS_PER_WATT,
     SKYLIGHT_NM,

@@ -10,19 +10,19 @@ from dynamic_skylight.twilight_curve import illuminance_lx
 from night_sky.module import NightSky
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.moon_path import MoonPathChanged
-from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
-from vrut_lite.daylight.night_glow import glow_cube, map_directions
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sky_at_night import SkyAtNight
-from vrut_lite.daylight.sky_of_hour import Background, Sky, SunDisc
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, EnableModule, Fault, SetClock, SetSetting
+from vrut_lite.messages.moon_path import MoonPathChanged
+from vrut_lite.messages.night import MoonDiscChanged, NightLightChanged, StarsChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.sky.night_glow import glow_cube, map_directions
+from vrut_lite.sky.sky_at_night import SkyAtNight
+from vrut_lite.sky.sky_of_hour import Background, Sky, SunDisc
 
 FULL_MOON = datetime(2026, 1, 3, 23, tzinfo=UTC)
 MOONLESS = datetime(2026, 10, 10, 22, tzinfo=UTC)

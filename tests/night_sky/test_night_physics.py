@@ -15,9 +15,9 @@ from night_sky.night_air import RGB_NM, SENT_DOWN, night_air
 from night_sky.sky_axes import unit, watch
 from night_sky.stars import LUX_OF_MAGNITUDE_0, irradiance_of, stars_at
 
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
-from vrut_lite.daylight.refraction import apparent_elevation, refraction_rad, trace
+from vrut_lite.atmosphere.refraction import apparent_elevation, refraction_rad, trace
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
 
 CLEAR = SetHaze(optical_depth_550=0.05)
 SPRING_NIGHT = datetime(2026, 3, 20, 1, tzinfo=UTC)

@@ -11,15 +11,15 @@ from night_sky.sight import sight
 from night_sky.sky_axes import watch
 from night_sky.stars import stars_at
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.clear_sun import extinction_per_m
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.moon_disc import moon_samples
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.refraction import dip_rad
+from vrut_lite.atmosphere.refraction import dip_rad
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.night import MoonDiscChanged, StarsChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.sky.clear_sun import extinction_per_m
+from vrut_lite.sky.moon_disc import moon_samples
 
 HAZE = SetHaze(optical_depth_550=0.2)
 NIGHT = datetime(2026, 1, 15, 22, tzinfo=UTC)

@@ -17,13 +17,13 @@ from dynamic_skylight.sun.refraction import geometric_elevation
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, NIGHT_ILLUMINANCE_LX
 from dynamic_skylight.twilight_curve import illuminance_lx
 
-from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
-from vrut_lite.daylight.equal_haze import equal_sky
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
-from vrut_lite.daylight.sky import AmbientChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance, rgb_from_spectrum
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.messages.sky import AmbientChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.sky.clear_sun import sun_irradiance_rgb
 from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 # Apparent elevations; and those where models meet.

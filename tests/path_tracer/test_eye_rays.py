@@ -10,9 +10,9 @@ from path_tracer_here import mitsuba_or_skip
 from render.scene_stage import look, square, surface
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.section import section_of
 from vrut_lite.errors import UserError
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.section import section_of
 
 mitsuba_or_skip()
 

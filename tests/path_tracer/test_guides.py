@@ -12,8 +12,8 @@ from path_tracer_here import mitsuba_or_skip
 from render.scene_stage import square, surface
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.errors import UserError
+from vrut_lite.messages.camera import MoveCamera
 
 mitsuba = mitsuba_or_skip()
 

@@ -15,13 +15,13 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Fault, Input, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.scene.manager import SceneManager
 
 mitsuba_or_skip()

@@ -14,9 +14,9 @@ from path_tracer_here import mitsuba_or_skip
 from render.scene_stage import square, surface
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.scene.loading import load_scene
 
 mitsuba_or_skip()
@@ -346,7 +346,7 @@ def test_emission_and_darkness_without_any_light(backend, tmp_path):
 
 def test_a_sky_that_stayed_on_the_gpu_is_refused(backend, tmp_path):
     """It cannot be read: a sentence, not a crash in numpy."""
-    from vrut_lite.daylight.gpu_texture import GpuTexture
+    from vrut_lite.messages.gpu_texture import GpuTexture
 
     background, sun, ambient = light_messages(np.ones((6, 4, 4, 3)))
     texture = GpuTexture(size=4, format="rgba16f", recipe="")

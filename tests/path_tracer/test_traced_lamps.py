@@ -15,9 +15,9 @@ from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 from stateful_backend import opened
 
-from vrut_lite.daylight.camera import MoveCamera, pixel_rays
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.messages.camera import MoveCamera, pixel_rays
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.scene.scene_state import SceneState
 
 mitsuba_or_skip()
 ALBEDO = 0.3

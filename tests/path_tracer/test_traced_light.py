@@ -17,11 +17,11 @@ from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 from stateful_backend import opened
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.geometry.cube_map import sample_cube, texel_directions, texel_solid_angles
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.scene.scene_state import SceneState
 
 mitsuba = mitsuba_or_skip()
 # Mitsuba divides RGB by the integral of CIE Y; our radiance is not normalised so.

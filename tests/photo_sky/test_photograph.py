@@ -11,15 +11,15 @@ from photo_sky.module import PhotoSky
 from photo_sky.photograph import photograph_of, solid_angles
 from photo_sky.read_panorama import read_panorama
 
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.pictures.write_exr import write_exr
 from vrut_lite.pictures.write_hdr import write_hdr
 

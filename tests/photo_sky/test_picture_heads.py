@@ -14,15 +14,15 @@ from hypothesis import strategies as st
 from photo_sky.module import PhotoSky
 from photo_sky.read_panorama import read_panorama
 
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ, luminance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.pictures.write_exr import write_exr
 from vrut_lite.pictures.write_hdr import rgbe_from_rgb, write_hdr
 

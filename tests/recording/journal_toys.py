@@ -7,10 +7,10 @@ import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, Input, JobResult, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.recorder import Recorder
 

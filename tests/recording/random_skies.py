@@ -11,11 +11,11 @@ import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import LookAlong
-from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.kernel.messages import ChooseSlot, Demand, EnableModule, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import LookAlong
+from vrut_lite.messages.tolerance import SetTolerance
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay

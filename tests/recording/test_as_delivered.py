@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from vrut_lite.app.engine.flight_recorder import FlightRecorder
 from vrut_lite.array import Array
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SettingChanged, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.as_delivered import as_delivered
 from vrut_lite.recording.codec import to_plain
 from vrut_lite.recording.journal_reader import Journal

@@ -8,9 +8,7 @@ import pytest
 from journal_toys import TOYS, Parrot, Poke, record_inputs, toy_kernel
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import (
     Demand,
@@ -22,6 +20,8 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, handles
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.recording import registry
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder

@@ -4,7 +4,7 @@ import numpy as np
 from air_phases import lobe
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.messages.air import AirChanged, AirVolume
 
 EARTH_M, TOP_M = 6.36e6, 6e4
 ISOTROPIC = lobe(angles=2)

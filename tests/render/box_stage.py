@@ -3,8 +3,8 @@
 import numpy as np
 from stateful_backend import opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.messages.ground_disc import GroundDisc
 
 SIZE = 32
 

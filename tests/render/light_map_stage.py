@@ -3,7 +3,7 @@
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
+from vrut_lite.messages.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
 
 # Of the square's four corners, (-0.5, 0.5) first, in the rectangle of a part: x right, z down.
 RECTANGLE_PX = 8

@@ -7,8 +7,8 @@ import numpy as np
 from light_messages import light_messages
 from PIL import Image
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 
 CORNERS = np.array([[-0.5, 0, 0.5], [0.5, 0, 0.5], [0.5, 0, -0.5], [-0.5, 0, -0.5]])
 UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], float)

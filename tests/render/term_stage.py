@@ -1,6 +1,6 @@
 """Materials with glTF's extensions, and what stands behind them."""
 
-from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.messages.ground_disc import GroundDisc
 
 # A level below, whose radiance under the sky of 1 is its albedo.
 GROUND = GroundDisc((0.0, 0.0), -1.0, 500.0)

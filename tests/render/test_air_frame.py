@@ -13,10 +13,10 @@ from light_messages import light_messages
 from scene_stage import look, square
 from stateful_backend import opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.scene_state import ground_albedo
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
+from vrut_lite.sky.ground_albedo import ground_albedo
 
 pytestmark = pytest.mark.gl
 EXTINCTION = np.array([1.2e-5, 2.5e-5, 6e-5])

@@ -6,8 +6,8 @@ from air_phases import lobe
 from air_stage import EARTH_M, volume_of
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import SecondLight
-from vrut_lite.daylight.air_volume import look_up_air
+from vrut_lite.messages.air import SecondLight
+from vrut_lite.sky.air_volume import look_up_air
 
 pytestmark = pytest.mark.gl
 PROBE = """

@@ -6,7 +6,7 @@ from long_parameters import mostly_long
 from scene_stage import CORNERS, ORDER, light, look, square
 from stateful_backend import opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.messages.ground_disc import GroundDisc
 
 pytestmark = pytest.mark.gl
 SKY = 1.0

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from cloud_stage import rough_layer
 
-from vrut_lite.daylight.cloud_density import density, sun_transmittance
-from vrut_lite.daylight.cloud_density_kernels import density_at
-from vrut_lite.daylight.cloud_field import cloud_field
-from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.clouds.cloud_density import density, sun_transmittance
+from vrut_lite.clouds.cloud_density_kernels import density_at
+from vrut_lite.clouds.cloud_field import cloud_field
+from vrut_lite.clouds.cloud_light import ClearLight
 from vrut_lite.render.shader_files import shader_source
 
 pytestmark = pytest.mark.gl

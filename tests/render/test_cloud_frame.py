@@ -10,11 +10,11 @@ from long_parameters import mostly_long
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.cloud_density import distance_up_m
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.clouds.cloud_density import distance_up_m
+from vrut_lite.messages.ground_disc import GroundDisc
 from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass, _picture
 from vrut_lite.render.still_picture import SHIFTS_PX
+from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)

@@ -7,8 +7,8 @@ from box_stage import show_box, sun_at, uniform_sky
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.picture import SetExposure
 
 pytestmark = pytest.mark.gl
 

@@ -9,11 +9,11 @@ from long_parameters import mostly_long
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.camera import pixel_rays
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.lamps import MOST_DRAWN
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.camera import pixel_rays
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.lamps import MOST_DRAWN
 
 pytestmark = pytest.mark.gl
 SIZE = (48, 32)

@@ -7,8 +7,8 @@ from light_messages import light_messages
 from scene_stage import light, look
 from stateful_backend import opened
 
-from vrut_lite.daylight.camera import MoveCamera, look_at, pixel_rays
-from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.messages.camera import MoveCamera, look_at, pixel_rays
+from vrut_lite.messages.ground_disc import GroundDisc
 from vrut_lite.render.light_meter import illuminance
 from vrut_lite.render.rays import SceneRays
 

@@ -66,7 +66,7 @@ def marched(rays):
 
 
 def pixel_rays(x, y):
-    from vrut_lite.daylight.camera import look_at
+    from vrut_lite.messages.camera import look_at
 
     tangent = np.tan(0.5 * FIELD_OF_VIEW_RAD)
     right = (2 * (x + 0.5) / SIZE[0] - 1) * tangent * SIZE[0] / SIZE[1]

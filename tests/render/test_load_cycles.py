@@ -8,7 +8,7 @@ import pytest
 from scene_stage import light, look, square, surface
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.messages.ground_disc import GroundDisc
 
 pytestmark = pytest.mark.gl
 _HIGHEST_NAME = 4000

@@ -8,8 +8,8 @@ from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import Mirrors
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.light_map import Mirrors
 
 pytestmark = pytest.mark.gl
 SIZE, EDGE = 48, 64

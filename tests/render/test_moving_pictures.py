@@ -10,7 +10,7 @@ from scene_stage import light, look, square
 from stateful_backend import opened
 from sun_stage import box, show
 
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.render import device
 from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.device import Device

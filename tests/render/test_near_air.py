@@ -10,9 +10,9 @@ from stateful_backend import opened
 from term_stage import material
 from test_air_frame import EYE, scene_of, show_light, uniform_sky, wall
 
-from vrut_lite.daylight.air import SecondLight
-from vrut_lite.daylight.air_volume import node_rays, slice_shares
+from vrut_lite.messages.air import SecondLight
 from vrut_lite.render.near_air import NearAir, reach_m
+from vrut_lite.sky.air_volume import node_rays, slice_shares
 
 pytestmark = pytest.mark.gl
 PLANET = {"ground_radius_m": 2.1e6, "top_altitude_m": 3e4, "reach_m": 1e5}

@@ -4,8 +4,8 @@ import pytest
 from click.testing import CliRunner
 
 from vrut_lite.commands.render import render
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.errors import UserError
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.project import load_project, view_inputs
 
 

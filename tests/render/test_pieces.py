@@ -9,7 +9,7 @@ from cloud_stage import rough_layer
 from scene_stage import light, look
 from stateful_backend import opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.messages.ground_disc import GroundDisc
 from vrut_lite.scene.backend import GivenUp
 
 pytestmark = pytest.mark.gl

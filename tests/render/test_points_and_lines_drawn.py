@@ -8,7 +8,7 @@ from stateful_backend import opened
 from term_stage import ALBEDO, GROUND
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.points_and_lines import PointsAndLines
+from vrut_lite.messages.points_and_lines import PointsAndLines
 
 pytestmark = pytest.mark.gl
 RED = np.array([1, 0, 0, 1], np.float32)

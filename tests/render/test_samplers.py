@@ -90,7 +90,7 @@ def test_thin_wires_cover_as_much_from_afar(backend, tmp_path, share, distance_m
 
 def test_the_shadow_of_wires_is_as_light_as_they_are_thin(backend, tmp_path):
     """Wires that cover a quarter leave three quarters of the sun to the ground: 0.05."""
-    from vrut_lite.daylight.ground_disc import GroundDisc
+    from vrut_lite.messages.ground_disc import GroundDisc
 
     pbr = {**ROUGH, "baseColorTexture": {"index": 0}}
     material = {"pbrMetallicRoughness": pbr, "alphaMode": "MASK", "doubleSided": True}

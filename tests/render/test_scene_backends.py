@@ -15,9 +15,9 @@ from path_tracer_here import mitsuba_or_skip
 from scene_stage import CORNERS, light, look, square
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.camera import look_at, perspective
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
+from vrut_lite.messages.camera import look_at, perspective
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.display import display_picture
 
 WIDTH, HEIGHT = 160, 120

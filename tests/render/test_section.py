@@ -5,7 +5,7 @@ import pytest
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.section import section_of
+from vrut_lite.messages.section import section_of
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,12 @@ import trimesh
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.scene_state import FrameSkips
-from vrut_lite.daylight.section import section_of
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.section import section_of
 from vrut_lite.render.still_picture import FEWER_SHIFTS_PX
 from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.scene_state import FrameSkips
 
 pytestmark = pytest.mark.gl
 SIZE = (96, 64)

@@ -9,8 +9,8 @@ from scipy.integrate import quad
 from stateful_backend import StatefulBackend, opened
 from sun_stage import BLACK, IRRADIANCE, RADIUS_RAD, SUN, box, show
 
-from vrut_lite.daylight.camera import pixel_rays
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.messages.camera import pixel_rays
+from vrut_lite.messages.sun import KeyLightChanged
 
 SIZE = (48, 40)
 # An edge that climbs over level ground, and the sheet that it ends.

@@ -10,7 +10,7 @@ from scene_stage import light, look_finished, square
 from stateful_backend import StatefulBackend, opened
 from sun_stage import BLACK, IRRADIANCE, RADIUS_RAD, SUN, box, show
 
-from vrut_lite.daylight.camera import look_at, pixel_rays
+from vrut_lite.messages.camera import look_at, pixel_rays
 from vrut_lite.render.passes.light_axes import light_axes
 from vrut_lite.render.passes.seen_points import SeenPoints, points_at
 from vrut_lite.render.passes.still_shadow import INSIDE, fitted

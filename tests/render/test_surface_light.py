@@ -19,13 +19,13 @@ from light_map_stage import (
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.light_map import GroundChart
-from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.light_map import GroundChart
 from vrut_lite.render.still_picture import FEWER_SHIFTS_PX
+from vrut_lite.scene.scene_state import FrameSkips
 
 pytestmark = pytest.mark.gl
 SIZE = 48

@@ -9,9 +9,9 @@ import pytest
 from scene_stage import light, look, square
 from stateful_backend import opened
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.ground_disc import GroundDisc
 
 pytestmark = pytest.mark.gl
 ROUGH = {"metallicFactor": 0.0, "roughnessFactor": 1.0}

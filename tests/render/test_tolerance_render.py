@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.render.light import Sky
 from vrut_lite.render.passes.specular_filter import CHANGE_SEEN, SpecularFilter, reflection_change
 

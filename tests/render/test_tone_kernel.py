@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.display import developed
 from vrut_lite.render.tone_kernel import tone_mapped
 

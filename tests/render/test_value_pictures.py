@@ -8,7 +8,6 @@ from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map_values import texel_edges_m
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.false_colours import (
     UNUSED,
@@ -18,6 +17,7 @@ from vrut_lite.geometry.false_colours import (
     round_levels,
     scale_of,
 )
+from vrut_lite.messages.light_map_values import texel_edges_m
 from vrut_lite.pictures.value_picture import value_pixels, values_of
 
 SIZE = 48

@@ -7,8 +7,8 @@ from scene_stage import CORNERS, light, look, square, surface
 from stateful_backend import opened
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.reflection import reflectance
+from vrut_lite.messages.view_light import ViewLightChanged
 
 pytestmark = pytest.mark.gl
 SIZE = 48

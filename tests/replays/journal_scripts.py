@@ -9,11 +9,6 @@ program is for a script that changed:
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
@@ -28,6 +23,11 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.write_atomic import atomic_output
 

@@ -12,8 +12,8 @@ import pytest
 from dynamic_skylight.settings import DynamicSkyLightSettings
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.recording.codec import to_plain
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.replay import Replay

@@ -5,14 +5,14 @@ import pytest
 import trimesh
 from render.air_stage import volume_of
 
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.air import AirChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.ground_disc import PLANET_RADIUS_M
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.scene import LoadScene, SceneNeeds
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.needs import air_reach_m
 

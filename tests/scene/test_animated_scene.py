@@ -8,11 +8,11 @@ import pytest
 from loaded_scenes import add_array
 
 from vrut_lite import cli
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SetClock, SetSetting
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.project import Project, load_project, save_project, view_inputs
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager

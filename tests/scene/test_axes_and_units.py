@@ -8,8 +8,8 @@ import trimesh
 from loaded_scenes import WriteScene
 from scene_files import png_bytes
 
-from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.errors import UserError
+from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.scene.loading import load_scene
 
 AS_IT_IS = np.eye(4)

@@ -15,8 +15,8 @@ from loaded_scenes import (
 )
 from scene_files import glb_bytes, square_document
 
-from vrut_lite.daylight.placement import Placement
 from vrut_lite.errors import UserError
+from vrut_lite.messages.placement import Placement
 from vrut_lite.scene.loading import load_scene
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from loaded_scenes import WriteScene
 
-from vrut_lite.daylight.scene_content import Material
-from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row, from_row
 from vrut_lite.errors import UserError
+from vrut_lite.messages.scene_content import Material
+from vrut_lite.messages.surface_terms import SurfaceTerms, as_row, from_row
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
 

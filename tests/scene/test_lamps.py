@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from loaded_scenes import WriteScene
 
-from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.project import Project, load_project, save_project, view_inputs
 from vrut_lite.scene.ies_file import read_ies
 from vrut_lite.scene.loading import load_scene

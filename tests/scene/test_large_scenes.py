@@ -7,8 +7,8 @@ import pytest
 from light_messages import light_messages
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.camera import MoveCamera, camera_from_pose, look_at
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.camera import MoveCamera, camera_from_pose, look_at
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.project import load_project
 from vrut_lite.render.passes.view import translation
 from vrut_lite.scene.loading import load_scene

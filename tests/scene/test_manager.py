@@ -7,18 +7,18 @@ import pytest
 import trimesh
 from light_messages import light_messages
 
-from vrut_lite.daylight.camera import MoveCamera, frame_bounds, look_at, perspective
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_state import ground_albedo
-from vrut_lite.daylight.section import SectionChanged
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera, frame_bounds, look_at, perspective
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.messages.section import SectionChanged
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.needs import visible_faces
+from vrut_lite.sky.ground_albedo import ground_albedo
 
 SKY = np.full((6, 8, 8, 3), 4.0)
 SKY[3] = 1.5

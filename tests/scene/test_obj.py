@@ -11,8 +11,8 @@ from loaded_scenes import WriteScene, material_of
 from PIL import Image
 from scene_files import png_bytes
 
-from vrut_lite.daylight.placement import Placement
 from vrut_lite.errors import UserError
+from vrut_lite.messages.placement import Placement
 from vrut_lite.scene import obj_file, obj_kernels
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.loading import load_scene

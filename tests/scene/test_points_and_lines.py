@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from loaded_scenes import WriteScene, add_array
 
-from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.errors import UserError
+from vrut_lite.messages.points_and_lines import PointsAndLines
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.loading import OpenScene, load_scene
 

@@ -6,13 +6,13 @@ import pytest
 import trimesh
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION
 from vrut_lite.kernel.messages import EnableModule, RestartModule, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.clouds import CloudsChanged
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 

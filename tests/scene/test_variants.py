@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from loaded_scenes import WriteScene
 
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.project import load_project, save_project, view_inputs
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed

@@ -16,9 +16,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
-from vrut_lite.daylight import cloud_density as clouds
-from vrut_lite.daylight.air_volume import look_up_air
+from vrut_lite.clouds import cloud_density as clouds
 from vrut_lite.kernel.settings import describe
+from vrut_lite.sky.air_volume import look_up_air
 
 EYE = np.array([0.0, 2.0, 0.0])
 

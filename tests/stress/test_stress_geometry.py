@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
-from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.daylight.air_reach import rung_m
-from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
 from vrut_lite.geometry import colour, cube_map, encoding, frames, panorama
 from vrut_lite.geometry import spherical_harmonics as harmonics
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
 from vrut_lite.geometry.sun_disc import disc_radiance
+from vrut_lite.sky.air_reach import rung_m
 
 TURN = 2.0 * np.pi
 

@@ -18,7 +18,7 @@ from stress_cases import (
     assert_same_on_threads,
 )
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 
 planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 CLASSICAL = ["midpoint", "trapezoid", "simpson"]

@@ -23,7 +23,7 @@ from stress_cases import (
     assert_same_on_threads,
 )
 
-from vrut_lite.daylight.air_volume import look_up_air
+from vrut_lite.sky.air_volume import look_up_air
 
 SIZES = TableSizes(
     transmittance_altitude=8, transmittance_mu=32, irradiance_altitude=4, irradiance_mu_s=16,

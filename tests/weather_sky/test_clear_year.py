@@ -9,15 +9,15 @@ from clouds.module import Clouds
 from weather_sky.clear_year import ClearYear, meinel
 from weather_sky.module import WeatherSky
 
-from vrut_lite.daylight.cloudiness import CloudinessChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
-from vrut_lite.daylight.suns import suns_of_year
-from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock, SetSetting
+from vrut_lite.messages.cloudiness import CloudinessChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.weather import SetWeather
+from vrut_lite.sky.suns import suns_of_year
+from vrut_lite.weather.weather_file import read_weather
 
 HOURS = np.arange(8760)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from weather_sky.hemisphere import horizontal
 
-from vrut_lite.daylight.cie_skies import OVERCAST, TYPES, general_sky
+from vrut_lite.atmosphere.cie_skies import OVERCAST, TYPES, general_sky
 
 # Gradation group and indicatrix group of each type, as the standard numbers them.
 GROUPS = ["I1", "I2", "II1", "II2", "III1", "III2", "III3", "III4", "IV2", "IV3", "IV4", "V4",

@@ -14,15 +14,15 @@ from weather_sky.module import WeatherSky
 from weather_sky.perez import AllWeather, all_weather
 from weather_sky.year import irradiance_of_year
 
-from vrut_lite.daylight.haze import DEFAULT_HAZE
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
-from vrut_lite.daylight.weather import HOURS, SetWeather
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Fault, SetClock, SetSetting
+from vrut_lite.messages.haze import DEFAULT_HAZE
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.weather import HOURS, SetWeather
 
 
 def conditions(direct, diffuse, elevation_deg, kind="perez", dew_point_c=11.0, day=80):

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.daylight.weather_checks import contradictions
-from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.errors import UserError
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import Project
+from vrut_lite.weather.weather_checks import contradictions
+from vrut_lite.weather.weather_file import read_weather
 
 PLACE = ",50.1,14.4,1.0,"
 HEAD, DNI, GHI, DHI = 8, 14, 13, 15

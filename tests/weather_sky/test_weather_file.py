@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.errors import UserError
+from vrut_lite.weather.weather_file import read_weather
 
 HEAD = 8
 DEW, GLOBAL, DIRECT, DIFFUSE, TOTAL, OPAQUE = 7, 13, 14, 15, 22, 23

@@ -7,13 +7,13 @@ from click.testing import CliRunner
 from weather_sky.module import WeatherSky
 
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import Project, load_project, save_project, weather_inputs
 from vrut_lite.testing.sky_on_bus import AnotherSky
+from vrut_lite.weather.weather_file import read_weather
 
 
 def asked(*arguments):

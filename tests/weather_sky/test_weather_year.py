@@ -8,11 +8,11 @@ from weather_sky.conditions import Conditions
 from weather_sky.light import WeatherLight
 from weather_sky.year import irradiance_of_year
 
-from vrut_lite.daylight.haze import DEFAULT_HAZE
-from vrut_lite.daylight.suns import suns_of_year
-from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
+from vrut_lite.messages.haze import DEFAULT_HAZE
+from vrut_lite.sky.suns import suns_of_year
+from vrut_lite.weather.weather_file import read_weather
 
 
 @pytest.mark.parametrize("normal", [(0.36, -0.48, 0.8)])

@@ -13,10 +13,10 @@ from bridged_sky import enabling
 from kernel_thread import KernelThread
 from zenoh_bridge.module import NAME, ZenohBridge
 
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 
 PRODUCTS = (SunMoved, BackgroundChanged, KeyLightChanged, AmbientChanged)
 TIMEOUT_S = 20.0

@@ -5,10 +5,10 @@ import numpy as np
 from zenoh_bridge.array_store import unpacked
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene import SceneNeeds
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
+from vrut_lite.messages.scene import SceneNeeds
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 
 CUBE = Array(np.linspace(0, 9, 6 * 8 * 8 * 3).astype(np.float16).reshape(6, 8, 8, 3))
 HARMONICS = Array(np.linspace(-1, 1, 75).astype(np.float32).reshape(25, 3))

@@ -17,10 +17,10 @@ from kernel_thread import KernelThread
 from zenoh_bridge.inputs import BridgeState
 from zenoh_bridge.module import ZenohBridge
 
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged
 
 MIDNIGHT = datetime(2026, 6, 21, tzinfo=UTC)
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378)

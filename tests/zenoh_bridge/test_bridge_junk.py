@@ -20,12 +20,7 @@ from zenoh_bridge.shareable import SHAREABLE
 from zenoh_bridge.worker import Worker
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.daylight_kernel import FaultCollector
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import SpectrumSeen
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight_kernel import FaultCollector
 from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
@@ -38,6 +33,11 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import SpectrumSeen
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.codec import arrays_of, to_plain
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -14,11 +14,11 @@ from zenoh_bridge.inputs import BridgeState, BridgeTrouble, RemoteMessage
 from zenoh_bridge.module import ALONE, NAME, OFF, ZenohBridge
 from zenoh_bridge.paced import Paced
 
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault, RestartModule, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay

@@ -3,8 +3,8 @@
 import pytest
 from bridge_ends import BridgedKernel, SkyProcess, free_port, until
 
-from vrut_lite.daylight.sky import AmbientChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.sky import AmbientChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed (the extra 'bridge')")
 

@@ -15,8 +15,6 @@ from zenoh_bridge.plan import plan_of
 from zenoh_bridge.session import Session
 from zenoh_bridge.settings import ZenohBridgeSettings
 
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ChooseSlot,
@@ -26,6 +24,8 @@ from vrut_lite.kernel.messages import (
     SetSetting,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay

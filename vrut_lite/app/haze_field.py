@@ -3,8 +3,8 @@
 import numpy as np
 
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.daylight.equal_haze import DEPTHS, MOST_DEPTH, TURBIDITIES
-from vrut_lite.daylight.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, SetHaze
+from vrut_lite.atmosphere.equal_haze import DEPTHS, MOST_DEPTH, TURBIDITIES
+from vrut_lite.messages.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, SetHaze
 
 
 class HazeField(NumberField):

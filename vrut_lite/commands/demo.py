@@ -14,12 +14,12 @@ from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.options import at_weather
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import advancing_bar
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.place_time import local_text, time_zone_at
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SetClock
 from vrut_lite.pictures.image_files import check_writable, write_png
+from vrut_lite.place_time import local_text, time_zone_at
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     Project,

@@ -14,18 +14,18 @@ import msgspec
 from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.commands.open_kernel import tell
 from vrut_lite.commands.progress import advancing_bar
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand, Input, SetSetting
 from vrut_lite.kernel.module import Module
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, setting_inputs
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.scene.scene_state import SceneState
 
 # Edge of the cube maps of what lights, and of what has clouds in it.
 _SKY_SIZE = 256

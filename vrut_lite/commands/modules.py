@@ -11,7 +11,7 @@ def modules() -> None:
 
     Example: vrut-lite modules
     """
-    from vrut_lite.daylight.daylight_kernel import daylight_kernel
+    from vrut_lite.daylight_kernel import daylight_kernel
 
     kernel, failures = daylight_kernel()
     for seat in kernel.seats.values():

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 import click
 
 from vrut_lite.commands.compile_message import tell_of_compilation
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import SunMoved
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

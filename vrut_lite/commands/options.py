@@ -7,15 +7,18 @@ from typing import Any
 import click
 import msgspec
 
-from vrut_lite.commands.number_types import FiniteRange
-from vrut_lite.daylight.aerosol import (
+from vrut_lite.atmosphere.aerosol import (
     LEAST_TURBIDITY,
     MOST_TURBIDITY,
     optical_depth_of_turbidity,
 )
-from vrut_lite.daylight.aerosols import type_optics
-from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
-from vrut_lite.daylight.haze import (
+from vrut_lite.atmosphere.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
+from vrut_lite.commands.number_types import FiniteRange
+from vrut_lite.discovery import discover
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.settings import SettingSpec, describe
+from vrut_lite.messages.haze import (
     AEROSOL_TYPES,
     DEFAULT_HAZE,
     MOST_OPTICAL_DEPTH,
@@ -23,14 +26,11 @@ from vrut_lite.daylight.haze import (
     OWN_HAZE,
     AerosolType,
 )
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
-from vrut_lite.daylight.weather_checks import far_from
-from vrut_lite.daylight.weather_file import read_weather
-from vrut_lite.discovery import discover
-from vrut_lite.errors import UserError
-from vrut_lite.kernel.settings import SettingSpec, describe
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Haze, Project, in_words, with_weather
+from vrut_lite.weather.weather_checks import far_from
+from vrut_lite.weather.weather_file import read_weather
 
 Command = Callable[..., Any]
 

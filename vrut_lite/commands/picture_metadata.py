@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterable
 
 from vrut_lite import __version__
-from vrut_lite.daylight.haze import haze_of
-from vrut_lite.daylight.place_time import local_text
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
-from vrut_lite.daylight.tolerance import tolerance_of
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.messages.haze import haze_of
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.tolerance import tolerance_of
 from vrut_lite.pictures.image_files import Metadata
+from vrut_lite.place_time import local_text
 from vrut_lite.project import Project
 
 # Lists of numbers; headers hold them as one text.

@@ -13,11 +13,11 @@ from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
-from vrut_lite.daylight.scene_state import Shown
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import CameraView, Exposure, Project, in_words, project_of_path
+from vrut_lite.scene.scene_state import Shown
 
 FORMATS = (".png", ".jpg", ".exr")
 

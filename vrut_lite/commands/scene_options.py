@@ -7,8 +7,8 @@ import msgspec
 
 from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import Command
-from vrut_lite.daylight.placement import LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT, UP_AXES
 from vrut_lite.errors import UserError
+from vrut_lite.messages.placement import LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT, UP_AXES
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Project
 

@@ -13,10 +13,10 @@ from vrut_lite.commands.open_kernel import open_gl, open_host, require_sky, requ
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import busy_with
 from vrut_lite.commands.time_span import at_instant, other_side
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.view_light import ViewLightChanged
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, SetClock
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import Metadata, write_exr, write_jpeg, write_png
 from vrut_lite.pictures.picture import Picture

@@ -16,12 +16,7 @@ from vrut_lite.commands.open_kernel import open_kernel, require_sky
 from vrut_lite.commands.picture_metadata import json_values, picture_metadata, vector_text
 from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.time_span import at_instant, other_side
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.daylight_kernel import FaultCollector, demand_light
-from vrut_lite.daylight.moon_disc import moon_samples
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight_kernel import FaultCollector, demand_light
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
@@ -30,6 +25,10 @@ from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap, SkyMap
 from vrut_lite.geometry.sun_disc import disc_radiance, points_radiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.night import MoonDiscChanged, StarsChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import (
     Metadata,
@@ -40,6 +39,7 @@ from vrut_lite.pictures.image_files import (
     write_png,
 )
 from vrut_lite.project import Project, daylight_inputs, setting_inputs
+from vrut_lite.sky.moon_disc import moon_samples
 
 Projection = Literal["lat-long", "cube", "fisheye"]
 PROJECTIONS: tuple[Projection, ...] = ("lat-long", "cube", "fisheye")

@@ -10,8 +10,8 @@ import click
 import msgspec
 
 from vrut_lite.arguments import shown
-from vrut_lite.daylight.place_time import FIRST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.errors import UserError
+from vrut_lite.place_time import FIRST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.project import Project
 
 MOST_PICTURES = 100_000

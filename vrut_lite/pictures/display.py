@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import SetExposure, ToneMap
+from vrut_lite.messages.picture import SetExposure, ToneMap
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.night_eye import as_sharp_as_seen, seen_by_eye
 from vrut_lite.pictures.picture import Picture

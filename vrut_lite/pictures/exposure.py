@@ -7,8 +7,8 @@ ISO 12232, as Lagarde 2014 uses it); automatic exposure puts the mean on middle 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.picture import SetExposure
 
 MIDDLE_GREY = 0.18
 _SATURATION = 1.2

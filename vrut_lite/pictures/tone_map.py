@@ -11,8 +11,8 @@ by Benjamin Wrensch, "Minimal AgX Implementation" (2023).
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.picture import ToneMap
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, srgb_encode
+from vrut_lite.messages.picture import ToneMap
 
 INSET = np.array(
     [

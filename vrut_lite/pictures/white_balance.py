@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import HIGHEST_K, LOWEST_K
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, colour_table
+from vrut_lite.messages.picture import HIGHEST_K, LOWEST_K
 
 # The white of sRGB itself: no balance.
 DAYLIGHT_K = 6504.0

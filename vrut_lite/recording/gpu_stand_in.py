@@ -1,8 +1,8 @@
 """The GPU of a replay: jobs are heard and left alone, their results are in the journal."""
 
 from vrut_lite import __version__
-from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.gpu_job import GpuJob
 
 
 class GpuStandIn(Module):

@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from vrut_lite.daylight.gpu_job import GpuJob, recipe_of
+from vrut_lite.messages.gpu_job import GpuJob, recipe_of
 from vrut_lite.recording.entry import Entry
 
 

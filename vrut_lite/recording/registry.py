@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import KERNEL_MESSAGES, Input, Message
 from vrut_lite.kernel.module import Module
+from vrut_lite.messages.vocabulary import DAYLIGHT_MESSAGES
 
 
 class Registry:

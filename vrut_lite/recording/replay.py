@@ -6,7 +6,6 @@ from typing import BinaryIO
 
 import msgspec
 
-from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError, one_line
 from vrut_lite.kernel.bus import Kernel
@@ -25,6 +24,7 @@ from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.registry import Registry
 from vrut_lite.recording.setup import Services, restore_setup
 from vrut_lite.recording.signature import differences, signature_of
+from vrut_lite.sky.sky_sum import SkySum
 
 _LONGEST_PHRASE = 800
 # An input and its consequences, read one by one: a journal may be of any length.

@@ -10,15 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
-from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
-from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.near_air import NearAir, second_light
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
+from vrut_lite.sky.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
+from vrut_lite.sky.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 
 # As air.glsl binds them.
 _RADIANCE_UNIT, _EXTINCTION_UNIT, _PHASE_UNIT = 12, 13, 26

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.scene.scene_state import SceneState
 
 # Parts of a state that must be the very same for a picture to be taken over.
 _KEPT = ("scene", "light_map", "section", "shows", "clouds", "tolerance")

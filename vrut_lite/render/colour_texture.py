@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.scene_content import COLOUR_MAPS, MapName, Material, MaterialMap, Sampler
+from vrut_lite.messages.scene_content import COLOUR_MAPS, MapName, Material, MaterialMap, Sampler
 from vrut_lite.render.cut_out import cut_out_levels
 from vrut_lite.render.gl_environment import import_pyrender
 

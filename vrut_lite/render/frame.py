@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.lamps import SceneLamps
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.night import MoonDiscChanged
-from vrut_lite.daylight.scene_state import FrameSkips, SceneState
-from vrut_lite.daylight.sky import ViewShader, mean_level
-from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.frame_part import Heard
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.clouds import CloudLayer
+from vrut_lite.messages.lamps import SceneLamps
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.night import MoonDiscChanged
+from vrut_lite.messages.sky import ViewShader, mean_level
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.culling import in_view
@@ -36,6 +35,7 @@ from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.still_picture import StillPictures
 from vrut_lite.scene.backend import IsGivenUp
+from vrut_lite.scene.scene_state import FrameSkips, SceneState
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Slices of the filtered sky (of 24) in a frame that must not wait for them: a sixth of its time

@@ -9,10 +9,10 @@ import numpy as np
 
 from vrut_lite import __version__
 from vrut_lite.array import Array
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.job_buffers import JobBuffers
 from vrut_lite.render.texture_pool import NUMPY_TYPES, TexturePool

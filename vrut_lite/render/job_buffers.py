@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob
 
 _Sent = dict[int, tuple[Array, Any]]
 

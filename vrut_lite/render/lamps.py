@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.lamps import MOST_DRAWN, NONE, TABLE_SHAPE, SceneLamps
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.lamps import MOST_DRAWN, NONE, TABLE_SHAPE, SceneLamps
 from vrut_lite.numeric_types import Float32Array
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.passes.lamp_shadows import EDGE_PX, FACE_SHARE, FACES, LampShadows

@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.cloud_layers import sun_transmittance_of
-from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.lamps import MOST_DRAWN, SceneLamps
-from vrut_lite.daylight.sky import AmbientChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.clouds.cloud_layers import sun_transmittance_of
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.clouds import CloudLayer
+from vrut_lite.messages.lamps import MOST_DRAWN, SceneLamps
+from vrut_lite.messages.sky import AmbientChanged
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.render.rays import SceneRays
 from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
 

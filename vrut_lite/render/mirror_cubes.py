@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.light_map import Mirrors, SurfaceLightChanged
+from vrut_lite.messages.light_map import Mirrors, SurfaceLightChanged
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 
 # As mirror.glsl binds them.

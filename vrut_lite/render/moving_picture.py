@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.halves import run_in_halves

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_rows import grid_of
-from vrut_lite.daylight.air_volume import node_rays, slice_shares
+from vrut_lite.messages.air import AirVolume
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.shader_files import Defines
+from vrut_lite.sky.air_rows import grid_of
+from vrut_lite.sky.air_volume import node_rays, slice_shares
 
 # Defined in shaders of air that two bodies light.
 SECOND_LIGHT = "SECOND_LIGHT"

@@ -5,7 +5,6 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.backdrop import Backdrop
@@ -21,6 +20,7 @@ from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
+from vrut_lite.scene.scene_state import SceneState
 
 # What meshes' shaders are compiled with for targets of one sample a pixel.
 ONE_SAMPLE = "ONE_SAMPLE"

@@ -9,17 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.camera import MoveCamera, look_at, perspective, pixel_rays
-from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import NO_PARTS, SceneState
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.frame_part import Heard
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
+from vrut_lite.messages.clouds import CloudLayer
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame
 from vrut_lite.render.gl_owner import GlOwner
@@ -32,6 +31,7 @@ from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.surface_look_up import LitScene
 from vrut_lite.render.value_light import ValueLight, in_false_colours
 from vrut_lite.scene.backend import IsGivenUp
+from vrut_lite.scene.scene_state import NO_PARTS, SceneState
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.ground_disc import GroundDisc, inner_and_outer
-from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, Shape
-from vrut_lite.daylight.points_and_lines import PointsAndLines
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import MapName, Material, Mesh
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.messages.ground_disc import GroundDisc, inner_and_outer
+from vrut_lite.messages.light_map import NOT_MAPPED, LightMapLaid, Shape
+from vrut_lite.messages.points_and_lines import PointsAndLines
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.scene_content import MapName, Material, Mesh
+from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.render.colour_texture import is_cut_out, textures_of
 from vrut_lite.render.gl_environment import import_pyrender

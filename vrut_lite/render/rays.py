@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M, fall_m
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.ground_disc import PLANET_RADIUS_M, fall_m
+from vrut_lite.messages.scene import SceneOpened
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS
@@ -19,6 +18,7 @@ from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import SAMPLES, Targets
 from vrut_lite.render.value_light import in_false_colours
+from vrut_lite.scene.scene_state import SceneState
 
 # A still is the mean of pictures with one sample a pixel, which show what lies so far to the right
 # and up, in pixels. Software renderers shade hidden samples too where there are several: three such

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
-from vrut_lite.daylight.sky import mean_level
-from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
+from vrut_lite.messages.sky import mean_level
+from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light
 from vrut_lite.render.mirror_cubes import MirrorCubes

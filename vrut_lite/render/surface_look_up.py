@@ -5,15 +5,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.light_map import (
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.light_map import (
     NOT_MAPPED,
     GroundChart,
     LightMapLaid,
     ProbeGrid,
     SurfaceLightChanged,
 )
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.rays import GROUND, Hit
 

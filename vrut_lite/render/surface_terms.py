@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.scene_content import MapName
-from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.geometry.thin_film import film_table
+from vrut_lite.messages.scene_content import MapName
+from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import SURFACE_TERMS

@@ -3,8 +3,8 @@
 import weakref
 from typing import Any, NamedTuple
 
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_texture import GpuTexture
 
 NUMPY_TYPES = {"rgba16f": "f2", "rgba32f": "f4"}
 Kind = tuple[str, int | tuple[int, int, int], str]

@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+from vrut_lite.messages.picture import SetExposure, ToneMap
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.pictures import display, tone_map
 from vrut_lite.render.halves import run_in_halves

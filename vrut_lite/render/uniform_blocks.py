@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vrut_lite.daylight.lamps import MOST_DRAWN
+from vrut_lite.messages.lamps import MOST_DRAWN
 
 # Floats of a type, and the multiple of floats at which it begins.
 _LAYOUT = {
@@ -137,7 +137,7 @@ CLOUDS = UniformBlock(
         "sun_slope": ("float", "least sine of the sun's height that shadows are cast by"),
         "ground_by_sky": ("vec3", "of the same, what sky and clouds give"),
         "shadow_texels": ("float", "along a side of the map"),
-        # The layer's form: daylight/clouds.py.
+        # The layer's form: messages/clouds.py.
         "weather_periods_m": ("vec2", "of the two copies of the weather"),
         "noise_periods_m": ("vec2", "of shape and detail"),
         "warp_origin": ("vec4", "the eye in the waves that warp shape and weather, in periods"),
@@ -152,7 +152,7 @@ CLOUDS = UniformBlock(
         "top_fade": ("float", "of a cloud's height"),
         "fraying": ("float", "weight of the detail"),
         "sharpness": ("float", "of edges"),
-        # Of weather and noise in a sample: daylight/cloud_spread.py.
+        # Of weather and noise in a sample: clouds/cloud_spread.py.
         "spread_most": ("vec2", "half their range in a wide one"),
         "spread_log_half": ("vec2", "binary logarithm of the width at which it is half that, m"),
         "spread_power": ("vec2", "of the width"),

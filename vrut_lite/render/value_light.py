@@ -5,15 +5,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.light_map_values import noise, noise_of_pair, texel_edges_m
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.scene_state import SceneState, Shown
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.light_map_values import noise, noise_of_pair, texel_edges_m
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.numeric_types import Float32Array, FloatArray
 from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.value_picture import value_pixels, values_of
+from vrut_lite.scene.scene_state import SceneState, Shown
 
 # Look-ups reach so many texels beside those that are known.
 _BESIDE = 2

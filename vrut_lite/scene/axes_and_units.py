@@ -6,7 +6,7 @@ Both are guesses from what things look like; whoever opens the file is told, and
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.placement import UpAxis
+from vrut_lite.messages.placement import UpAxis
 from vrut_lite.scene.placed import PlacedMesh, box_of
 
 # Faces within so much of the extent above the lowest point are what the scene stands on.

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Protocol
 
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.scene.scene_state import SceneState
 
 IsGivenUp = Callable[[], bool]
 

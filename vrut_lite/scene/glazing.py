@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vrut_lite.daylight.glazing import IOR, Glazing, clear_at_right_angles
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.messages.glazing import IOR, Glazing, clear_at_right_angles
+from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.scene.materials import SurfaceMaterial
 from vrut_lite.scene.mesh import Mesh
 from vrut_lite.scene.placed import PlacedMesh

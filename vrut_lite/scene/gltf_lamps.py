@@ -7,7 +7,7 @@ the sun is the host's.
 
 import numpy as np
 
-from vrut_lite.daylight.lamps import ALL_AROUND
+from vrut_lite.messages.lamps import ALL_AROUND
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_nodes import PlacedNode
 from vrut_lite.scene.gltf_schema import Lamp, Spot

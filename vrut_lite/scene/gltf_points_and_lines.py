@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.points_and_lines import PointsAndLines
+from vrut_lite.messages.points_and_lines import PointsAndLines
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Material, Mesh, Primitive
 from vrut_lite.scene.scene_file_error import SceneFileError

@@ -13,7 +13,7 @@ import numpy as np
 from msgspec import field
 from PIL import Image
 
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.numeric_types import Vector
 from vrut_lite.scene.gltf_schema import Material, Part, TextureInfo
 from vrut_lite.scene.scene_file_error import SceneFileError

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrut_lite.daylight.lamps import TABLE_SHAPE
+from vrut_lite.messages.lamps import TABLE_SHAPE
 from vrut_lite.numeric_types import Float32Array, FloatArray
 from vrut_lite.scene.scene_file_error import SceneFileError
 

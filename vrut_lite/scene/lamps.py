@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.lamps import (
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.lamps import (
     ALL_AROUND,
     MOST_LAMPS,
     NONE,
@@ -15,7 +16,6 @@ from vrut_lite.daylight.lamps import (
     SceneLamps,
     brightest_first,
 )
-from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.ies_file import Photometry
 from vrut_lite.scene.scene_file_error import SceneFileError

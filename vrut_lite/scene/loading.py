@@ -11,11 +11,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.glazing import Glazing
-from vrut_lite.daylight.lamps import SceneLamps
-from vrut_lite.daylight.placement import PlacedFile, Placement
-from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.errors import UserError
+from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.lamps import SceneLamps
+from vrut_lite.messages.placement import PlacedFile, Placement
+from vrut_lite.messages.points_and_lines import PointsAndLines
 from vrut_lite.scene.axes_and_units import ground_top, guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.choices import chosen_camera, chosen_variant

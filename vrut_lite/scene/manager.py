@@ -7,29 +7,29 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from vrut_lite import __version__
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.place_time import second_of_day
-from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_state import SceneState, Shown
-from vrut_lite.daylight.section import Axis, SectionChanged, Side, section_of
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged
-from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
-from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.frame_part import heard_by_parts
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
+from vrut_lite.messages.air import AirChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.messages.section import Axis, SectionChanged, Side, section_of
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sky_light import LIGHT, SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
+from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
+from vrut_lite.place_time import second_of_day
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import OpenScene
 from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
+from vrut_lite.scene.scene_state import SceneState, Shown
 
 NAME = "scene"
 Animated = Literal["rest", "time", "clock"]

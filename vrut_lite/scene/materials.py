@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from vrut_lite.daylight.scene_content import MAP_NAMES, AlphaMode, Sampler, Wrap
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.messages.scene_content import MAP_NAMES, AlphaMode, Sampler, Wrap
+from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
 from vrut_lite.scene.gltf_terms import bounded_factors, emissive_strength, terms_of

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.camera import MoveCamera, look_at, rays_through
-from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.camera import MoveCamera, look_at, rays_through
+from vrut_lite.messages.clouds import CloudLayer
+from vrut_lite.messages.ground_disc import PLANET_RADIUS_M
 
 # Coarse directions represent whole texels, so the view is widened by a texel.
 _PROBE_SIZE = 16

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import camera_from_pose
-from vrut_lite.daylight.ground_disc import disc_under
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
-from vrut_lite.daylight.scene_content import (
+from vrut_lite.messages.camera import camera_from_pose
+from vrut_lite.messages.ground_disc import disc_under
+from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.scene_content import (
     ALPHA_MODES,
     MAP_NAMES,
     NONE,
@@ -20,7 +20,7 @@ from vrut_lite.daylight.scene_content import (
     SceneGeometry,
     SceneMaterials,
 )
-from vrut_lite.daylight.surface_terms import as_row
+from vrut_lite.messages.surface_terms import as_row
 from vrut_lite.numeric_types import Vector
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene

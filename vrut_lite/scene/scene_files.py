@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vrut_lite.daylight.placement import Placement
 from vrut_lite.errors import UserError
+from vrut_lite.messages.placement import Placement
 from vrut_lite.scene import usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file

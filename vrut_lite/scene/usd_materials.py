@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from vrut_lite.daylight.scene_content import AlphaMode
+from vrut_lite.messages.scene_content import AlphaMode
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, tell_clipped

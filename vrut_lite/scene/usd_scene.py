@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.placement import (
+from vrut_lite.messages.placement import (
     LEAST_METRES_PER_UNIT,
     MOST_METRES_PER_UNIT,
     Placement,

@@ -15,31 +15,31 @@ import numpy as np
 import pytest
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import (
-    AmbientChanged,
-    BackgroundChanged,
-    LookAlong,
-    SkyRadianceChanged,
-    SpectrumSeen,
-)
-from vrut_lite.daylight.sky_module import PRODUCTS, SkyModule
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.kernel.module import Module
+from vrut_lite.messages.air import AirChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+)
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay
+from vrut_lite.sky.sky_module import PRODUCTS, SkyModule
 from vrut_lite.testing.sky_on_bus import SkyOnBus, SunAndEye
 
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)

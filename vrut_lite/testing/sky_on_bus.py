@@ -5,13 +5,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import SceneNeeds
-from vrut_lite.daylight.sky_module import PRODUCTS, SkyModule
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (
@@ -25,7 +18,14 @@ from vrut_lite.kernel.messages import (
     SetSetting,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneNeeds
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.sky.sky_module import PRODUCTS, SkyModule
 
 M = TypeVar("M", bound=Message)
 _SUN_RADIUS_RAD = 0.00465

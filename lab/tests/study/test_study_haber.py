@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vrut_lite.daylight.aerosol import cornette_shanks_factor, cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_factor, cornette_shanks_phase
 from vrut_lite_lab.study.framework.atmosphere import STUDY
 from vrut_lite_lab.study.framework.directions import directions
 from vrut_lite_lab.study.framework.errors import relative_error

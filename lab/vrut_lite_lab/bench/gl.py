@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.render.gl_environment import probe_gl
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_lab.bench.bench_path import WALL_TIME, Clock, Spent, Work, cpu_spent

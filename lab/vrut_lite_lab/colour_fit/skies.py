@@ -14,8 +14,8 @@ from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
-from vrut_lite.daylight.gases import ozone_absorption
+from vrut_lite.atmosphere.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite.geometry.colour import (
     colour_table,
     luminance,

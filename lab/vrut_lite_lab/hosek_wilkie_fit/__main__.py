@@ -1,6 +1,6 @@
 """Fit turbidity and level of Hosek and Wilkie's sky to the solver's sky of equal haze.
 
-    python -m vrut_lite_lab.hosek_wilkie_fit        # prints the table of daylight/equal_haze.py
+    python -m vrut_lite_lab.hosek_wilkie_fit        # prints the table of atmosphere/equal_haze.py
 
 For each optical depth of OPAC's continental average the turbidity whose luminance over the sky
 differs least from the solver's in shape, in the mean over the sun's elevations; for each elevation
@@ -13,9 +13,9 @@ from bruneton_sky import solve
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from dynamic_skylight import HosekWilkieSky
 
-from vrut_lite.daylight.equal_haze import DEPTHS, ELEVATIONS_DEG
-from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.atmosphere.equal_haze import DEPTHS, ELEVATIONS_DEG
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
 
 _ALBEDO = 0.1

@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 from vrut_lite.commands.engines import EngineHost
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.project import Project, daylight_inputs, view_inputs
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.pictures.drawing import SCENES, SKIES, scene_project
 
 DRAWN = ("street.toml", "large/hall.toml", "work/indoor.glb", "pavilion.gltf", "spheres.glb",

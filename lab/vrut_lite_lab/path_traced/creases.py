@@ -29,9 +29,9 @@ from path_tracer.library import load_mitsuba
 from path_tracer.sky_map import sky_emitter
 from scipy.spatial import cKDTree
 
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 from vrut_lite_lab.path_traced.cases import states
 from vrut_lite_lab.radiance.grids import hour_of as hour_of_state

@@ -9,7 +9,7 @@ from path_tracer.guides import guides
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.path_traced.cases import Case
 from vrut_lite_lab.path_traced.truths import Arrays, Picture, kept
 

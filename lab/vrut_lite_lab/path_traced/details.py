@@ -15,11 +15,11 @@ import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.passes import mesh_renderer
 from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.path_traced.cases import DRAWN, Case, states
 from vrut_lite_lab.path_traced.regions import Mask, difference, flip, regions_of
 from vrut_lite_lab.path_traced.truths import (

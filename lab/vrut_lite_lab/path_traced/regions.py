@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.path_traced.cases import Case
 from vrut_lite_lab.path_traced.truths import Picture, Recipe, kept, traced
 from vrut_lite_lab.pictures.darkness import no_background, no_sun, relit

@@ -18,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.commands.engines import EngineHost
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.scene_state import NO_PARTS, SceneState
-from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.project import CameraView, Project, daylight_inputs, load_project, view_inputs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.scene.scene_state import NO_PARTS, SceneState
 from vrut_lite_lab.path_traced.truths import SUN, lit_by, traced
 from vrut_lite_lab.pictures.darkness import relit
 from vrut_lite_lab.pictures.drawing import SCENES, Captioned, sheet

@@ -17,7 +17,7 @@ from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.path_traced.cases import Case
 from vrut_lite_lab.pictures.darkness import no_ambient, no_background, no_sun, relit
 

@@ -9,8 +9,8 @@ in view. Each picture is exposed by itself.
 import sys
 from pathlib import Path
 
-from vrut_lite.daylight.aerosols import type_optics
-from vrut_lite.daylight.haze import AerosolType
+from vrut_lite.atmosphere.aerosols import type_optics
+from vrut_lite.messages.haze import AerosolType
 from vrut_lite.project import CameraView, Haze
 from vrut_lite_lab.pictures.drawing import Captioned, scene_project, sheet, shots
 

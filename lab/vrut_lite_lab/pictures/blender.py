@@ -16,7 +16,7 @@ import numpy as np
 import OpenEXR
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite_lab.checkout import ROOT

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, median_filter
 
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.host import Host
+from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.project import daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.scene.loading import load_scene
 from vrut_lite_lab.pictures.drawing import scene_project, sheet

@@ -7,9 +7,9 @@ import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.scene.scene_state import SceneState
 
 NAME = "darkness"
 

@@ -19,13 +19,13 @@ import numpy as np
 from light_transport.messages import NAME
 from light_transport.module import LightTransport
 
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Message, SetClock
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite_lab.pictures.drawing import SCENES, Captioned, scene_project, sheet, shots

@@ -16,13 +16,13 @@ from night_sky.sky_axes import body_km, refracted, watch
 from numpy.typing import NDArray
 from PIL import Image
 
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, SetClock
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.project import CameraView, Exposure, Project, parse_place
 from vrut_lite_lab.pictures.drawing import Captioned, scene_project, sheet, shots

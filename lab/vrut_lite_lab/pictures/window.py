@@ -22,8 +22,8 @@ from PySide6.QtWidgets import QApplication
 
 from vrut_lite.app.compare.compare_panel import ComparePanel
 from vrut_lite.app.theme import apply_theme
-from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.project import CameraView
 from vrut_lite_lab.pictures.drawing import scene_project
 from vrut_lite_lab.pictures.posed_window import SIZE, PosedWindow, seen

@@ -23,8 +23,8 @@ from PySide6.QtWidgets import QApplication, QComboBox, QMenu, QWidget
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.first_size import first_place
 from vrut_lite.app.window.shortcut_list import ShortcutList
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite_lab.pictures.drawing import scene_project
 from vrut_lite_lab.pictures.posed_window import PosedWindow
 

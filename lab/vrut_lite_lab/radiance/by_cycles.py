@@ -11,9 +11,9 @@ import OpenEXR
 from light_transport.hour.hour import Hour
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 
-from vrut_lite.daylight.camera import MoveCamera, look_at
 from vrut_lite.geometry.cube_map import sample_cube
 from vrut_lite.geometry.panorama import lat_long_directions
+from vrut_lite.messages.camera import MoveCamera, look_at
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.radiance.scene_files import turned
 

@@ -13,12 +13,12 @@ from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
 
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.encoding import decode_float16
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
+from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.path_traced.cases import states
 from vrut_lite_lab.radiance.irradiance import Effort, irradiance_by_radiance
 from vrut_lite_lab.scenes import trials

@@ -19,8 +19,8 @@ from light_transport.daylight_numbers.sensors import free_sensors
 from light_transport.daylight_numbers.work import work_of
 from light_transport.surfaces.surfaces import surfaces_of
 
-from vrut_lite.daylight.glazing import Glazing
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.glazing import Glazing
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.project import project_of_path
 from vrut_lite_lab.radiance.grids import GRIDS, Grid

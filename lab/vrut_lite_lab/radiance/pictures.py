@@ -19,10 +19,10 @@ from light_transport.hour.hour import Hour
 from light_transport.rays.trace import MISS, first_hits
 from light_transport.surfaces.surfaces import GROUND
 
-from vrut_lite.daylight.camera import MoveCamera, pixel_rays
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import sample_cube
+from vrut_lite.messages.camera import MoveCamera, pixel_rays
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.exposure import automatic_ev100

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from PIL import Image
 
-from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.project import CameraView, Project
 from vrut_lite_lab.scene_samples.document import Document
 from vrut_lite_lab.scene_samples.shapes import SHAPES

@@ -21,13 +21,13 @@ from light_transport.tolerance import FRONTS, Quality, quality_for
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import MAP_NAMES, NONE, SceneGeometry, SceneMaterials
-from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.scene_content import MAP_NAMES, NONE, SceneGeometry, SceneMaterials
+from vrut_lite.messages.surface_terms import SurfaceTerms, as_row
 from vrut_lite.numeric_types import BoolArray, FloatArray
 from vrut_lite_lab.tolerance.knobs import Knob, ToleranceKnobs, Truth
 

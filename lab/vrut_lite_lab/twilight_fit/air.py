@@ -7,7 +7,7 @@ import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.presets import TWILIGHT_TOP_M, earth_spectral
 
-from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.atmosphere.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.numeric_types import FloatArray
 
 # Finer where the eye sees colours; the far red is all that a hazy horizon sends.

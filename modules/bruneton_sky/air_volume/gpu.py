@@ -16,8 +16,8 @@ from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture, Number
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.gpu_job import GpuJob, GpuTexture, Number
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.later_order_kernels import Source

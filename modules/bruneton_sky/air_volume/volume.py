@@ -1,6 +1,6 @@
 """The air between an observer and the scene: from a solved field to an `AirVolume`.
 
-Where the nodes lie is said in `vrut_lite.daylight.air_volume`. The light up to a node is divided
+Where the nodes lie is said in `vrut_lite.sky.air_volume`. The light up to a node is divided
 by 1 - T: a mean along the ray, which has a limit in the observer's eye and changes slowly, so
 that few nodes do.
 """
@@ -19,15 +19,15 @@ from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.daylight.air_reach import UNSEEN_SHARE
-from vrut_lite.daylight.air_rows import Grid
-from vrut_lite.daylight.air_volume import NodeRays, node_rays, slice_shares
-from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.air_reach import UNSEEN_SHARE
+from vrut_lite.sky.air_rows import Grid
+from vrut_lite.sky.air_volume import NodeRays, node_rays, slice_shares
 
 
 class AirSizes(NamedTuple):

@@ -11,8 +11,8 @@ from bruneton_sky.published.classical_rules import checked_intervals
 from bruneton_sky.published.single_scattering import Rule
 from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
 from bruneton_sky.shader_source import shader_source
-from vrut_lite.daylight.gpu_job import GpuJob, UniformValue
 from vrut_lite.geometry.colour import three_sample_scale
+from vrut_lite.messages.gpu_job import GpuJob, UniformValue
 
 WAVELENGTHS, MOST_ABSORBER_NODES, MOST_GAUSS_NODES = 3, 8, 32
 _RULE_NUMBERS: dict[str, int] = {"gauss-legendre": 0, "midpoint": 1, "trapezoid": 2, "simpson": 3}

@@ -7,9 +7,9 @@ from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.sky_view.table import SkyView, level_direction
 from bruneton_sky.sun_light import DiscLight
 from vrut_lite.array import Array
-from vrut_lite.daylight.gpu_job import GpuJob
-from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.encoding import float16_scale
+from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.sky import ViewShader
 from vrut_lite.numeric_types import Number
 
 _NODES_BINDING, _SUNLIGHT_BINDING, _BANDS_BINDING = 1, 2, 3

@@ -24,7 +24,7 @@ from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.particles import kind_phases, shares_above
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, in_lanes, is_hazy
-from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES
+from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 

@@ -13,8 +13,8 @@ from dynamic_skylight.hosek_wilkie.fast_formula import (
 )
 from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
-from vrut_lite.daylight.gpu_job import GpuJob, UniformValue
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.messages.gpu_job import GpuJob, UniformValue
 
 # In the order of `fold`, as the shader calls them.
 _NUMBERS = (

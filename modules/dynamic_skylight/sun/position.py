@@ -12,8 +12,8 @@ from dynamic_skylight.sun.refraction import (
     refraction_rad,
 )
 from vrut_lite.arguments import as_number, check_choice, check_instant
-from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M
 from vrut_lite.geometry.frames import direction_from_angles
+from vrut_lite.messages.place import HIGHEST_M, LOWEST_M
 
 Method = Literal["ephemeris", "preetham"]
 # The standard atmosphere has 325,000 Pa at the lowest altitude.

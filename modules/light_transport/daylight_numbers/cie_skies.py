@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from light_transport.hour.hour import Hour
-from vrut_lite.daylight.cie_skies import OVERCAST, general_sky
+from vrut_lite.atmosphere.cie_skies import OVERCAST, general_sky
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import FloatArray

@@ -11,8 +11,8 @@ from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.commands.workers import worker_options, workers_of
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.errors import UserError
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.project import project_of_path
 
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.surfaces.surfaces import Surfaces
-from vrut_lite.daylight.glazing import IOR as _IOR
-from vrut_lite.daylight.glazing import Glazing
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.messages.glazing import IOR as _IOR
+from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 _LEAST_IOR = 1.0001

@@ -9,7 +9,7 @@ from light_transport.daylight_numbers.glass import Glass
 from light_transport.daylight_numbers.sensor_rays import SKY, ends_of, tree_with_glass
 from light_transport.rays.trace import MISS, first_hits
 from light_transport.surfaces.surfaces import Surfaces
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray, IntArray
 
 # Rougher surfaces spread the sun's image over a much larger lobe.

@@ -10,16 +10,16 @@ import msgspec
 from light_transport.hour.hour import Hour
 from light_transport.jobs import hour_of
 from vrut_lite.commands.open_kernel import open_kernel, require_sun
-from vrut_lite.daylight.daylight_kernel import FaultCollector
-from vrut_lite.daylight.night import NightLightChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
-from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.daylight_kernel import FaultCollector
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.kernel.messages import Demand, EnableModule, SetClock
+from vrut_lite.messages.night import NightLightChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged, SunMoved
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.scene.manager import SceneManager
 

@@ -8,8 +8,8 @@ from light_transport.daylight_numbers.now import daylight_factor
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.work import RAYS_SHARE, Work, baked
 from light_transport.hour.hour import Hour
-from vrut_lite.daylight.glazing import Glazing
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 
 # Twice as wide: a quarter of the texels.

@@ -18,9 +18,9 @@ from light_transport.kept_rays import add_kept_rays
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
 from light_transport.tolerance import quality_for
-from vrut_lite.daylight.glazing import Glazing
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
+from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.scene import SceneOpened
 
 _MOST_THREADS = 4
 # Of the tolerance of radiance, for rays of sensors: 1 % at its default.

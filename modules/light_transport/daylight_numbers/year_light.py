@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 DAYS, HOURS = 365, 24

@@ -12,7 +12,7 @@ from light_transport.rays.ray_starts import begin, shift
 from light_transport.rays.ray_table import TRIED
 from light_transport.rays.trace import MISS, mixed, nearest
 from light_transport.surfaces.surfaces import Surfaces
-from vrut_lite.daylight.lamps import MOST_DRAWN, NONE, SceneLamps
+from vrut_lite.messages.lamps import MOST_DRAWN, NONE, SceneLamps
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 _SHARPEST_RAMP = 1e-3

@@ -20,9 +20,9 @@ from light_transport.rays.ray_table import met_row
 from light_transport.rays.trace import MISS, nearest_along
 from light_transport.rays.tree import STACK
 from light_transport.surfaces.map_texels import NOBODY, surface_place
-from vrut_lite.daylight.camera import MoveCamera, pixel_rays
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.messages.camera import MoveCamera, pixel_rays
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Points of which fewer rays count lie inside bodies, where no eye looks.

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.light_map import GroundChart
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.light_map import GroundChart
 from vrut_lite.numeric_types import FloatArray
 
 EDGE_PX = 96

@@ -16,13 +16,13 @@ from light_transport.layout.seams import seam_texels
 from light_transport.layout.texel_owners import UNUSED
 from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import (
+from vrut_lite.messages.light_map import (
     NOT_MAPPED,
     GroundChart,
     LightMapLaid,
     ProbeGrid,
 )
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SOURCE = "light_transport"

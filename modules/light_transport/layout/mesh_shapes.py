@@ -12,7 +12,7 @@ from light_transport.layout.rectangle_packing import pack
 from light_transport.layout.texel_owners import texel_owners
 from light_transport.layout.unwrapping import Charts, unwrapped
 from light_transport.layout.welding import opposite_edges, welded
-from vrut_lite.daylight.scene_content import Mesh
+from vrut_lite.messages.scene_content import Mesh
 from vrut_lite.numeric_types import FloatArray
 
 # Rectangles keep within it where they can.

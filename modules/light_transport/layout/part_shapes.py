@@ -13,8 +13,8 @@ from light_transport.giving_up import GoOn
 from light_transport.layout.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
 from light_transport.layout.texel_owners import UNUSED
 from light_transport.layout.unwrapping import Charts
-from vrut_lite.daylight.light_map import NOT_MAPPED
-from vrut_lite.daylight.scene_content import SceneGeometry
+from vrut_lite.messages.light_map import NOT_MAPPED
+from vrut_lite.messages.scene_content import SceneGeometry
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
 _Made = TypeVar("_Made")

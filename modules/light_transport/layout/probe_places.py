@@ -8,7 +8,7 @@ probe with few counting rays takes the light of its neighbours
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.light_map import ProbeGrid
+from vrut_lite.messages.light_map import ProbeGrid
 from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 
 _MOST_PROBES, _MOST_A_SIDE = 2048, 64

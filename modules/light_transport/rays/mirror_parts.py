@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.surfaces.surfaces import Surfaces
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import Material
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.scene_content import Material
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
 # Rougher surfaces show no images.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import inlined, kernel
-from vrut_lite.daylight.scene_content import WRAPS, MaterialMap, Mesh
+from vrut_lite.messages.scene_content import WRAPS, MaterialMap, Mesh
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 _SAMPLES = 16

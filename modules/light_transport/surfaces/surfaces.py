@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from light_transport.surfaces.map_means import linear, shares, triangle_means
 from light_transport.surfaces.terms import SentBack, sent_back
-from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import MapName, Material, Mesh
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.messages.ground_disc import GroundDisc
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.scene_content import MapName, Material, Mesh
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 GROUND = -1

@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from light_transport.surfaces.map_means import linear, shares, triangle_means
-from vrut_lite.daylight.scene_content import MapName, Material, Mesh
-from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.geometry.thin_film import film_table
+from vrut_lite.messages.scene_content import MapName, Material, Mesh
+from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Of any real surface; see grazing() in mesh.frag.

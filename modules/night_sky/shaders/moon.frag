@@ -25,7 +25,7 @@ out vec4 frag_radiance;
 
 const float PI = 3.14159265;
 
-// The twin of shadow_share in daylight/moon_disc.py.
+// The twin of shadow_share in sky/moon_disc.py.
 vec3 sunlight_left(vec3 d) {
     if (umbra <= 0.0) return vec3(1.0);
     float beside = length(cross(d, shadow_direction));

@@ -8,10 +8,10 @@ from PySide6.QtCore import QPoint, Qt
 
 from vrut_lite.app.compare.sky_comparison import ANGLES_DEG
 from vrut_lite.app.compare.two_skies import luminance_of
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import SetClock, SetSetting
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged
 
 NIGHT = datetime(2026, 6, 21, 23, 0, tzinfo=UTC)
 

@@ -8,9 +8,9 @@ from window_driver import SCENES, WindowDriver
 
 from vrut_lite.app.engine import cpu_sky
 from vrut_lite.app.engine.cpu_sky import CpuSkyStage, best_stage
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.errors import UserError
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.picture import SetExposure
 
 UP = MoveCamera(eye_m=(1.5, 1.5, 3.4), target_m=(0.0, 6.0, 0.0), vertical_field_of_view_rad=0.8)
 

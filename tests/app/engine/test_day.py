@@ -12,8 +12,8 @@ from vrut_lite.app.engine.day import MARKS, Day, day_of
 from vrut_lite.app.engine.moon_day import moon_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.array import Array
-from vrut_lite.daylight.moon_path import MoonPathChanged
-from vrut_lite.daylight.place import SetPlace
+from vrut_lite.messages.moon_path import MoonPathChanged
+from vrut_lite.messages.place import SetPlace
 
 PLACES = [
     ("Prague", 50.0755, 14.4378, "Europe/Prague", date(2026, 6, 21)),

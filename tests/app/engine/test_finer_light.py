@@ -9,9 +9,9 @@ from window_driver import PATIENCE_MS
 
 from vrut_lite.app.engine.finer_light import FinerLight
 from vrut_lite.array import Array
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.messages.view_light import ViewLightChanged
+from vrut_lite.scene.scene_state import SceneState
 
 VIEW_LIGHT = ViewLightChanged(
     layout_key="l", camera=OUTSIDE, size_px=(16, 9), edge_px=2, radiance_scale=2.0, rays=64,

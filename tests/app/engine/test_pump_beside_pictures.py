@@ -8,8 +8,8 @@ import pytest
 from window_driver import NOON, PATIENCE_MS, SUNDIAL_AT_NOON, HeadlessStage
 
 from vrut_lite.app.engine.engine import HEARD, PICTURE, PROBLEM, Engine
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.messages.camera import MoveCamera
 
 FROM_HERE = MoveCamera(
     eye_m=(3.0, 1.0, 4.0), target_m=(0.0, 0.0, 0.0), vertical_field_of_view_rad=0.9

@@ -11,11 +11,6 @@ from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.engine import PICTURE, Engine
 from vrut_lite.app.engine.history import GESTURE_S
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.kernel.messages import (
     EnableModule,
     SetClock,
@@ -24,8 +19,13 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.exposure import automatic_ev100, ev100_of
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.scene.scene_state import SceneState
 
 OUTSIDE = MoveCamera(eye_m=(0.0, 2.0, 9.0), target_m=(0.0, 1.0, 0.0))
 INSIDE = MoveCamera(eye_m=(0.0, 2.0, -9.0), target_m=(0.0, 1.0, 0.0))

@@ -14,11 +14,11 @@ from vrut_lite.app.compare import sky_comparison
 from vrut_lite.app.engine import day_scout
 from vrut_lite.app.engine.engine import Engine
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.scene import LoadScene
 
 
 class Failing(Module):

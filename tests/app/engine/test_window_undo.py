@@ -9,14 +9,14 @@ from window_driver import NOON, SCENES
 
 from vrut_lite.app.engine import history
 from vrut_lite.app.engine.history import History, inverse_of
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.haze import haze_of
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, EnableModule, SetClock, SetSetting
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.haze import haze_of
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 

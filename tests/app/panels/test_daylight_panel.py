@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QApplication
 from window_driver import NOON, PATIENCE_MS, HeadlessStage
 
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
-from vrut_lite.daylight.sky import SkyRadianceChanged
-from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.messages import SetClock
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.sky import SkyRadianceChanged
+from vrut_lite.messages.tolerance import SetTolerance
 
 
 @pytest.fixture

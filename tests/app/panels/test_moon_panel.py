@@ -5,11 +5,11 @@ from datetime import UTC, datetime
 import pytest
 from night_sky.panel import MoonPanel
 
-from vrut_lite.daylight.moon_phase import phase_text
-from vrut_lite.daylight.night import MoonLight, NightLightChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.messages.night import MoonLight, NightLightChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.sky.moon_phase import phase_text
 
 NEW_YEAR = datetime(2026, 1, 1, 12, tzinfo=UTC)
 

@@ -9,7 +9,7 @@ from path_tracer.remaining import Remaining, remaining_text
 from PIL import Image
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.picture import SetExposure
 
 
 def test_the_time_that_is_left_follows_from_the_paths_that_came():

@@ -13,13 +13,13 @@ from vrut_lite.app.panels.sky_panel import lack_line
 from vrut_lite.app.panels.sun_panel import phase_of
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.view.light_probe import illuminance_text
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.left_open import left_open, presets_of
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import EnableModule, Fault, SetClock, SetSetting, SlotChanged
 from vrut_lite.kernel.settings import describe, parse
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.sky.left_open import left_open, presets_of
 
 HAZE = SetHaze(optical_depth_550=0.4, aerosol="one-lobe")
 

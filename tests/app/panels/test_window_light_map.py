@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QApplication
 from window_driver import NOON, PATIENCE_MS, HeadlessStage
 
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.messages import SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
 
 
 class Stage(HeadlessStage):

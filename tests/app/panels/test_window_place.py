@@ -5,7 +5,7 @@ import math
 import pytest
 from PySide6.QtCore import Qt
 
-from vrut_lite.daylight.place import SetPlace
+from vrut_lite.messages.place import SetPlace
 
 
 @pytest.fixture

@@ -7,11 +7,11 @@ from window_driver import NOON, SCENES
 
 from vrut_lite.app.engine.flight_recorder import FlightRecorder
 from vrut_lite.commands.headless_scene import modules_for
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay

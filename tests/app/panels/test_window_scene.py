@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from window_driver import SCENES
 
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.project import Project
 
 

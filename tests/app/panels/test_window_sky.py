@@ -7,11 +7,11 @@ from PySide6.QtWidgets import QCheckBox, QComboBox
 from vrut_lite.app.engine.module_states import states_of
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField, Scale
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import SunMoved
-from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.messages import SetSetting, SettingChanged, SlotChanged
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.messages.tolerance import SetTolerance
 
 
 @pytest.fixture

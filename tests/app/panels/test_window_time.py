@@ -6,8 +6,8 @@ import pytest
 from PySide6.QtCore import QDate, QPoint, Qt, QTime
 
 from vrut_lite.app.panels.day_bar import light_colour
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
 
 
 @pytest.fixture

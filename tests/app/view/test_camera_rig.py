@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from vrut_lite.app.view.camera_rig import CameraRig, dip_rad
 from vrut_lite.app.view.view_projection import project_directions
-from vrut_lite.daylight.camera import MoveCamera, pixel_rays
+from vrut_lite.messages.camera import MoveCamera, pixel_rays
 
 CAMERA = MoveCamera(
     eye_m=(3.0, 2.0, 8.0), target_m=(0.0, 1.0, -1.0), vertical_field_of_view_rad=0.9

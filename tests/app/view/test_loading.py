@@ -3,7 +3,7 @@
 from PySide6.QtCore import QRectF
 from window_driver import SCENES
 
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.scene import SceneOpened
 
 
 def test_a_scene_on_its_way_is_named_and_something_moves(shared_headless_window):

@@ -10,11 +10,11 @@ from window_driver import SCENES
 
 from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.solstices import SOLSTICES, sun_circle
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.geometry.frames import enu_from_world
 from vrut_lite.kernel.messages import SettingChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.project import CameraView, load_project
 
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378)

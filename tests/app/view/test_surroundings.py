@@ -11,7 +11,7 @@ from window_driver import SCENES
 
 from vrut_lite.app.view.camera_rig import CameraRig
 from vrut_lite.app.view.surroundings import Surroundings
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.project import load_project
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed

@@ -11,10 +11,10 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 from window_driver import SMALL, HeadlessStage, WindowDriver
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import Tick
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.scene.backend import GivenUp
 
 

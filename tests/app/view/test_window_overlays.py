@@ -7,8 +7,8 @@ from PySide6.QtGui import QColor
 
 from vrut_lite.app import theme
 from vrut_lite.app.view.view_projection import project_directions
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.sun import SunMoved
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from PIL import Image
 from PySide6.QtCore import QPoint, Qt
 from window_driver import NOON
 
-from vrut_lite.daylight.picture import PictureClicked, SetExposure
 from vrut_lite.kernel.messages import SetClock, SetClockRate, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.picture import PictureClicked, SetExposure
 
 pytestmark = pytest.mark.gl
 

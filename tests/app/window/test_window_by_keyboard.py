@@ -7,10 +7,10 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 from window_driver import SCENES
 
 from vrut_lite.app.view.hand import CameraMode
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import SettingChanged, SlotChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
 
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 

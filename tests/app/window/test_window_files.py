@@ -4,13 +4,13 @@ import msgspec
 import pytest
 from window_driver import NOON, SCENES
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.view_light import StillAsked
 from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock, SetSetting, SettingChanged
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.messages.view_light import StillAsked
 from vrut_lite.project import (
     CameraView,
     Exposure,

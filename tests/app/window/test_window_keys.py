@@ -7,8 +7,8 @@ from PySide6.QtWidgets import QApplication, QMenu, QToolButton
 
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.dock_title import DockTitle
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.kernel.messages import SlotChanged
+from vrut_lite.messages.place import SetPlace
 
 
 @pytest.fixture

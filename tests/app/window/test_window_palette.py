@@ -10,8 +10,8 @@ from window_driver import SCENES
 
 from vrut_lite.app.window.command_palette import CommandPalette, PaletteEntry, matching
 from vrut_lite.app.window.shortcut_list import ShortcutList
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import ClockMoved, SlotChanged
+from vrut_lite.messages.scene import SceneOpened
 
 
 @pytest.fixture

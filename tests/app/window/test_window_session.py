@@ -15,12 +15,12 @@ from window_driver import NOON, SCENES, HeadlessStage, WindowDriver
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.commands.run import run
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.project import Project
 
 

@@ -8,9 +8,9 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from vrut_lite.app.panels.year_strip import cloud_pixels
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.weather import SetWeather
 
 HOURS = np.arange(8760)
 SUNNY = np.clip(np.sin((HOURS % 24 - 6) / 12 * np.pi), 0, 1)

@@ -14,7 +14,7 @@ from bruneton_sky.solver.delta_m import forward_shares, kept_coefficients, thinn
 from bruneton_sky.solver.grid import SunGrid, azimuths
 from bruneton_sky.solver_rungs import rung_sizes
 
-from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.geometry.colour import SKYLIGHT_NM
 
 

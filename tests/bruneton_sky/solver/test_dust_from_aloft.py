@@ -5,7 +5,7 @@ import pytest
 from bruneton_sky import solve
 from bruneton_sky.presets import earth_spectral
 
-from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.geometry.colour import SKYLIGHT_NM
 
 

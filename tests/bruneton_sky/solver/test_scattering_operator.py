@@ -12,7 +12,7 @@ from bruneton_sky.solver.scattering_operator import (
     scattering_operator,
 )
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 
 SIZES = SolverSizes(direction_mu=64, degree=12, source_mu=9, source_azimuth=7)
 

@@ -19,15 +19,15 @@ from vrut_lite.app.compare.two_skies import (
 from vrut_lite.app.engine.roster import ModuleInfo, Roster
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, optical_depth_of_turbidity
-from vrut_lite.daylight.haze import DEFAULT_HAZE, OWN_HAZE, SetHaze
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import SpectrumSeen
+from vrut_lite.atmosphere.aerosol import LEAST_TURBIDITY, optical_depth_of_turbidity
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec
+from vrut_lite.messages.haze import DEFAULT_HAZE, OWN_HAZE, SetHaze
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import SpectrumSeen
 from vrut_lite.numeric_types import Vector
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.exposure import automatic_ev100

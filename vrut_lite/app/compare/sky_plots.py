@@ -14,7 +14,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.daylight.sky import SpectrumSeen
+from vrut_lite.messages.sky import SpectrumSeen
 
 # Told apart by colour and by line.
 LINES = ((theme.ACCENT, Qt.PenStyle.SolidLine), ("#8fb4e8", Qt.PenStyle.DashLine))

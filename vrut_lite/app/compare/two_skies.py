@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.array import Array
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import BackgroundChanged, LookAlong, SpectrumSeen
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
 from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
 CUBE_SIZE = 128

@@ -13,12 +13,6 @@ import msgspec
 import numpy as np
 
 from vrut_lite.app.engine.history import GESTURE_S
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import (
@@ -29,8 +23,14 @@ from vrut_lite.kernel.messages import (
     SetSetting,
     Tick,
 )
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.tolerance import SetTolerance
 from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.scene.scene_state import SceneState
 
 # 95 % of the difference in stops is gone after 0.6 seconds. A finished picture waits until it is
 # near, for what is seen stands still while it is drawn; the rest it adapts as it stands.

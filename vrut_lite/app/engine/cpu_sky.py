@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import pixel_rays
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.camera import pixel_rays
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
@@ -24,6 +23,7 @@ from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, SceneView
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.scene.scene_state import SceneState
 
 _CUBE_SIZE = 128
 # A sky is smooth: more pixels would show no more.

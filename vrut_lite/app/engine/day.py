@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.app.engine.second_kernel import SecondKernel
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.messages.sun import SunMoved
 
 _STEP = timedelta(minutes=5)
 _PRECISION_S = 0.5

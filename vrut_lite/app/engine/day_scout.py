@@ -10,10 +10,10 @@ from vrut_lite.app.engine.moon_day import MoonDay, moon_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import make_timer
-from vrut_lite.daylight.moon_path import MoonPathChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.place_time import Place, time_zone_at
 from vrut_lite.kernel.messages import ClockMoved, Demand, SettingChanged, SlotChanged
+from vrut_lite.messages.moon_path import MoonPathChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.place_time import Place, time_zone_at
 
 _CONSUMER = "the window's day"
 # Settings of the sun's module rest so long before the day is searched anew: few change the sun, and

@@ -10,7 +10,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.commands.picture_metadata import picture_metadata
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.image_files import (
     check_writable,
     picture_format,

@@ -1,9 +1,9 @@
 """When the window's finished picture has light by rays of its own: once it stands."""
 
-from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand
+from vrut_lite.messages.view_light import ViewLightChanged
+from vrut_lite.scene.scene_state import SceneState
 
 # Longer than it takes to solve an atmosphere on a quiet machine.
 _PAUSE_S = 1.0

@@ -10,10 +10,6 @@ from itertools import count
 from time import perf_counter
 from typing import NamedTuple
 
-from vrut_lite.daylight.haze import SetHaze, haze_of
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
@@ -24,6 +20,10 @@ from vrut_lite.kernel.messages import (
     SetClock,
     SetSetting,
 )
+from vrut_lite.messages.haze import SetHaze, haze_of
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
 
 GESTURE_S = 0.6
 _MOST_STEPS = 500

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.app.engine.day import Day
-from vrut_lite.daylight.moon_path import MoonPathChanged
+from vrut_lite.messages.moon_path import MoonPathChanged
 
 
 @dataclass(frozen=True)

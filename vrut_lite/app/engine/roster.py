@@ -5,10 +5,10 @@ from typing import NamedTuple
 import msgspec
 
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.left_open import Preset, left_open, presets_of
 from vrut_lite.kernel.messages import Message, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec, describe
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.sky.left_open import Preset, left_open, presets_of
 
 
 class ModuleInfo(NamedTuple):

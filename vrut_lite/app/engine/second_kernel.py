@@ -6,12 +6,12 @@ from datetime import datetime
 from functools import cached_property
 from typing import TypeVar
 
-from vrut_lite.daylight.daylight_kernel import FaultCollector
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight_kernel import FaultCollector
 from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import SunMoved
 
 T = TypeVar("T")
 _SLOTS = {"sun", "sky"}

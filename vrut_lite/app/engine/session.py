@@ -22,13 +22,13 @@ from vrut_lite.app.engine.history import History
 from vrut_lite.app.engine.roster import Roster, roster_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Fault, Input, Message, ReloadModule
 from vrut_lite.mailbox import Mailbox
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.scene.scene_state import SceneState
 
 M = TypeVar("M", bound=Message)
 T = TypeVar("T")

@@ -6,14 +6,14 @@ from pathlib import Path
 import msgspec
 
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze, haze_of
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolerance_of
-from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze, haze_of
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolerance_of
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import (
     SCENE_SETTINGS,
     CameraView,

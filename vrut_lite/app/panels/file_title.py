@@ -7,10 +7,10 @@ from pathlib import Path
 from vrut_lite.app.engine.day_scout import place_of
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.place_panel import name_of
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.place_time import time_zone_at
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.place_time import time_zone_at
 
 _NOT_IN_NAMES = re.compile(r'[\\/:*?"<>|\x00-\x1f]+')
 

@@ -19,9 +19,9 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore, Values
 from vrut_lite.app.panels.setting_row import SettingRow
 from vrut_lite.app.widgets import faint_label, heading, panel_column
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
 
 
 class ModulePanel(QWidget):

@@ -9,7 +9,7 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label
-from vrut_lite.daylight.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
+from vrut_lite.messages.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
 
 _TONE_TITLES = {
     "agx": "AgX, like film",

@@ -17,11 +17,11 @@ from vrut_lite.app.panels.cities import City, all_cities, find_cities
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.world_map import WorldMap
 from vrut_lite.app.widgets import aligned_form, faint_label, heading, panel_column
-from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
-from vrut_lite.daylight.place_time import parse_place, time_zone_at
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.frames import enu_from_world
+from vrut_lite.messages.place import HIGHEST_M, LOWEST_M, SetPlace
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.place_time import parse_place, time_zone_at
 
 # Nearer than this a place is named after a city.
 _NEAR_KM = 25.0

@@ -9,8 +9,8 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, make_timer
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 
 _UPS = {"y": "+Y", "z": "+Z"}
 _UNITS = {

@@ -11,9 +11,9 @@ from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.widgets import Chooser, aligned_form
-from vrut_lite.daylight.haze import AEROSOL_TYPES, DEFAULT_HAZE, SetHaze
-from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
+from vrut_lite.messages.haze import AEROSOL_TYPES, DEFAULT_HAZE, SetHaze
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 
 SHOWN_SLOT = "sky"
 _EMPTY = "none"

@@ -10,12 +10,12 @@ from vrut_lite.app.engine.moon_day import MoonDay
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import aligned_form
-from vrut_lite.daylight.moon_phase import phase_text
-from vrut_lite.daylight.night import NightLightChanged
-from vrut_lite.daylight.sky_light import SkyLightChanged
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.messages.night import NightLightChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.sky.moon_phase import phase_text
 
 _TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
               (-18.0, "astronomical twilight"))  # fmt: skip

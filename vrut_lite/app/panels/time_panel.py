@@ -20,11 +20,11 @@ from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_bar import DayBar
 from vrut_lite.app.panels.year_strip import YearStrip
 from vrut_lite.app.widgets import Chooser, ShortenedLabel, make_timer
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
-from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetClockRate, Tick
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.weather import SetWeather
+from vrut_lite.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 
 _PERIOD_MS = 33
 SPEEDS = {

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QP
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.messages.weather import SetWeather
 
 _MARGIN_PX, _HEIGHT_PX = 16, 26
 # Clear and overcast, by day; nights are as much darker as the sun's light is less.

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.numeric_types import FloatArray, Vector
 
 _STEEPEST_RAD = math.radians(89.5)

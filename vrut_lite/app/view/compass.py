@@ -7,9 +7,9 @@ from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from vrut_lite.app.view.view_projection import project_directions
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import direction_from_angles, enu_from_world, world_from_enu
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.place import SetPlace
 
 _POINTS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
 _STEP_DEG = 15

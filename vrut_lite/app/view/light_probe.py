@@ -9,7 +9,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import make_timer
-from vrut_lite.daylight.picture import PictureClicked
+from vrut_lite.messages.picture import PictureClicked
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.light_meter import Illuminance
 

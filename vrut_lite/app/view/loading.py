@@ -10,8 +10,8 @@ from vrut_lite.app import theme
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import make_timer
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.kernel.messages import Fault, Input
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 
 _PERIOD_MS = 40
 # Seconds for the light to run along its bar.

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import world_from_enu
+from vrut_lite.messages.place import SetPlace
 
 # The tilt of the Earth's axis in 2026 (IAU 2006: 23.4364 degrees), the sun's declination then.
 _TILT_RAD = math.radians(23.436)

@@ -12,10 +12,10 @@ from vrut_lite.app.engine.day import Day
 from vrut_lite.app.engine.moon_day import MoonDay
 from vrut_lite.app.view.solstices import SOLSTICES, sun_circle
 from vrut_lite.app.view.view_projection import project_directions
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.night import NightLightChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.night import NightLightChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sun import SunMoved
 
 _MARGIN = 0.2
 _SOLSTICE_COLOUR, _MOON_COLOUR = "#c9d8ec", "#aab6d6"

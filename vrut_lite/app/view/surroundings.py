@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 
 # Cells along the scene's longest side.

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.camera import MoveCamera, look_at
+from vrut_lite.messages.camera import MoveCamera, look_at
 
 
 def project_directions(

@@ -37,9 +37,9 @@ from vrut_lite.app.view.picture_sign import PictureSign
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.surroundings import Surroundings
 from vrut_lite.app.widgets import make_timer, rgb_image
-from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
-from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.messages.camera import MoveCamera, frame_bounds, pixel_rays
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 
 _INVITATION = "Drop a glTF or OBJ file here, or open one with Ctrl+O"

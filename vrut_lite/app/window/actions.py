@@ -11,8 +11,8 @@ from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.section_switch import SectionSwitch
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.files import Files
-from vrut_lite.daylight.scene_state import Shown
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.scene.scene_state import Shown
 
 
 class ActionSpec(NamedTuple):

@@ -15,12 +15,11 @@ from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     CameraView,
@@ -29,6 +28,7 @@ from vrut_lite.project import (
     save_project,
     weather_inputs,
 )
+from vrut_lite.weather.weather_file import read_weather
 
 _TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.usd *.usda *.usdc *.usdz *.toml)"
 

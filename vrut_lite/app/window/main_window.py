@@ -39,13 +39,13 @@ from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
-from vrut_lite.daylight.night import NightLightChanged
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SettingChanged
+from vrut_lite.messages.night import NightLightChanged
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.sun import SunMoved
 
 TITLE = "vrut_lite"
 

@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 
 from vrut_lite.app.engine.history import Steps
 from vrut_lite.app.window.actions import ActionSpec
-from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.kernel.messages import SettingChanged
+from vrut_lite.messages.picture import SetExposure
 
 _RECENT_AFTER = "open"
 

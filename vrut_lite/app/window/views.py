@@ -6,7 +6,7 @@ from functools import partial
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QMenu
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.project import CameraView
 
 # Keys of the first views.

@@ -12,11 +12,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.cloud_grid import LEAST_SINE, NEAR_M, growth_of
-from vrut_lite.daylight.cloud_layers import mean_sun_share
-from vrut_lite.daylight.cloud_light import ClearLight
-from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.clouds.cloud_grid import LEAST_SINE, NEAR_M, growth_of
+from vrut_lite.clouds.cloud_layers import mean_sun_share
+from vrut_lite.clouds.cloud_light import ClearLight
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings, ShadowPlane
 from vrut_lite.render.clouds.light_volume import CloudLightVolume

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.cloud_layers import clear_light, lights_on
-from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.clouds.cloud_layers import clear_light, lights_on
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.clouds import CloudLayer
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass
 from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap

@@ -5,19 +5,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.cloud_density import (
+from vrut_lite.atmosphere.haze_layer import HazeLayer
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.clouds.cloud_density import (
     PLANET_RADIUS_M,
     noise_origin,
     warp_origin,
     weather_origin,
 )
-from vrut_lite.daylight.cloud_grid import growth_of, volume_near_m
-from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
-from vrut_lite.daylight.cloud_spread import spread_of
-from vrut_lite.daylight.cloud_transport import scatterer
-from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.sun import HazeLayer
-from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.clouds.cloud_grid import growth_of, volume_near_m
+from vrut_lite.clouds.cloud_light import ClearLight, light_from_below
+from vrut_lite.clouds.cloud_spread import spread_of
+from vrut_lite.clouds.cloud_transport import scatterer
+from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.uniform_blocks import CLOUDS

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.cloud_transport import scatterer, transport_tables
-from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.clouds.cloud_transport import scatterer, transport_tables
+from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
 
 # As cloud_light.glsl binds them.
@@ -35,8 +35,8 @@ class CloudLightVolume:
     def fill(self, layer: CloudLayer, sun: Vector, centre_m: NDArray[np.float64]) -> None:
         """The light in a layer around a place (2,), world x and z."""
         # Imported here because they import numba, which is needed only if there are clouds.
-        from vrut_lite.daylight.cloud_field import cloud_field
-        from vrut_lite.daylight.cloud_light_volume import light_volume
+        from vrut_lite.clouds.cloud_field import cloud_field
+        from vrut_lite.clouds.cloud_light_volume import light_volume
 
         particles = scatterer(layer.particles)
         self._phase.write(particles.phase.astype(np.float32).tobytes(), alignment=1)

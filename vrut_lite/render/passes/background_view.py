@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.errors import UserError
+from vrut_lite.messages.sky import ViewShader
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.shader_files import Defines, defined, shader_source
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.light import Shadow
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer

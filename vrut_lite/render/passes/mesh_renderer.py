@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.scene_content import MapName
-from vrut_lite.daylight.section import Section
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
+from vrut_lite.messages.scene_content import MapName
+from vrut_lite.messages.section import Section
 from vrut_lite.render import direct_gl
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadows

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from OpenGL import GL
 
-from vrut_lite.daylight.night import NO_ECLIPSE, MoonDiscChanged
-from vrut_lite.daylight.refraction import flattening
-from vrut_lite.daylight.sky import ViewShader
+from vrut_lite.atmosphere.refraction import flattening
+from vrut_lite.messages.night import NO_ECLIPSE, MoonDiscChanged
+from vrut_lite.messages.sky import ViewShader
 from vrut_lite.render.light import Light
 from vrut_lite.render.passes.background_view import BackgroundView
 from vrut_lite.render.passes.full_screen import FullScreen

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.tolerance import budget
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.messages.tolerance import budget
 from vrut_lite.render.light import Sky
 from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.staleness import age_factor

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, LUMINANCE_WEIGHTS
+from vrut_lite.messages.picture import SetExposure, ToneMap
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures import exposure, night_eye, tone_map
 from vrut_lite.pictures.white_balance import white_balance_matrix

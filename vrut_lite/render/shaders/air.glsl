@@ -1,5 +1,5 @@
 // Transmittance and radiance of the air between the eye and a point; the float32 twin of
-// daylight/air_volume.py, which defines where the tables' nodes lie.
+// sky/air_volume.py, which defines where the tables' nodes lie.
 
 //!include air_block.glsl
 layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice;

@@ -1,4 +1,4 @@
-// The scene's lamps: daylight/lamps.py says what their numbers mean.
+// The scene's lamps: messages/lamps.py says what their numbers mean.
 //!include lamp_block.glsl
 
 layout(binding = 24) uniform sampler2DShadow lamp_shadows;  // passes/lamp_shadows.py draws them

@@ -7,7 +7,7 @@ uniform vec3 sun_direction;
 uniform vec3 sun_disc_radiance;      // mean over the disc
 uniform float sun_angular_radius;
 uniform vec3 sun_upper;              // across sun_direction, from the horizon up
-uniform vec2 flattening;             // by refraction: see daylight/refraction.py
+uniform vec2 flattening;             // by refraction: see atmosphere/refraction.py
 uniform vec3 hiding_moon;            // in an eclipse
 uniform float hiding_radius;         // 0: none
 uniform float edge_px;               // width of edges

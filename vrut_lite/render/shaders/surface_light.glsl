@@ -41,7 +41,7 @@ vec3 open_irradiance(vec3 n) {
 }
 
 #ifdef GROUND_LIGHT
-// At a point relative to the eye: daylight/light_map.py says where it lies in the map.
+// At a point relative to the eye: messages/light_map.py says where it lies in the map.
 Reached ground_light(vec3 point) {
     vec2 away_m = surface.ground_eye_m + point.xz;
     vec2 reach = away_m / surface.ground_half_width_m;

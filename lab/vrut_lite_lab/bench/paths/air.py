@@ -15,10 +15,10 @@ from dynamic_skylight.air import air_volume as exponential_air_volume
 from dynamic_skylight.daylight import Daylight
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.air import AirVolume
-from vrut_lite.daylight.air_volume import look_up_air
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.messages.air import AirVolume
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.air_volume import look_up_air
 from vrut_lite_lab.air_exact import light_before
 from vrut_lite_lab.bench.bench_path import BenchPath, Errors, Group, Work, relative_errors
 from vrut_lite_lab.bench.gl import GlTexture, gl_clock, missing_gl

@@ -14,14 +14,14 @@ from unittest.mock import patch
 from dynamic_skylight.module import DynamicSkyLight
 from light_transport.module import LightTransport
 
-from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
-from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Message, SetClock
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.sky.sky_sum import SkySum
 from vrut_lite_lab.bench.bench_path import BenchPath, Clock, Group, Spent, Work
 from vrut_lite_lab.bench.paths.frame import SCENES
 

@@ -17,12 +17,12 @@ from typing import Any
 import msgspec
 
 from vrut_lite import compiled_code
-from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetClock, SetSetting
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
 from vrut_lite.render.picture_passes import unmeasured
+from vrut_lite.scene.scene_state import FrameSkips
 from vrut_lite_lab.bench.bench_path import (
     CPU_TIME,
     WALL_TIME,

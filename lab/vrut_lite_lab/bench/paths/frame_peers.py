@@ -16,9 +16,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from vrut_lite.daylight.camera import look_at
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetClock
+from vrut_lite.messages.camera import look_at
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.pyrender_scene import PyrenderScene

@@ -12,8 +12,8 @@ from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.sky import half_scale
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.geometry.panorama import sample_sky
+from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite_lab.bench.bench_path import (
     PICTURE_NORM,
     BenchPath,

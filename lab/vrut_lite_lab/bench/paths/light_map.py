@@ -19,8 +19,8 @@ from light_transport.layout.layout import Layout, lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import RUNGS, quality_for
 
-from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import Float32Array
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed

@@ -11,15 +11,15 @@ from itertools import count
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.daylight.night import SLOT, StarsChanged
-from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, Demand, SetClock
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.night import SLOT, StarsChanged
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 from vrut_lite_lab.bench.bench_path import BenchPath, Clock, Group, Spent, Work
 from vrut_lite_lab.bench.gl import PassTimer, clock_name, close_gl, missing_gl, on_close, renderer

@@ -27,12 +27,12 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.main_window import MainWindow
-from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.kernel.trace import Entry
+from vrut_lite.messages.clouds import CloudsChanged
+from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.project import Project, load_project
 from vrut_lite_lab.bench.paths.frame import SCENES
 from vrut_lite_lab.bench.paths.window import (

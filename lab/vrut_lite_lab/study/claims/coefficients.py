@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vrut_lite.daylight.gases import rayleigh_scattering
+from vrut_lite.atmosphere.gases import rayleigh_scattering
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM

@@ -10,7 +10,7 @@ from typing import Self
 
 from bruneton_sky.atmosphere import Atmosphere
 
-from vrut_lite.daylight.aerosol import turbidity_of_optical_depth
+from vrut_lite.atmosphere.aerosol import turbidity_of_optical_depth
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.day import KIDER, Day
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from bruneton_sky import Atmosphere
 
-from vrut_lite.daylight.gases import ozone_absorption
+from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite_lab.study.framework.atmosphere import STUDY
 from vrut_lite_lab.study.framework.day import KIDER, Day
 from vrut_lite_lab.study.models.bruneton import Bruneton

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from bruneton_sky.tables.interpolate import interpolate
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM

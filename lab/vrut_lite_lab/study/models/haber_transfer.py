@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.aerosol import cornette_shanks_factor
+from vrut_lite.atmosphere.aerosol import cornette_shanks_factor
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import StudyAtmosphere
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM

@@ -23,7 +23,7 @@ from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.parametrisations import texture_coordinate
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import StudyAtmosphere
 

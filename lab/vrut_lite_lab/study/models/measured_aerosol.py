@@ -10,7 +10,7 @@ from functools import lru_cache, partial
 import numpy as np
 from bruneton_sky import Atmosphere, SolvedSky, solve
 
-from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY
 from vrut_lite_lab.study.framework.day import KIDER, Day

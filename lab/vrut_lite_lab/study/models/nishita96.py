@@ -17,7 +17,7 @@ import numpy as np
 from bruneton_sky.geometry import distance_to_top
 from bruneton_sky.phase import rayleigh_phase
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_lab.study.models.in_parts import in_parts

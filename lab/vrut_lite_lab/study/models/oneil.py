@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from bruneton_sky.phase import rayleigh_phase
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_lab.study.models.model import cosines

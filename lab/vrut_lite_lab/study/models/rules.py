@@ -15,7 +15,7 @@ from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.published.classical_rules import accumulate, checked_intervals, rule_nodes
 from bruneton_sky.published.single_scattering import Rule, single_scattering
 
-from vrut_lite.daylight.aerosol import cornette_shanks_phase
+from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_lab.study.models.model import cosines

@@ -16,7 +16,7 @@ from bruneton_sky import Atmosphere, earth_spectral
 from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from scipy.interpolate import CubicSpline
 
-from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, integration_matrix
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.peers.peer import PeerAir

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
-from vrut_lite.daylight.aerosol import turbidity_of_optical_depth
-from vrut_lite.daylight.equal_haze import equal_sky
+from vrut_lite.atmosphere.aerosol import turbidity_of_optical_depth
+from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite_lab.study.peers.airs import DEPTH, GROUND_ALBEDO
 from vrut_lite_lab.study.peers.peer import NotHere, Shot
 from vrut_lite_lab.study.peers.views import ON_GROUND, SPACE_M, TIMED, View, of_picture

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from path_tracer.library import load_mitsuba
 
-from vrut_lite.daylight.equal_haze import equal_sky
+from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray

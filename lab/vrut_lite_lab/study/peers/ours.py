@@ -12,8 +12,8 @@ from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
 from dynamic_skylight import HosekWilkieSky
 
-from vrut_lite.daylight.aerosol import turbidity_of_optical_depth
-from vrut_lite.daylight.equal_haze import equal_sky
+from vrut_lite.atmosphere.aerosol import turbidity_of_optical_depth
+from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite.geometry.colour import SKYLIGHT_NM, integration_matrix
 from vrut_lite.geometry.panorama import lat_long_directions, sample_sky
 from vrut_lite.numeric_types import FloatArray

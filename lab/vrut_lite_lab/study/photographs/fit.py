@@ -19,11 +19,11 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.sun.disc import visible_fraction
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
-from vrut_lite.daylight.equal_haze import equal_sky
-from vrut_lite.daylight.haze import DEFAULT_AEROSOL, AerosolType, SetHaze
+from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
+from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, SRGB_FROM_XYZ, luminance
 from vrut_lite.geometry.panorama import lat_long_directions, sample_sky
+from vrut_lite.messages.haze import DEFAULT_AEROSOL, AerosolType, SetHaze
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.photographs.mask import Sun, elevations_deg
 

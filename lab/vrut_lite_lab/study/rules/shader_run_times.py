@@ -17,9 +17,9 @@ from bruneton_sky.published.gpu_single_scattering import (
 )
 from bruneton_sky.published.single_scattering import Rule
 
-from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
+from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_lab.bench.gl import clock_name, has_timer

@@ -1,0 +1,47 @@
+"""An aerosol of one's own in a few numbers, as messages and project files carry it."""
+
+from functools import lru_cache
+
+import msgspec
+import numpy as np
+
+from vrut_lite.atmosphere.aerosol import SCALE_HEIGHT_M
+from vrut_lite.atmosphere.aerosols.optics import AerosolOptics, optics_of_aerosol
+from vrut_lite.atmosphere.aerosols.phase_table import PhaseTable
+
+# Its depth is said elsewhere.
+_ANY_DEPTH = 1.0
+
+
+class OwnAerosol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """Aerosol by Angstrom's exponent, single scattering albedo, and a phase function.
+
+    The phase function is `phase`, values above 0 at `angle_deg` from 0 to 180, in any unit; where
+    there are none, Cornette and Shanks' lobe of `asymmetry`.
+    """
+
+    angstrom_exponent: float = 1.3
+    albedo: float = 0.95
+    asymmetry: float = 0.63
+    scale_height_m: float = SCALE_HEIGHT_M
+    angle_deg: tuple[float, ...] = ()
+    phase: tuple[float, ...] = ()
+
+    @property
+    def optics(self) -> AerosolOptics:
+        """What it does to light, at a depth of its own.
+
+        Raises:
+            ValueError: a number is out of range; the sentence names it.
+        """
+        return _optics(self)
+
+
+@lru_cache(maxsize=8)
+def _optics(own: OwnAerosol) -> AerosolOptics:
+    phase: PhaseTable | float = own.asymmetry
+    if own.angle_deg or own.phase:
+        phase = PhaseTable.of_angles(np.radians(own.angle_deg), own.phase)
+    return optics_of_aerosol(
+        _ANY_DEPTH, own.albedo, phase, own.angstrom_exponent, own.scale_height_m
+    )

@@ -1,0 +1,1 @@
+"""Light in and through layers of clouds, on the CPU."""

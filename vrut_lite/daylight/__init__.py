@@ -1,1 +1,0 @@
-"""Daylight: its messages, places and times, the tolerance; what every sky and scene shares."""

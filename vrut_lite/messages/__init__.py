@@ -1,0 +1,1 @@
+"""The messages of daylight: values, each with `check()`; no computation."""

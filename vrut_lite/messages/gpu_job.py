@@ -1,0 +1,80 @@
+"""Compute jobs that a module sends to the owner of the GPU, without importing GL.
+
+A host that can run such jobs demands `GpuJob` (a `Demand` as for any message). A module checks
+`link.wanted(GpuJob)` and uses its CPU path where it is not wanted.
+"""
+
+import hashlib
+from functools import cached_property
+from typing import Any, Literal
+
+import msgspec
+
+from vrut_lite import checks
+from vrut_lite.array import Array
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.limits import LARGEST_EDGE
+
+__all__ = ["GpuJob", "GpuTexture"]
+
+Number = float | int
+UniformValue = Number | tuple[Number, ...]
+# Work groups along one axis that every OpenGL 4.3 can start.
+_MOST_GROUPS = 65535
+
+
+class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
+    """A compute shader that writes a texture; its completion comes back as a `JobResult`.
+
+    The shader (GLSL 4.30) writes image unit 0: a cube (`imageCube`) or 2-D image (`image2D`) of
+    the given size and format, or a 3-D image (`image3D`) of size (width, height, depth). It reads
+    `uniforms` by name, and `buffers`: pairs of a binding and the content of the std430 storage
+    buffer there, an `Array` of float32, which is not sent again if the last job of this name had
+    it too. Of a module's waiting jobs of one name only the latest is run. The result is an `Array`
+    (6, size, size, 4), (size, size, 4) or (depth, height, width, 4) of float32 if `read_back`,
+    else a `GpuTexture`, without a copy.
+    """
+
+    module: str
+    job: str
+    compute_shader: str
+    uniforms: dict[str, UniformValue]
+    output: Literal["cube", "2d", "3d"]
+    size: int | tuple[int, int, int]
+    format: Literal["rgba16f", "rgba32f"] = "rgba16f"
+    groups: tuple[int, int, int] = (1, 1, 1)
+    read_back: bool = False
+    buffers: tuple[tuple[int, Array], ...] = ()
+
+    def key(self) -> str:
+        """One pending job per module and name."""
+        return f"{self.module}.{self.job}"
+
+    def check(self) -> None:
+        """Checks all fields; only OpenGL can tell whether the shader compiles."""
+        checks.text(self, "module", "job", "compute_shader")
+        checks.shader_inputs(self)
+        checks.choice(self, "output", ("cube", "2d", "3d"))
+        checks.choice(self, "format", ("rgba16f", "rgba32f"))
+        sizes = self.size if isinstance(self.size, tuple) else (self.size,) * 3
+        if len(sizes) != 3 or not all(checks.is_whole(n) and 0 < n <= LARGEST_EDGE for n in sizes):
+            checks.refuse(self, "size", f"be a whole number from 1 to {LARGEST_EDGE}, or three")
+        checks.wholes(self, "groups", 1, _MOST_GROUPS, most=3)
+        checks.flag(self, "read_back")
+
+    @cached_property
+    def recipe(self) -> str:
+        """Hexadecimal BLAKE2b-128 of everything that determines the texels."""
+        buffers = [(binding, array.digest) for binding, array in self.buffers]
+        return recipe_of(self.compute_shader, self.uniforms, self.output, self.size, self.format,
+                         self.groups, buffers)  # fmt: skip
+
+
+def recipe_of(*made_of: Any) -> str:
+    """Digest of a job's shader, uniforms, output, size, format, groups and buffers.
+
+    Buffers are pairs of a binding and an array's digest.
+    """
+    text = msgspec.json.encode(made_of if made_of[-1] else made_of[:-1], order="sorted")
+    return hashlib.blake2b(text, digest_size=16).hexdigest()

@@ -1,0 +1,119 @@
+"""The haze of the place; every sky follows it unless its settings override it.
+
+A sky may have a setting `turbidity`: unset, it follows the host's haze, a
+number on Preetham's scale is that sky's own.
+"""
+
+from functools import lru_cache
+from typing import Literal, get_args
+
+from vrut_lite import checks
+from vrut_lite.atmosphere.aerosol import (
+    ASYMMETRY,
+    MOST_TURBIDITY,
+    SINGLE_SCATTERING_ALBEDO,
+    optical_depth_of_turbidity,
+    turbidity_of_optical_depth,
+)
+from vrut_lite.atmosphere.aerosols import AerosolOptics, optics_of_aerosol, type_optics
+from vrut_lite.atmosphere.aerosols.own import OwnAerosol
+from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
+from vrut_lite.atmosphere.haze_layer import HAZE_NM, HazeLayer
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.messages import Input
+from vrut_lite.messages.tolerance import Remembers
+
+OWN_HAZE = "turbidity"
+# The types of OPAC, and "one-lobe": one phase function at all wavelengths, Cornette and Shanks',
+# with the albedo, asymmetry and scale height of Bruneton's 2017 demonstration.
+ONE_LOBE = "one-lobe"
+AerosolType = Literal[
+    "continental-clean",
+    "continental-average",
+    "continental-polluted",
+    "urban",
+    "maritime-clean",
+    "maritime-polluted",
+    "maritime-tropical",
+    "desert",
+    "arctic",
+    "one-lobe",
+]
+AEROSOL_TYPES: tuple[str, ...] = get_args(AerosolType)
+# A dust storm has more, but no sky here reaches beyond turbidity 10.
+MOST_OPTICAL_DEPTH = float(optical_depth_of_turbidity(MOST_TURBIDITY))
+# Turbidity 3 is a depth of 0.20: over land MODIS measured 0.19 in the mean of years (Remer et al.
+# 2008, "Global aerosol climatology from the MODIS satellite sensors").
+DEFAULT_TURBIDITY = 3.0
+DEFAULT_AEROSOL: AerosolType = "continental-average"
+
+
+class SetHaze(Input, frozen=True, kw_only=True):
+    """How much aerosol is above the place, and of which type.
+
+    `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
+    (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
+    of a type of OPAC grow. `own` takes the type's place.
+    """
+
+    optical_depth_550: float
+    aerosol: AerosolType = DEFAULT_AEROSOL
+    humidity_percent: float = USUAL_HUMIDITY
+    own: OwnAerosol | None = None
+
+    @property
+    def one_lobe(self) -> bool:
+        """Whether it is the closed form."""
+        return self.own is None and self.aerosol == ONE_LOBE
+
+    @property
+    def turbidity(self) -> float:
+        """The same on Preetham's scale."""
+        return turbidity_of_optical_depth(self.optical_depth_550)
+
+    @property
+    def optics(self) -> AerosolOptics:
+        """What the aerosol does to light, at a depth of its own."""
+        if self.own is not None:
+            return self.own.optics
+        if self.one_lobe:
+            return _one_lobe()
+        return type_optics(self.aerosol, self.humidity_percent)
+
+    @property
+    def layers(self) -> tuple[HazeLayer, ...]:
+        """What of it lies between the ground and the sun."""
+        optics = self.optics
+        share = self.optical_depth_550 / optics.optical_depth_550
+        layers = []
+        for layer in optics.layers:
+            red, green, blue = (share * layer.depth_at(HAZE_NM)).tolist()
+            layers.append(HazeLayer(layer.height_m, (red, green, blue)))
+        return tuple(layers)
+
+    def check(self) -> None:
+        """A depth that every sky can show, of a known type."""
+        checks.number(self, "optical_depth_550", 0.0, MOST_OPTICAL_DEPTH, of="haze")
+        checks.choice(self, "aerosol", AEROSOL_TYPES)
+        checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
+        if self.own is not None:
+            checks.instance(self, "own", OwnAerosol)
+            try:
+                self.own.optics  # noqa: B018 (raises where a number is out of range)
+            except (TypeError, ValueError) as error:
+                raise UserError(f"own aerosol of haze: {error}") from error
+
+
+@lru_cache(maxsize=1)
+def _one_lobe() -> AerosolOptics:
+    depth = float(optical_depth_of_turbidity(DEFAULT_TURBIDITY))
+    return optics_of_aerosol(depth, SINGLE_SCATTERING_ALBEDO, ASYMMETRY)
+
+
+# The default.
+DEFAULT_HAZE = SetHaze(optical_depth_550=float(optical_depth_of_turbidity(DEFAULT_TURBIDITY)))
+
+
+def haze_of(kernel: Remembers) -> SetHaze:
+    """The haze that was set last."""
+    return kernel.last(SetHaze) or DEFAULT_HAZE

@@ -1,0 +1,189 @@
+"""The sky behind the scene, its light on surfaces, and its spectrum."""
+
+from typing import ClassVar, Literal
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vrut_lite import checks
+from vrut_lite.array import Array
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.kernel.messages import Derived, Input
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
+from vrut_lite.numeric_types import Number, Vector
+
+NO_LAMPS: Vector = (0.0, 0.0, 0.0)
+
+_MOST_WAVELENGTHS = 4096
+
+
+class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The background as a shader, evaluated for each pixel.
+
+    `source` is GLSL 4.30 of a fragment shader, without a `#version` line, that defines
+
+        vec3 background_radiance(vec3 direction)   // sky and planet, W m^-2 sr^-1
+        vec3 background_sunlight(vec3 direction)   // irradiance by a sun that is seen there, W m^-2
+
+    of a unit vector in world axes, in linear sRGB: the second on a plane that faces the sun, behind
+    the air, and zero where a planet hides it. Functions are called for every
+    pixel alike, so that derivatives may be taken. All names that it declares begin with
+    `background_`. It reads `uniforms` by name, and `buffers`, pairs of a binding and what a
+    std430 storage buffer there holds: an `Array` of float32.
+    """
+
+    source: str
+    uniforms: dict[str, Number | tuple[Number, ...]]
+    buffers: tuple[tuple[int, Array], ...] = ()
+
+    def check(self) -> None:
+        """Check the source and its inputs; only OpenGL can tell whether it compiles."""
+        checks.text(self, "source")
+        checks.shader_inputs(self)
+
+
+class BackgroundChanged(Derived, frozen=True, kw_only=True):
+    """A new sky without its disc, as a cube map in world axes.
+
+    cube (6, size, size, 3) float16, or a cube texture that stays on the GPU; linear sRGB
+    radiance in W m^-2 sr^-1 is cube times `radiance_scale`, a power of two. The lower half
+    holds `ground_radiance_rgb` (W m^-2 sr^-1): it excludes the air, which the renderer adds, unless
+    `ground_through_air`. Where a cube map would blur the picture, `view` shows the same per pixel
+    with the sun's disc; the cube still serves lighting and reflections. `seen_sun_irradiance_rgb`
+    (W m^-2) is the sun's irradiance at the eye where it differs from the scene's.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    cube: Array | GpuTexture
+    radiance_scale: float
+    ground_radiance_rgb: Vector
+    source: str
+    ground_through_air: bool = False
+    view: ViewShader | None = None
+    seen_sun_irradiance_rgb: Vector | None = None
+    color_space: Literal["linear-srgb"] = "linear-srgb"
+    frame: Literal["world"] = "world"
+
+    def check(self) -> None:
+        """Check the cube's size, scale and values' types."""
+        if not isinstance(self.cube, GpuTexture):
+            edge = -LARGEST_EDGE
+            checks.array(self, "cube", (6, edge, edge, 3), ("|u1", "<f2", "<f4"))
+        check_scale(self)
+        checks.light(self, "ground_radiance_rgb", MOST_LIGHT)
+        checks.text(self, "source")
+        checks.flag(self, "ground_through_air")
+        if self.view is not None:
+            checks.instance(self, "view", ViewShader)
+            self.view.check()
+        if self.seen_sun_irradiance_rgb is not None:
+            checks.light(self, "seen_sun_irradiance_rgb", MOST_LIGHT)
+        checks.choice(self, "color_space", ("linear-srgb",))
+        checks.choice(self, "frame", ("world",))
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        if isinstance(self.cube, Array):
+            most = MOST_LIGHT / self.radiance_scale
+            checks.contents(self, "cube", -most, most)
+
+
+class AmbientChanged(Derived, frozen=True, kw_only=True):
+    """Irradiance of sky and ground, without the sun: harmonics (25, 3) float32, W m^-2.
+
+    `lamps_rgb` is the radiance of the lands around by their lamps, W m^-2 sr^-1, which lights
+    clouds, and the scene by them alone.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    irradiance_sh_rgb: Array
+    source: str
+    lamps_rgb: Vector = NO_LAMPS
+
+    @property
+    def level(self) -> float:
+        """The mean luminance of sky and ground around the scene, times a constant; at least 0."""
+        return mean_level(self.irradiance_sh_rgb.values)
+
+    def check(self) -> None:
+        """The harmonics of order 4 and below."""
+        checks.array(self, "irradiance_sh_rgb", (25, 3), ("<f4", "<f8"))
+        checks.light(self, "lamps_rgb", MOST_LIGHT)
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Irradiance, which is finite."""
+        checks.contents(self, "irradiance_sh_rgb", -MOST_LIGHT, MOST_LIGHT)
+
+
+def mean_level(irradiance_sh: ArrayLike) -> float:
+    """The mean luminance of all directions, times a constant, of harmonics (25, 3); at least 0."""
+    return max(0.0, float(luminance(np.asarray(irradiance_sh)[0])))
+
+
+class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
+    """The sky as it lights the scene: seen from the ground, without the sun's disc.
+
+    For consumers that integrate radiance on the CPU: the background may stay on the GPU and is seen
+    from the camera's height. cube (6, size, size, 3) float16 in world axes; linear sRGB radiance in
+    W m^-2 sr^-1 is cube times `radiance_scale`. Below the horizon it holds `ground_radiance_rgb`
+    (W m^-2 sr^-1).
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    cube: Array
+    radiance_scale: float
+    ground_radiance_rgb: Vector
+    source: str
+
+    def check(self) -> None:
+        """Check the cube's size and scale."""
+        edge = -LARGEST_EDGE
+        checks.array(self, "cube", (6, edge, edge, 3), ("<f2",))
+        check_scale(self)
+        checks.light(self, "ground_radiance_rgb", MOST_LIGHT)
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        most = MOST_LIGHT / self.radiance_scale
+        checks.contents(self, "cube", -most, most)
+
+
+class LookAlong(Input, frozen=True, kw_only=True):
+    """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
+
+    revises: ClassVar[bool] = False
+
+    direction: Vector
+
+    def check(self) -> None:
+        """A unit vector."""
+        checks.direction(self, "direction")
+
+
+class SpectrumSeen(Derived, frozen=True, kw_only=True):
+    """The sky's spectral radiance (W m^-2 sr^-1 nm^-1) in a direction, without the sun's disc.
+
+    Both lists are empty where the sky has no spectrum, as DynamicSkyLight at twilight.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    direction: Vector
+    wavelength_nm: tuple[float, ...]
+    radiance: tuple[float, ...]
+    source: str
+
+    def check(self) -> None:
+        """As many values as wavelengths."""
+        checks.direction(self, "direction")
+        checks.instance(self, "wavelength_nm", tuple)
+        checks.numbers(self, "wavelength_nm", min(len(self.wavelength_nm), _MOST_WAVELENGTHS))
+        checks.numbers(self, "radiance", len(self.wavelength_nm))
+        checks.text(self, "source")

@@ -1,0 +1,193 @@
+"""The state of the scene that backends draw, as one frozen value."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, Literal, Self, TypeVar
+
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.messages.air import AirVolume
+from vrut_lite.messages.camera import MoveCamera, frame_bounds
+from vrut_lite.messages.clouds import CloudLayer
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.section import Section
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.messages.view_light import ViewLightChanged
+from vrut_lite.numeric_types import Vector
+from vrut_lite.sky.ground_albedo import ground_albedo
+
+D = TypeVar("D", bound=Derived)
+NO_PARTS: Mapping[type[Derived], Derived] = MappingProxyType({})
+Shown = Literal["picture", "illuminance", "texels", "noise"]
+# Of the ground disc before there is light to derive it from.
+_UNLIT_GROUND_ALBEDO = (0.1, 0.1, 0.1)
+
+
+@dataclass(frozen=True)
+class FrameSkips:
+    """Which work a frame leaves out, True for each; the picture is the same without.
+
+    Attributes:
+        meshes: meshes outside the view.
+        sky: samples of the sky that meshes cover.
+        shadow: the shadow map when the sun is down, or neither scene nor sun have changed.
+        unlit: filtering a sky that reaches none of what is seen, by the light map.
+        reflection: filtering a sky that is not seen to differ, or that nothing in view mirrors.
+    """
+
+    meshes: bool = True
+    sky: bool = True
+    shadow: bool = True
+    unlit: bool = True
+    reflection: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class SceneState:
+    """Geometry, light, camera and all else that a backend draws.
+
+    Parts are replaced, never changed: a backend uploads only parts that are other objects than
+    before.
+
+    Attributes:
+        background, key_light, ambient: of the clear sky; None before the first message.
+        sky_light: of the clear sky and its layers; what lights the scene. None before the first
+            of each of these messages.
+        parts: latest messages of the types that frame parts hear, by type.
+        ground_albedo_rgb: of the ground disc, linear.
+        moved_camera: where the user looks from; None for the scene's own or the framing camera.
+        size_px: the picture's width and height.
+        air: what the scene is seen through; None where it would not be seen.
+        clouds: the layers, from low to high.
+        light_shafts: whether the scene shades the air.
+        section: what cuts the picture, not the light; None where nothing does.
+        light_map: of the scene; None without one.
+        surface_light: of that light map; None before the first, while the open sky lights surfaces.
+        view_light: of that light and some camera; None without one, or before the first.
+        coarser_light: of the same hour, by fewer rays; None where none is known.
+        shows: the picture, or values of surfaces in false colours.
+        tolerance: share by which radiance may be off.
+    """
+
+    scene: SceneOpened | None = None
+    background: BackgroundChanged | None = None
+    key_light: KeyLightChanged | None = None
+    ambient: AmbientChanged | None = None
+    sky_light: SkyLightChanged | None = None
+    parts: Mapping[type[Derived], Derived] = field(default_factory=lambda: NO_PARTS)
+    ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
+    moved_camera: MoveCamera | None = None
+    size_px: tuple[int, int] = (960, 540)
+    exposure: SetExposure = field(default_factory=SetExposure)
+    air: AirVolume | None = None
+    clouds: tuple[CloudLayer, ...] = ()
+    light_shafts: bool = False
+    section: Section | None = None
+    light_map: LightMapLaid | None = None
+    surface_light: SurfaceLightChanged | None = None
+    view_light: ViewLightChanged | None = None
+    coarser_light: SurfaceLightChanged | None = None
+    shows: Shown = "picture"
+    tolerance: float = DEFAULT_TOLERANCE
+    skips: FrameSkips = field(default_factory=FrameSkips)
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of the picture."""
+        return self.size_px[0] / self.size_px[1]
+
+    @cached_property
+    def camera(self) -> MoveCamera | None:
+        """The present camera: the user's, the scene's own, or one that frames the scene."""
+        if self.moved_camera is not None or self.scene is None:
+            return self.moved_camera
+        return self.scene.camera or frame_bounds(
+            self.scene.lower_m, self.scene.upper_m, self.aspect
+        )
+
+    @property
+    def light_of_view(self) -> ViewLightChanged | None:
+        """The light of this very view, where it is known."""
+        known = self.view_light
+        if known is None or (known.camera, known.size_px) != (self.camera, self.size_px):
+            return None
+        return known
+
+    def shown(self, kind: type[D]) -> D | None:
+        """The message of a type that frame parts hear, None if there is none."""
+        message = self.parts.get(kind)
+        assert message is None or isinstance(message, kind)
+        return message
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of the parts that a picture still lacks."""
+        needed = ("scene", "background", "key_light", "ambient", "camera")
+        return tuple(name for name in needed if getattr(self, name) is None)
+
+    def shares_all_but(self, other: Self, *names: str) -> bool:
+        """Whether all parts but these are those of another state."""
+        kept = (part.name for part in fields(self) if part.name not in ("size_px", *names))
+        return self.size_px == other.size_px and all(
+            getattr(self, name) is getattr(other, name) for name in kept
+        )
+
+    def check_drawable(self) -> None:
+        """Raise RuntimeError that names what a picture still lacks, if anything."""
+        if self.missing:
+            names = (name.replace("_", " ") for name in self.missing)
+            raise RuntimeError(f"nothing to draw yet: no {', no '.join(names)}")
+
+    def with_light(self, **light: Any) -> Self:
+        """The state with other `background`, `key_light` or `ambient`, and the ground in it.
+
+        Its `sky_light` is the clear sky's, until the sum with layers is known.
+        """
+        lit = replace(self, **light)
+        if lit.background is None or lit.key_light is None or lit.ambient is None:
+            return lit
+        albedo = ground_albedo(lit.background, lit.key_light, lit.ambient)
+        return replace(lit.under_clear_sky(), ground_albedo_rgb=albedo)
+
+    def under_clear_sky(self) -> Self:
+        """The state lit by its `background`, `key_light` and `ambient`, all of them known."""
+        assert self.background is not None
+        assert self.key_light is not None
+        assert self.ambient is not None
+        light = SkyLightChanged(
+            background=self.background,
+            key_light=self.key_light,
+            ambient=self.ambient,
+            source=self.background.source,
+        )
+        return replace(self, sky_light=light)
+
+    def with_surface_light(
+        self, light_map: LightMapLaid | None, surface_light: SurfaceLightChanged | None
+    ) -> Self:
+        """The state with a light map and the light in it.
+
+        Each is dropped unless it belongs to the scene: a result for one scene may arrive after the
+        next was opened.
+        """
+        if light_map is not None and not self._is_of_scene(light_map):
+            light_map = None
+        if surface_light is not None and (light_map is None or not surface_light.fits(light_map)):
+            surface_light = None
+        # Other light leaves that of a view outdated.
+        same = surface_light is not None and surface_light is self.surface_light
+        view_light = self.view_light if same else None
+        return replace(
+            self, light_map=light_map, surface_light=surface_light, view_light=view_light
+        )
+
+    def _is_of_scene(self, light_map: LightMapLaid) -> bool:
+        if self.scene is None or light_map.content_key != self.scene.content_key:
+            return False
+        return light_map.part_shape.shape == self.scene.geometry.part_mesh.shape

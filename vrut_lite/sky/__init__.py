@@ -1,0 +1,1 @@
+"""Skies: the interface of their authors, and the complete light of the sky."""

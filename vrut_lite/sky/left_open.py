@@ -1,0 +1,36 @@
+"""Values that replace settings of none, and named values that a module proposes.
+
+A settings class may say both, for panels that show them: a method `left_open(haze)` gives a value
+for each setting by its name, as the present preset and the place's haze have it; a class variable
+`presets` holds a `Preset` by its name. A sky's unset `turbidity` is the place's.
+"""
+
+from typing import Any, NamedTuple
+
+import msgspec
+
+from vrut_lite.messages.haze import OWN_HAZE, SetHaze
+
+Values = dict[str, Any]
+
+
+class Preset(NamedTuple):
+    """Settings that a module proposes, and in one line what they are for."""
+
+    line: str
+    values: Values
+
+
+def left_open(settings: msgspec.Struct, haze: SetHaze) -> Values:
+    """Values of the unset settings, as far as they are known."""
+    said = getattr(settings, "left_open", None)
+    known: Values = {OWN_HAZE: haze.turbidity}
+    if said is not None:
+        known |= said(haze)
+    now = msgspec.structs.asdict(settings)
+    return {name: value for name, value in known.items() if name in now and now[name] is None}
+
+
+def presets_of(settings_type: type[msgspec.Struct]) -> dict[str, Preset]:
+    """The presets by name, in the order in which they are offered."""
+    return dict(getattr(settings_type, "presets", {}))

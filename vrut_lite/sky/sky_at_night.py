@@ -1,0 +1,284 @@
+"""The sum of one hour's light: by the sun, by the moon, and of the sky that glows by itself.
+
+Scattering is linear in its source: the sky that the moon lights is that of a sun in the moon's
+place, times moonlight over sunlight. So every sky module has moonlit nights, by its own model.
+The factor is one number a channel; the moon's colour differs smoothly from the sun's.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import msgspec
+import numpy as np
+
+from vrut_lite.array import Array
+from vrut_lite.atmosphere.refraction import horizon_elevation
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
+from vrut_lite.messages.air import AirVolume, SecondLight
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.night import NO_ECLIPSE, MoonLight
+from vrut_lite.messages.sky import NO_LAMPS
+from vrut_lite.messages.sun import Body, SunMoved
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+from vrut_lite.sky.air_volume import light_of
+from vrut_lite.sky.night_glow import glow_cube
+from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
+
+# Edge of the cube that the glow's light on the scene is integrated from.
+_LIGHT_SIZE = 32
+# Of evenly lit air, the light that it sends on over that which falls on it from all sides, where
+# the ground is dark.
+_AIR_GLOWS = 0.5
+# From this elevation of the sun down the night is added, fully a degree lower: it is 3e-4 of the
+# light then. The last of the sun's light fades over a degree, to the elevation where it is gone.
+_NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG, _FADES_OUT_DEG = 0.5, 1.0, -19.0, 1.0
+# Dandekar and Turtle (1971): the zenith in totality over that of day.
+_LEFT_IN_TOTALITY = 1e-4
+# Share of the key light's air below which the other body's is left out. Near the moon its air is a
+# hundred times as bright as on average: a thousandth of all at most.
+_LEAST_SHARE = 1e-5
+
+
+def night_share(sun: SunMoved) -> float:
+    """The share of the night's light that is added: 0 by day, where the sun outshines it."""
+    degrees = math.degrees(sun.elevation_rad)
+    return min(max((_NIGHT_FROM_DEG - degrees) / _FADES_IN_DEG, 0.0), 1.0)
+
+
+def sun_share(sun: SunMoved) -> float:
+    """The share of the sun's light that is shown: 0 once it is too low to be told from night."""
+    degrees = math.degrees(sun.elevation_rad)
+    return min(max((degrees - _SUN_GONE_DEG) / _FADES_OUT_DEG, 0.0), 1.0)
+
+
+def key_body(sun: SunMoved, moon: MoonLight | None, eye_height_m: float) -> Body:
+    """The body that casts shadows: the sun while any of its disc is up, else the moon.
+
+    An eye aloft, whose horizon lies lower, keeps the sun as long as it sees it.
+    """
+    if sun.visible_disc_fraction > 0.0 or moon is None or moon.place.visible_disc_fraction == 0.0:
+        return "sun"
+    if sun.elevation_rad > horizon_elevation(eye_height_m):
+        return "sun"
+    return "moon"
+
+
+@dataclass(frozen=True)
+class SkyAtNight(Sky):
+    """Light of a sun that is low or set, and of the night.
+
+    Attributes:
+        by_sun: the sky of the sun alone; it also knows the ground and the air.
+        by_moon: that of a sun in the moon's place; None where it gives no light.
+        moon: where there is `by_moon`.
+        glow: the map of `NightLightChanged`; None where it is not known.
+        share: of the night's light, from 0 by day to 1.
+        key: the body that casts shadows.
+        sun_share: of the sun's light that is shown; see the function.
+        sun_left_rgb: of the sun's light, below 1 in its eclipses.
+        horizon_rad: elevation of the eye's horizon, below 0 aloft.
+        lamps: radiance of the lands around by their lamps.
+    """
+
+    by_sun: Sky
+    by_moon: Sky | None
+    moon: MoonLight | None
+    glow: Array | None
+    share: float
+    key: Body
+    sun_share: float = 1.0
+    sun_left_rgb: Vector = NO_ECLIPSE
+    horizon_rad: float = 0.0
+    lamps: Vector = NO_LAMPS
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether any of the sun's light is left."""
+        return self.sun_share > 0.0
+
+    @cached_property
+    def _sun_left(self) -> FloatArray:
+        """Share (3,) of the sky's light: in totality air beyond the shadow lights it."""
+        return self.sun_share * np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
+
+    @cached_property
+    def _moon_share(self) -> FloatArray:
+        assert self.moon is not None
+        return self.share * np.asarray(self.moon.of_sunlight_rgb)
+
+    @cached_property
+    def _glow_ground(self) -> FloatArray:
+        """Radiance (3,) of the ground by all of the glow."""
+        if self.glow is None:
+            return np.zeros(3)
+        return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * _on_level(self.glow))
+
+    def _dark_cube(self, like: Background, horizon_rad: float) -> Float32Array:
+        """The glow's share over lit ground, one's own to change."""
+        assert not isinstance(like.cube, GpuTexture)
+        if self.glow is None or self.share == 0.0:
+            return np.zeros(like.cube.shape, np.float32)
+        glow = glow_cube(self.glow, like.cube.shape[1], self._lit_ground, horizon_rad)
+        return glow * np.float32(self.share)
+
+    @property
+    def _lit_ground(self) -> Vector:
+        red, green, blue = self._glow_ground.tolist()
+        return red, green, blue
+
+    # --- the sky ---------------------------------------------------------------------------
+
+    def background(self, size: int) -> Background:
+        """The sum of the cubes."""
+        return self._sum(lambda sky: sky.background(size), self.horizon_rad)
+
+    def background_on_ground(self, size: int) -> Background:
+        """The same for an observer on the ground."""
+        return self._sum(lambda sky: sky.background_on_ground(size))
+
+    def _sum(
+        self, background_of: Callable[[Sky], Background], horizon_rad: float = 0.0
+    ) -> Background:
+        # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
+        base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
+        first = background_of(base)
+        share = self._moon_share if base is self.by_moon else self._sun_left
+        ground = share * np.asarray(first.ground_rgb, float)
+        seen = None if first.seen_sun_rgb is None else share * first.seen_sun_rgb
+        cube = self._dark_cube(first, horizon_rad)
+        _add(cube, first, share)
+        if self.by_moon is not None and base is not self.by_moon:
+            by_moon = background_of(self.by_moon)
+            _add(cube, by_moon, self._moon_share)
+            ground = ground + self._moon_share * by_moon.ground_rgb
+            if self.key == "moon" and by_moon.seen_sun_rgb is not None:
+                seen = self._moon_share * by_moon.seen_sun_rgb
+        if self.glow is not None:
+            ground = ground + self.share * self._glow_ground
+        return Background(cube, ground, 1.0, first.ground_through_air, seen_sun_rgb=seen)
+
+    def sun(self) -> SunDisc:
+        """The key light."""
+        if self.key == "sun" or self.by_moon is None or self.moon is None:
+            sun = self.by_sun.sun()
+            return sun._replace(irradiance_rgb=sun.irradiance_rgb * np.array(self.sun_left_rgb))
+        moon = self.by_moon.sun()
+        behind_air = self._moon_share * moon.irradiance_rgb
+        direction = self.moon.place.direction
+        radius = self.moon.angular_radius_rad
+        return SunDisc(behind_air, radius, body="moon", direction=direction, haze=moon.haze)
+
+    def ambient(self) -> FloatArray:
+        """The sum of the harmonics."""
+        harmonics = np.zeros((25, 3))
+        if self.sunlit:
+            harmonics = harmonics + self._sun_left * self.by_sun.ambient()
+        if self.by_moon is not None:
+            harmonics = harmonics + self._moon_share * self.by_moon.ambient()
+        if self.glow is not None:
+            harmonics = harmonics + self.share * _harmonics(self.glow, self._lit_ground)
+        return harmonics
+
+    def lamps_rgb(self) -> Vector:
+        """The night's share of them."""
+        red, green, blue = self.lamps
+        return self.share * red, self.share * green, self.share * blue
+
+    def ground_albedo_rgb(self) -> FloatArray:
+        """The same ground by night."""
+        return self.by_sun.ground_albedo_rgb()
+
+    def on_scene(self) -> object:
+        """Light that no eye changes."""
+        return (
+            self.by_sun.on_scene(),
+            None if self.by_moon is None else self.by_moon.on_scene(),
+            replace(self, by_sun=_NOBODY, by_moon=None, horizon_rad=0.0),
+        )
+
+    def unseen(self, hour: Hour, quality: object) -> Unseen:
+        """The sun's own; the moon's are counted apart."""
+        return self.by_sun.unseen(hour, quality)
+
+    def spectrum(self, direction: tuple[float, float, float]) -> Spectrum:
+        """Of the sun's light alone."""
+        return self.by_sun.spectrum(direction)
+
+    # --- the air ---------------------------------------------------------------------------
+
+    def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
+        """The air in the light of both bodies, each in its own place, and the glow in it.
+
+        Shadows are those of the key light; the other body's light is the volume's `second`.
+        """
+        lights = []
+        for sky, share in self._lights_of_air:
+            volume = sky.air(eye_height_m, reach_m)
+            if volume is None:
+                return None
+            lights.append((volume, _share_of(volume, share)))
+        (volume, light), *others = lights
+        second = None
+        if others and others[0][1].mean() > _LEAST_SHARE * light.mean():
+            values, scale = encode_float16(others[0][1])
+            direction = others[0][0].sun_direction
+            second = SecondLight(light=Array(values), radiance_scale=scale, direction=direction)
+        values, scale = encode_float16(light + self._glow_of_air)
+        return msgspec.structs.replace(
+            volume, light=Array(values), radiance_scale=scale, second=second
+        )
+
+    @property
+    def _lights_of_air(self) -> list[tuple[Sky, FloatArray]]:
+        """Sky and share (3,) of one body that lights the air, or two, the key light's first."""
+        bodies = [(self.by_sun, self._sun_left)]
+        if self.by_moon is not None:
+            bodies.insert(0 if self.key == "moon" else 1, (self.by_moon, self._moon_share))
+        return [body for body in bodies if body[1].any()] or bodies[:1]
+
+    @property
+    def _glow_of_air(self) -> Float32Array:
+        """Radiance (3 kinds, 1, 1, 1, 3) of air in the glow: of no direction, and in no shadow."""
+        kinds = np.zeros((3, 1, 1, 1, 3), np.float32)
+        if self.glow is not None:
+            kinds[0] = _AIR_GLOWS / np.pi * self.share * _on_level(self.glow)
+        return kinds
+
+
+_NOBODY = Sky()
+_BLACK = (0.0, 0.0, 0.0)
+
+
+def _share_of(volume: AirVolume, share: FloatArray) -> Float32Array:
+    """A share (3,) of a volume's light (3, slices, rows, columns, 3), W m^-2 sr^-1."""
+    return light_of(volume).astype(np.float32) * (volume.radiance_scale * share).astype(np.float32)
+
+
+# A map of the glow serves for minutes.
+@lru_cache(maxsize=2)
+def _on_level(glow: Array) -> FloatArray:
+    """Irradiance (3,) of level ground by all of the glow."""
+    return horizontal_irradiance(glow_cube(glow, _LIGHT_SIZE, _BLACK))
+
+
+@lru_cache(maxsize=2)
+def _harmonics(glow: Array, ground_rgb: Vector) -> FloatArray:
+    """Those (25, 3) of the irradiance by all of the glow over ground."""
+    return irradiance_coefficients(glow_cube(glow, _LIGHT_SIZE, ground_rgb))
+
+
+def _add(total: Float32Array, more: Background, share: FloatArray) -> None:
+    """Add a share (3,) of a cube."""
+    assert not isinstance(more.cube, GpuTexture)
+    factor = (more.scale * share).astype(np.float32)
+    if more.cube.dtype == np.float16:
+        # Imported on first use: by day nothing is compiled.
+        from vrut_lite.sky.night_kernels import add_halves
+
+        halves = more.cube.reshape(-1, 3).view(np.uint16)
+        add_halves(total.reshape(-1, 3), halves, factor)
+    elif factor.any():
+        total += more.cube * factor

@@ -1,0 +1,256 @@
+"""The module that posts the complete light of the sky, for all consumers."""
+
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from vrut_lite import __version__
+from vrut_lite.array import Array
+from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
+from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.scene import SceneNeeds, SceneOpened
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.messages.sky_light import LIGHT, SkyGlowAdded, SkyLightChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.numeric_types import Vector
+
+NAME = "sky_sum"
+JOB = "sum"
+# Edge of the summed cube map in texels, used when the consumer gives no size.
+CUBE_SIZE = 64
+# Clouds that have drifted, or are seen from a place that has risen, by less than this share of
+# their distance look the same.
+_UNSEEN_SHARE = 0.02
+_LEAST_DISTANCE_M = 50.0
+
+
+class SumOutdated(Derived, frozen=True, kw_only=True):
+    """A source of the sum has changed; delivered after all messages of that change."""
+
+
+class SkySum(Module):
+    """Posts `SkyLightChanged` where it is wanted.
+
+    Without layers its parts are the clear sky's own messages, in the same transaction; with clouds
+    or a glow (`SkyGlowAdded`) a background job sums. The ledger counts "sum" posted, and skips
+    "sum: no layers", "sum: unwanted" and "sum: no change to be seen".
+    """
+
+    speaks = (SumOutdated,)
+    manifest = Manifest(
+        name=NAME, title="Sum of the sky and its layers", version=__version__, auxiliary=True
+    )
+
+    def __init__(self, link: Link, settings: Any):
+        super().__init__(link, settings)
+        self._wanted: Demand | None = None
+        # Sources of the latest sum, posted or under way.
+        self._made_from: tuple[Any, ...] = ()
+        self._layers: tuple[CloudLayer, ...] = ()
+        # Glows by the modules that add them.
+        self._glows: dict[str, SkyGlowAdded] = {}
+        self._height_m = 0.0
+
+    # --- what it is made from ------------------------------------------------------------
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Pass demands for the sum on to the sky and the clouds."""
+        if message.message != SkyLightChanged.__name__:
+            return
+        self._wanted = self.link.wanted(SkyLightChanged)
+        self.link.demand(CloudsChanged, 0 if self._wanted is None else None)
+        self._want_sky()
+        self.link.post(SumOutdated())
+
+    @handles(CloudsChanged)
+    def on_clouds(self, message: CloudsChanged) -> None:
+        """With clouds the sky is needed as an array."""
+        self._want_sky()
+        self.link.post(SumOutdated())
+
+    @handles(SkyGlowAdded)
+    def on_glow(self, message: SkyGlowAdded) -> None:
+        """A module's glow is another, or gone."""
+        self._glows[message.source] = message
+        self._keep_glows(lambda glow: glow.glow_rgb is not None)
+
+    @handles(SlotChanged)
+    def on_slot(self, message: SlotChanged) -> None:
+        """Glows of a slot that nobody holds are gone."""
+        if message.holder == "":
+            self._keep_glows(lambda glow: glow.of_slot != message.name)
+        self.link.post(SumOutdated())
+
+    def _keep_glows(self, is_kept: Callable[[SkyGlowAdded], bool]) -> None:
+        self._glows = {source: glow for source, glow in self._glows.items() if is_kept(glow)}
+        self._want_sky()
+        self.link.post(SumOutdated())
+
+    @handles(BackgroundChanged)
+    @handles(KeyLightChanged)
+    @handles(AmbientChanged)
+    @handles(SkyRadianceChanged)
+    @handles(SceneOpened)
+    @handles(SceneNeeds)
+    @handles(MoveCamera)
+    def parts_changed(self, _message: Any) -> None:
+        """Sum when all parts of this change were heard: parts of two hours have no sum."""
+        self.link.post(SumOutdated())
+
+    @handles(SumOutdated)
+    def all_heard(self, _message: SumOutdated) -> None:
+        """Sum if a source changed."""
+        self._update()
+
+    @handles(JobResult)
+    def summed(self, result: JobResult) -> None:
+        """Post a sum; the kernel posts a Fault for a failed job."""
+        if result.error:
+            self._made_from = ()
+        else:
+            self._post(result.value)
+
+    # --- summing -------------------------------------------------------------------------
+
+    def _want_sky(self) -> None:
+        """Demand the clear sky; nothing is read back from the GPU, so it is made as an array."""
+        wanted, exact = self._wanted, bool(self._clouds() or self._glows)
+        for kind in LIGHT:
+            size = 0 if wanted is None else wanted.size
+            self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
+        self.link.demand(SkyRadianceChanged, None if exact and wanted is not None else 0)
+
+    def _clouds(self) -> tuple[CloudLayer, ...]:
+        last = self.link.last(CloudsChanged)
+        return () if last is None else last.layers
+
+    def _update(self) -> None:
+        if self._wanted is None:
+            self.ledger.skip("sum: unwanted")
+            self._forget()
+            return
+        background = self.link.last(BackgroundChanged)
+        key_light, ambient = self.link.last(KeyLightChanged), self.link.last(AmbientChanged)
+        if background is None or key_light is None or ambient is None:
+            return
+        # Nobody updates it unless somebody wants it.
+        wanted = self.link.wanted(SkyRadianceChanged) is not None
+        radiance = self.link.last(SkyRadianceChanged) if wanted else None
+        clear = SkyLightChanged(
+            background=background,
+            key_light=key_light,
+            ambient=ambient,
+            radiance=radiance,
+            source=NAME,
+        )
+        layers = self._clouds()
+        if not layers and not self._glows:
+            self._post_clear(clear)
+        elif radiance is not None and not isinstance(background.cube, GpuTexture):
+            self._start(layers, clear)
+
+    def _forget(self) -> None:
+        self.link.cancel_job(JOB)
+        self._made_from = ()
+
+    def _post_clear(self, clear: SkyLightChanged) -> None:
+        """Without layers the sum is the clear sky."""
+        if _same(_parts(clear), self._made_from):
+            return
+        self.ledger.skip("sum: no layers")
+        self._forget()
+        self._made_from = _parts(clear)
+        self._post(clear)
+
+    def _start(self, layers: tuple[CloudLayer, ...], clear: SkyLightChanged) -> None:
+        """Sum in the background, unless the change is invisible."""
+        assert self._wanted is not None
+        layers, scene = self._unless_unseen(layers), self.link.last(SceneOpened)
+        self._height_m = self._seen_from(layers)
+        size = self._wanted.size or CUBE_SIZE
+        glows = tuple(glow.glow_rgb for glow in self._glows.values() if glow.glow_rgb is not None)
+        made_from = (*_parts(clear), layers, scene, self._height_m, size, *glows)
+        if _same(made_from, self._made_from):
+            self.ledger.skip("sum: no change to be seen")
+            return
+        self._made_from, self._layers = made_from, layers
+        middle_m, half_width_m = _square(scene)
+        eye_m = (middle_m[0], self._height_m, middle_m[2])
+        self.link.start_job(
+            JOB, sum_up, layers, glows, clear, eye_m, middle_m, half_width_m, size, role="awaited"
+        )
+
+    def _unless_unseen(self, layers: tuple[CloudLayer, ...]) -> tuple[CloudLayer, ...]:
+        """The layers, or the earlier ones where only a little wind separates them."""
+        before = self._layers
+        if len(before) != len(layers):
+            return layers
+        for now, was in zip(layers, before, strict=True):
+            drifted_m = float(np.hypot(*np.subtract(now.drift_m, was.drift_m)))
+            distance_m = max(now.base_m - self._height_m, _LEAST_DISTANCE_M)
+            if drifted_m >= _UNSEEN_SHARE * distance_m:
+                return layers
+            if msgspec.structs.replace(now, drift_m=was.drift_m) != was:
+                return layers
+        return before
+
+    def _seen_from(self, layers: tuple[CloudLayer, ...]) -> float:
+        """The eye's height, at least 0, or the earlier one where the difference is invisible."""
+        needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
+        height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
+        height_m = max(height_m, 0.0)
+        if not layers:
+            return 0.0
+        levels_m = [level for layer in layers for level in (layer.base_m, layer.top_m)]
+        distance_m = max(min(abs(level - height_m) for level in levels_m), _LEAST_DISTANCE_M)
+        risen_m = abs(height_m - self._height_m)
+        return self._height_m if risen_m < _UNSEEN_SHARE * distance_m else height_m
+
+    def _post(self, message: SkyLightChanged) -> None:
+        self.link.post(message)
+        self.ledger.did("sum")
+
+
+def sum_up(
+    layers: tuple[CloudLayer, ...],
+    glows: tuple[Array, ...],
+    clear: SkyLightChanged,
+    eye_m: Vector,
+    middle_m: Vector,
+    half_width_m: float,
+    size: int,
+) -> SkyLightChanged:
+    """The background job."""
+    # Imported here because it imports numba, which is needed only if there are layers.
+    from vrut_lite.sky.sky_under_clouds import Viewpoint, light_of_layers
+
+    view = Viewpoint(eye_m, middle_m, half_width_m)
+    return light_of_layers(layers, glows, clear, view, size, NAME)
+
+
+def _square(scene: SceneOpened | None) -> tuple[Vector, float]:
+    """Middle, on the ground, and half the width (m) of the square that the scene stands in."""
+    if scene is None:
+        return (0.0, 0.0, 0.0), 0.0
+    x, _, z = (0.5 * (low + high) for low, high in zip(scene.lower_m, scene.upper_m, strict=True))
+    ground_m = scene.lower_m[1] if scene.ground is None else scene.ground.height_m
+    half_width_m = 0.5 * max(scene.upper_m[i] - scene.lower_m[i] for i in (0, 2))
+    return (x, max(ground_m, 0.0), z), half_width_m
+
+
+def _parts(light: SkyLightChanged) -> tuple[Any, ...]:
+    return light.background, light.key_light, light.ambient, light.radiance
+
+
+def _same(made_from: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
+    """Whether all parts are the same objects, or equal numbers."""
+    return len(made_from) == len(before) and all(
+        new is old or (isinstance(new, float | int) and new == old)
+        for new, old in zip(made_from, before, strict=True)
+    )

@@ -1,0 +1,1 @@
+"""Years of weather from files, and the suns of their hours."""
