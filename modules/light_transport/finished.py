@@ -122,6 +122,16 @@ def _mirrored_texels(scene: RayScene, texels: int) -> NDArray[np.integer]:
 
 
 def smoothed(scene: RayScene, light: Float32Array, smoothing: Smoothing) -> Float32Array:
+    """Smooth values of texels (N, 4), which are overwritten; near edges they bend as these do."""
+    smooth = _after_steps(scene, light.copy(), smoothing)
+    np.subtract(light, smooth, out=light)
+    light = _after_steps(scene, light, smoothing)
+    light *= smoothing.back
+    light += smooth
+    return light
+
+
+def _after_steps(scene: RayScene, light: Float32Array, smoothing: Smoothing) -> Float32Array:
     """Values of texels (N, 4) after all steps; `light` is overwritten."""
     other = np.empty_like(light)
     for _ in range(STEPS):

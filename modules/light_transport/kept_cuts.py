@@ -29,11 +29,11 @@ def kept_cut_texels(
     recipe = code_digest(_CODE), digest_of([*tree, *geometry, *texels, charts, links, sheets])
     kept = cache.get(recipe)
     if kept is not None and _fit(kept, texels):
-        linked, begins = kept.pop("links"), kept.pop("begins")
-        return texels._replace(begins=begins.astype(bool), **kept), linked
+        linked = kept.pop("links")
+        return texels._replace(**kept), linked
     found, linked = cut_texels(tree, geometry, texels, charts, links, sheets, over_rows)
     made = {"cut": found.cut, "cell_row": found.cell_row, "middle": found.middle}
-    cache.put(recipe, {**made, "begins": found.begins.astype(np.uint8), "links": linked})
+    cache.put(recipe, {**made, "begins": found.begins, "links": linked})
     return found, linked
 
 
@@ -42,6 +42,7 @@ def _fit(kept: dict[str, NDArray], texels: Texels) -> bool:
     names = {"cut", "cell_row", "middle", "begins", "links"}
     count = len(texels.pixel)
     return kept.keys() == names and (
-        (kept["cut"].shape, kept["links"].shape) == ((count,), (count, 4))
-        and kept["begins"].shape == kept["cell_row"].shape == (len(kept["middle"]), CELLS * CELLS)
+        (kept["cut"].shape, kept["begins"].shape) == ((count,), (count,))
+        and kept["links"].shape == (count, 4)
+        and kept["cell_row"].shape == (len(kept["middle"]), CELLS * CELLS)
     )

@@ -42,6 +42,7 @@ def hour_light(scene: RayScene, finished: Finished, hour: Hour) -> HourLight:
     bends = np.maximum(open_sky, _LEAST_OF_SKY * open_sky.max())
     scaled(light[:texels], 1.0 / bends, scene.orientation)
     smoothed(scene, light[:texels], finished.smoothing)
+    np.maximum(light, 0.0, out=light)
     scaled(light[:texels], bends, scene.orientation)
     if finished.lamps is not None:
         # It has no noise that is to be smoothed, and edges that are not.

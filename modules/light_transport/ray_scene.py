@@ -28,9 +28,9 @@ from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import BoolArray
 
 BLOCK_ROWS = 2048
-# Rows of which a smaller share of rays counts lie inside bodies. A tenth is too little: what gets
-# out between the pieces of a wall then shines at its edge.
-_LEAST_FREE = 0.4
+# Rows of which a smaller share of rays counts lie inside bodies. Where bodies touch, up to half of
+# the rays of a hidden row end on a floor or get out between pieces of a wall, which then shines.
+_LEAST_FREE = 0.5
 _GROUP_TEXELS = 4.0
 _SMALLEST_GROUP = 1.0 / 200.0
 _Made = TypeVar("_Made")

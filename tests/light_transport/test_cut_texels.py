@@ -9,7 +9,7 @@ from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
 from light_transport.hour.free_points import light_at
 from light_transport.rays.ray_table import columns_and_rays
-from light_transport.surfaces.map_texels import CELLS
+from light_transport.surfaces.map_texels import CELLS, PLACES, has_place
 
 HALF_M, HIGH_M, TEXELS = 1.0, 2.0, 16
 # Of the floor, which is of 8 m.
@@ -77,8 +77,8 @@ def test_a_room_of_thin_walls_is_dark_in_the_mean(thick_m, share, shift):
 
 
 def test_cells_lie_on_one_side_of_what_cuts_their_texel():
-    """A sheet on a floor: by the places of cells in double precision, rays begin on the side of
-    their texel's middle, and none that lies beyond shows the texel itself."""
+    """A sheet on a floor: by places in double precision, rays begin at all of a texel that lies on
+    the side of its middle and nowhere else, and no cell that lies beyond shows the texel itself."""
     ground = floor(-4.0, 4.0, -4.0, 4.0)
     at = 0.3 * TEXEL_M
     sheet = [[-3.0, 0.0, at], [3.0, 0.0, at], [3.0, 2.0, at], [-3.0, 2.0, at]]
@@ -92,13 +92,15 @@ def test_cells_lie_on_one_side_of_what_cuts_their_texel():
     assert (texels.cut[row] >= 0).all()
     # Texels of the floor's quad run with z from its first corner, the south.
     cell = (np.arange(CELLS * CELLS) // CELLS + 0.5) / CELLS - 0.5
+    place_row = (np.arange(PLACES * PLACES) // PLACES + 0.5) / PLACES - 0.5
     for i in row:
         z = place[i, 2] - cell * TEXEL_M
         same = (z - at) * (place[i, 2] - at) > 0.0
         straddles = np.abs(z - at) < 0.5 * TEXEL_M / CELLS
-        own, shown = texels.begins[texels.cut[i]], texels.cell_row[texels.cut[i]]
-        assert own[same & ~straddles].all()
-        assert not own[~same & ~straddles].any()
+        begins = [has_place(texels.begins[i], k) for k in range(PLACES * PLACES)]
+        begins_z = place[i, 2] - place_row * TEXEL_M
+        np.testing.assert_array_equal(begins, (begins_z - at) * (place[i, 2] - at) > 0.0)
+        shown = texels.cell_row[texels.cut[i]]
         assert (shown[same & ~straddles] == i).all()
         beyond = shown[~same & ~straddles]
         assert (beyond != i).all()

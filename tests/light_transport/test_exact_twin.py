@@ -39,6 +39,11 @@ def plain_hour(bake, now, key_share):
 
 def smoothed(bake, e):
     smoothing = bake.finished.smoothing
+    smooth = after_steps(smoothing, e)
+    return smooth + smoothing.back.astype(float) * after_steps(smoothing, e - smooth)
+
+
+def after_steps(smoothing, e):
     w = smoothing.weights.astype(float)
     for _ in range(STEPS):
         e = e + np.einsum("nk,nkc->nc", w, e[smoothing.links] - e[:, None])

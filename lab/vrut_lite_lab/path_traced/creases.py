@@ -40,7 +40,8 @@ from vrut_lite_lab.tolerance.light_transport import Room, hour_of, scene_of
 
 SCENES = (
     "large/hall.toml", "work/indoor.glb", "work/room.glb", "work/ground.glb", "street.toml",
-    "pavilion.gltf", "spheres.glb", "sundial.toml",
+    "pavilion.gltf", "spheres.glb", "sundial.toml", "large/terrain.toml", "large/satellite.glb",
+    "work/planet.glb",
 )  # fmt: skip
 HEADER = (
     "| scene | points | map rms | median | above 25 % | mean | reference to mitsuba | map to it |"

@@ -19,10 +19,12 @@ from light_transport.rays.tree import STACK, Tree
 from light_transport.surfaces.map_texels import (
     CELLS,
     NOBODY,
+    PLACES,
     MapGeometry,
     Texels,
     ground_place,
     middle_of,
+    place_at,
     surface_place,
     triangle_at,
 )
@@ -32,7 +34,7 @@ from vrut_lite.numeric_types import Float32Array
 _ABOVE = np.float32(0.05)
 # The most that what stands across may face as the surface does (cosine): bumps do not count.
 _ACROSS = np.float32(0.9)
-# Corners of cells lie so far inside their texel, in texels.
+# Corners of texels lie so far inside, in texels.
 _INSIDE = 1e-3
 # The square of the farthest that a cell looks for a neighbour, in texels.
 _NEAR2 = 4.0
@@ -84,7 +86,7 @@ def cut_texels(
         lambda a, b: _middles(tree, geometry, texels, surfaces, rows, _stacks(), _places(), a, b),
     )
     cell_row = np.full((len(rows), CELLS * CELLS), NOBODY, np.int32)
-    begins = np.zeros(cell_row.shape, bool)
+    begins = texels.begins.copy()
     over_rows(
         len(rows),
         lambda a, b: _sides(
@@ -95,7 +97,7 @@ def cut_texels(
             rows,
             _stacks(),
             _places(),
-            np.empty((CELLS + 1) ** 2, np.int8),
+            (np.empty((CELLS + 1) ** 2, np.int8), np.empty(PLACES**2, np.int8)),
             a,
             b,
             cell_row,
@@ -288,21 +290,26 @@ def _state(tree, geometry, of_bodies, solid, place, middle, own, t, side, stacks
 
 
 @inlined
-def _within(edge, cells):  # type: ignore[no-untyped-def]
-    """A place so many cells from a texel's edge, kept inside the texel."""
-    return edge + min(max(cells / CELLS, _INSIDE), 1.0 - _INSIDE)
+def _corner(column, line, number):  # type: ignore[no-untyped-def]
+    """Where in the map a corner of a texel's cells lies, just inside the texel."""
+    x, y = number % (CELLS + 1) / CELLS, number // (CELLS + 1) / CELLS
+    low, high = _INSIDE, 1.0 - _INSIDE
+    return column + min(max(x, low), high), line + min(max(y, low), high)
 
 
 @hot
 def _sides(  # type: ignore[no-untyped-def]
-    tree, geometry, texels, surfaces, rows, stacks, places, corners, first, last, cell_row, begins
+    tree, geometry, texels, surfaces, rows, stacks, places, states, first, last, cell_row, begins
 ):
-    """Fill in the cells of cut texels by the states of their middles and corners.
+    """Fill in the cells of cut texels, and where rays begin in them, by the states of their places.
 
-    `corners` (CELLS + 1)^2 are overwritten: cells share them.
+    `states`, of the corners of cells (CELLS + 1)^2, which cells share, and of places (PLACES^2),
+    are overwritten.
     """
     weights, middle, point, normal, there, beyond = places
     charts, of_bodies, solid = surfaces
+    of_corner, of_place = states
+    corners = len(of_corner)
     height, width = texels.row_of.shape
     for c in range(first, last):
         i = rows[c]
@@ -312,34 +319,39 @@ def _sides(  # type: ignore[no-untyped-def]
             _state(tree, geometry, of_bodies, solid, middle, middle, False, t, side, stacks)
             != _BURIED
         )
-        for corner in range((CELLS + 1) ** 2):
-            x, y = _within(column, corner % (CELLS + 1)), _within(line, corner // (CELLS + 1))
+        for k in range(corners + len(of_place)):
+            if k < corners:
+                x, y = _corner(column, line, k)
+            else:
+                x, y = place_at(texels, i, k - corners)
             _lifted(geometry, texels, i, x, y, weights, point, normal)
-            corners[corner] = _state(
-                tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
-            )
+            state = _state(tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks)
+            if k < corners:
+                of_corner[k] = state
+                continue
+            of_place[k - corners] = state
+            if state != _OWN:
+                begins[i] &= ~(np.uint64(1) << np.uint64(k - corners))
         for cell in range(CELLS * CELLS):
             owns, others = 0, 0
-            for k in range(5):
-                # Its middle, then its corners.
-                x = 0.5 if k == 0 else (k - 1) % 2
-                y = 0.5 if k == 0 else (k - 1) // 2
-                x, y = cell % CELLS + x, cell // CELLS + y
-                if k > 0:
-                    state = corners[int(y) * (CELLS + 1) + int(x)]
+            for k in range(8):
+                # Its places, then its corners.
+                x, y = k % 2, k // 2 % 2
+                if k < 4:
+                    number = (2 * (cell // CELLS) + y) * PLACES + 2 * (cell % CELLS) + x
+                    state = of_place[number]
                 else:
-                    at_x, at_y = _within(column, x), _within(line, y)
-                    _lifted(geometry, texels, i, at_x, at_y, weights, point, normal)
-                    state = _state(
-                        tree, geometry, of_bodies, solid, point, middle, own, t, side, stacks
-                    )
+                    number = (cell // CELLS + y) * (CELLS + 1) + cell % CELLS + x
+                    state = of_corner[number]
                 if state == _OWN:
                     owns += 1
                 elif state == _BEYOND:
                     if others == 0:
-                        first_x, first_y = _within(column, x), _within(line, y)
+                        if k < 4:
+                            first_x, first_y = place_at(texels, i, number)
+                        else:
+                            first_x, first_y = _corner(column, line, number)
                     others += 1
-            begins[c, cell] = owns > 0 and others == 0
             cell_row[c, cell] = i
             if owns >= others:
                 continue

@@ -18,9 +18,9 @@ from light_transport.surfaces.groups import Groups
 from light_transport.surfaces.map_texels import (
     MapGeometry,
     Texels,
+    beginning_at,
     ground_place,
     keep_off_edges,
-    on_own_side,
     surface_place,
     triangle_at,
 )
@@ -98,9 +98,7 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
         column, line = texels.pixel[row, 0], texels.pixel[row, 1]
         x = column + evenly(shifts[2], _STEPS[0], number)
         y = line + evenly(shifts[3], _STEPS[1], number)
-        cut = texels.cut[row]
-        if cut >= 0:
-            x, y = on_own_side(texels, row, number, x, y)
+        x, y = beginning_at(texels, row, number, x, y)
         t = texels.triangle[row]
         if geometry.on_ground[t]:
             ground_place(geometry.ground, x, y, place)

@@ -15,8 +15,10 @@ from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 NOBODY = -1
 # Cells along an edge of a texel that something stands across.
 CELLS = 4
-# A texel is cut into so many pieces an edge, to see how much of it a triangle covers.
-_PIECES = 4
+# Places along an edge of a texel that tell how much of it triangles cover, and where rays may begin
+# in it: two a cell's edge, and a bit of 64 each.
+PLACES = 2 * CELLS
+ANYWHERE = np.uint64(2**64 - 1)
 _LEAST_COVERED = 1.0 / 32.0
 # Padding looks so far around for a texel to copy.
 _REACH_PX = 2
@@ -63,7 +65,8 @@ class Texels(NamedTuple):
         cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
             neighbour's that most of the cell lies on the side of.
         middle: (C, 2) float32, where in the texel the place is whose side it is of.
-        begins: (C, CELLS^2) bool, cells of which some lies on their side and nothing beyond.
+        begins: (N,) uint64, a bit for each of PLACES^2 places, row by row: those that triangles
+            cover and that lie on the texel's side. 0: at its middle alone.
     """
 
     pixel: NDArray[np.int32]
@@ -78,7 +81,7 @@ class Texels(NamedTuple):
     cut: NDArray[np.int32]
     cell_row: NDArray[np.int32]
     middle: Float32Array
-    begins: BoolArray
+    begins: NDArray[np.uint64]
 
 
 def map_geometry(surfaces: Surfaces, layout: Layout, tree: Tree) -> MapGeometry:
@@ -118,7 +121,7 @@ def edges_of(
 def texels_of(geometry: MapGeometry) -> Texels:
     """The texels that a triangle reaches into, and the texels that padding copies."""
     height, width = geometry.owner.shape
-    covered, nearest = _coverage(geometry)
+    covered, nearest, begins = _coverage(geometry)
     rows, columns = np.nonzero(covered > 0.0)
     pixel = np.ascontiguousarray(np.stack([columns, rows], axis=1), np.int32)
     place, normal, area = _places(geometry, pixel)
@@ -138,7 +141,7 @@ def texels_of(geometry: MapGeometry) -> Texels:
         np.full(len(pixel), NOBODY, np.int32),
         np.empty((0, CELLS * CELLS), np.int32),
         np.empty((0, 2), np.float32),
-        np.empty((0, CELLS * CELLS), bool),
+        begins[rows, columns],
     )
 
 
@@ -161,6 +164,7 @@ def with_backs(texels: Texels, sheets: BoolArray) -> Texels:
         area=both(texels.area),
         width=both(texels.width),
         cut=both(texels.cut),
+        begins=both(texels.begins),
     )
 
 
@@ -174,29 +178,45 @@ def middle_of(texels, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def on_own_side(texels, row, number, x, y):  # type: ignore[no-untyped-def]
-    """A place in the map as it is, or moved from beyond what cuts its texel to a cell before.
+def place_at(texels, row, place):  # type: ignore[no-untyped-def]
+    """Where in the map one of a texel's PLACES^2 places lies."""
+    return (
+        texels.pixel[row, 0] + (place % PLACES + 0.5) / PLACES,
+        texels.pixel[row, 1] + (place // PLACES + 0.5) / PLACES,
+    )
 
-    Places with one `number` after another get one such cell after another.
+
+@inlined
+def has_place(begins, place):  # type: ignore[no-untyped-def]
+    """Whether one of a texel's places is among those where rays begin."""
+    return (begins >> np.uint64(place)) & np.uint64(1) != np.uint64(0)
+
+
+@inlined
+def beginning_at(texels, row, number, x, y):  # type: ignore[no-untyped-def]
+    """A place in the map as it is, or the one of its texel's places that rays begin at instead.
+
+    Where these are not all, it is the one about it, or else those with one `number` after another
+    get one after another.
     """
-    begins = texels.begins[texels.cut[row]]
-    if begins[cell_at(texels, row, x, y)]:
+    begins = texels.begins[row]
+    if begins == ANYWHERE:
         return x, y
+    column = min(max(int((x - texels.pixel[row, 0]) * PLACES), 0), PLACES - 1)
+    line = min(max(int((y - texels.pixel[row, 1]) * PLACES), 0), PLACES - 1)
+    place = line * PLACES + column
+    if has_place(begins, place):
+        return place_at(texels, row, place)
     some = 0
-    for cell in range(CELLS * CELLS):
-        some += begins[cell]
+    for k in range(PLACES * PLACES):
+        some += has_place(begins, k)
     if some == 0:
         return middle_of(texels, row)
-    wanted, cell = number % some, 0
-    while wanted > 0 or not begins[cell]:
-        wanted -= begins[cell]
-        cell += 1
-    left, top = texels.pixel[row, 0], texels.pixel[row, 1]
-    x, y = (x - left) * CELLS, (y - top) * CELLS
-    return (
-        left + (cell % CELLS + x - math.floor(x)) / CELLS,
-        top + (cell // CELLS + y - math.floor(y)) / CELLS,
-    )
+    wanted, place = number % some, 0
+    while wanted > 0 or not has_place(begins, place):
+        wanted -= has_place(begins, place)
+        place += 1
+    return place_at(texels, row, place)
 
 
 @inlined
@@ -321,10 +341,12 @@ def surface_place(geometry, t, weights, place, normal):  # type: ignore[no-untyp
 
 @kernel
 def _coverage(geometry):  # type: ignore[no-untyped-def]
-    """Share of each texel that triangles cover, and the place (2) in the map that it stands for."""
+    """Share of each texel that triangles cover, the place (2) in the map that it stands for, and
+    which of its places they cover."""
     owner, uv = geometry.owner, geometry.uv
     height, width = owner.shape
     covered = np.zeros((height, width), np.float32)
+    begins = np.full((height, width), ANYWHERE)
     nearest = np.zeros((height, width, 2), np.float32)
     weights = np.empty(3)
     for row in range(height):
@@ -348,23 +370,32 @@ def _coverage(geometry):  # type: ignore[no-untyped-def]
             away_x, away_y = nearest[row, column, 0] - x, nearest[row, column, 1] - y
             if max(abs(away_x), abs(away_y)) > 0.5:
                 continue
-            pieces = 0
-            for k in range(_PIECES * _PIECES):
-                px = column + (k % _PIECES + 0.5) / _PIECES
-                py = row + (k // _PIECES + 0.5) / _PIECES
-                if weights_at(uv, t, px, py, weights):
-                    pieces += 1
-                    continue
+            corners = 0
+            for k in range(4):
+                corners += weights_at(uv, t, column + k % 2, row + k // 2, weights)
+            if corners == 4:
+                covered[row, column] = 1.0
+                continue
+            bits, pieces = np.uint64(0), 0
+            for k in range(PLACES * PLACES):
+                px = column + (k % PLACES + 0.5) / PLACES
+                py = row + (k // PLACES + 0.5) / PLACES
+                inside = weights_at(uv, t, px, py, weights)
                 for side in range(9):
+                    if inside:
+                        break
                     r, c = row + side // 3 - 1, column + side % 3 - 1
                     if r < 0 or c < 0 or r >= height or c >= width:
                         continue
                     other = owner[r, c]
-                    if other >= 0 and other != t and weights_at(uv, other, px, py, weights):
-                        pieces += 1
-                        break
-            covered[row, column] = max(pieces / (_PIECES * _PIECES), 1e-3)
-    return covered, nearest
+                    inside = other >= 0 and other != t and weights_at(uv, other, px, py, weights)
+                if inside:
+                    bits |= np.uint64(1) << np.uint64(k)
+                    pieces += 1
+            covered[row, column] = max(pieces / (PLACES * PLACES), 1e-3)
+            if pieces > 0:
+                begins[row, column] = bits
+    return covered, nearest, begins
 
 
 @kernel
