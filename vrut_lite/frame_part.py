@@ -74,7 +74,7 @@ class PartGl(Protocol):
 
 
 class FramePart:
-    """What a module draws; override what it needs. All calls come on the GL thread.
+    """A module's part of the frame; override the hooks it uses. All calls come on the GL thread.
 
     A part that raises is left out of all further pictures, and a warning says so.
     """

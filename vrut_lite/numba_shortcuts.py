@@ -11,7 +11,7 @@ from numba.core import errors, targetconfig
 from numba.core.target_extension import get_local_target
 from numba.core.utils import order_by_target_specificity
 
-# Of these mypy knows few names.
+# mypy knows few of these names.
 functions: Any = importlib.import_module("numba.core.types.functions")
 types: Any = importlib.import_module("numba.core.types")
 # Types whose operators resolve alike at each use; those of functions may be half known.

@@ -38,7 +38,7 @@ class AuroraShown(Derived, frozen=True, kw_only=True):
         poleward: horizontal unit vector towards the nearer magnetic pole, world axes.
         edge_km, width_km: poleward distance of the oval's equatorward edge; the oval's width.
         lean: horizontal way of a field line, towards the equator, per way up.
-        kilorayleigh: zenith brightness of an arc's green line; 0: there is none.
+        kilorayleigh: zenith brightness of an arc's green line; 0 without an aurora.
         haze: vertical optical depth of the haze.
         phases: of FOLDS and RAYS, rad.
     """

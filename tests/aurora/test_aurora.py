@@ -112,7 +112,7 @@ def kernel():
 
 
 def act(kernel, *inputs):
-    """What the light is after these inputs: the message, and lux on level ground by the sky."""
+    """Sends inputs; returns the light's message, and lux on level ground by the sky."""
     kernel.inject(*inputs)
     kernel.pump_until_idle()
     assert kernel.last(Fault) is None

@@ -24,7 +24,7 @@ for group in announced_kernels().of("light_transport"):
 
 
 def run(code: str, cache: Path, *arguments: str) -> str:
-    """What python code prints in a process with a cache of its own."""
+    """Output of python code, run in a process with an empty cache."""
     folders = {"NUMBA_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)}
     # Names of functions hold sets of options, in the order of their hashes.
     environment = os.environ | folders | {"PYTHONHASHSEED": "0"}

@@ -1,4 +1,4 @@
-"""What modules draw into the picture: over the sky alone, and never at the cost of the picture."""
+"""Frame parts draw over the sky alone, and a fault of one leaves the picture whole."""
 
 from importlib.metadata import EntryPoint
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The light of a clear sky and of what glows behind its clouds, summed."""
+"""Sums the light of a clear sky and of glows behind its clouds."""
 
 from typing import TypeVar
 
