@@ -18,7 +18,8 @@ TEXEL_M = 0.1
 @pytest.mark.parametrize("high_m", [0.1, 0.2, 0.8])
 def test_the_dark_foot_of_a_box_does_not_spread(high_m):
     """A black box on a floor of texels of 0.1 m under an even sky: beside it, where the light of a
-    texel's own place is dark, the map errs by a few percent and is not too bright in the mean."""
+    texel's own place is dark, the map errs by less than 2.7 % rms (2.9 % if smoothing gave nothing
+    back) and is not too bright in the mean."""
     sides = box((-0.2, 0.0, -0.2), (0.2, high_m, 0.2))
     ground = floor(-0.8, 0.8, -0.8, 0.8)
     bake = Bake(*quads(ground, *sides, texels=16, reflectance=0.0))
@@ -34,8 +35,8 @@ def test_the_dark_foot_of_a_box_does_not_spread(high_m):
     true = light_at(bake, lifted, texels.normal[foot], hour(1.0), 4096).irradiance_rgb[:, 1]
     error = light.texels[row, column, 1] / true - 1.0
     print(f"\nbox of {high_m} m: {np.sqrt(np.mean(error**2)):.1%} rms, {error.mean():+.1%}")
-    assert np.sqrt(np.mean(error**2)) < 0.05
-    assert abs(error.mean()) < 0.03
+    assert np.sqrt(np.mean(error**2)) < 0.027
+    assert abs(error.mean()) < 0.02
 
 
 def test_a_shadows_edge_stays_where_it_is_wider_than_noise():

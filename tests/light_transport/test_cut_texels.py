@@ -8,8 +8,12 @@ import pytest
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
 from light_transport.hour.free_points import light_at
+from light_transport.layout.layout import lay_out
 from light_transport.rays.ray_table import columns_and_rays
 from light_transport.surfaces.map_texels import CELLS, PLACES, has_place
+from light_transport.surfaces.surfaces import surfaces_of
+from mesh_scenes import box as mesh_box
+from mesh_scenes import opened
 
 HALF_M, HIGH_M, TEXELS = 1.0, 2.0, 16
 # Of the floor, which is of 8 m.
@@ -105,6 +109,27 @@ def test_cells_lie_on_one_side_of_what_cuts_their_texel():
         beyond = shown[~same & ~straddles]
         assert (beyond != i).all()
         assert ((place[beyond, 2] - at) * (place[i, 2] - at) < 0.0).all()
+
+
+def test_rays_begin_evenly_in_what_a_chart_covers_of_its_border_texels():
+    """A box whose sides are no whole number of texels: rays begin at the places of a texel that its
+    own side covers, not on the edge instead of beyond, which would be as dark as the edge."""
+    scene = opened(mesh_box((1.03, 0.58, 0.71)))
+    surfaces = surfaces_of(scene)
+    layout = lay_out(scene, surfaces, 0.1)
+    texels = Bake(surfaces, layout).texels
+    places = np.array(list(np.ndindex(PLACES, PLACES)))[:, ::-1]
+    partly = 0
+    for i in np.flatnonzero(texels.side > 0.0):
+        chart = layout.chart == layout.chart[texels.triangle[i]]
+        lower, upper = layout.uv_px[chart].min(axis=(0, 1)), layout.uv_px[chart].max(axis=(0, 1))
+        at = texels.pixel[i] + (places + 0.5) / PLACES
+        inside = ((at >= lower) & (at <= upper)).all(axis=1)
+        begins = [has_place(texels.begins[i], k) for k in range(PLACES * PLACES)]
+        if inside.any():
+            np.testing.assert_array_equal(begins, inside)
+            partly += not inside.all()
+    assert partly > 50
 
 
 def test_what_sticks_out_of_a_wall_is_lit_as_outdoors():
