@@ -87,6 +87,17 @@ def test_a_part_adds_to_the_sky_alone(glowing, still):
 
 
 @pytest.mark.gl
+def test_parts_stay_whole_while_the_camera_turns(glowing):
+    """Moving pictures take over the sky of the picture before, at a depth of its own: each of its
+    pixels has the part's light."""
+    glowing.change(parts={GlowShown: GlowShown(glow=(3.0, 2.0, 1.0))})
+    for turn in range(4):
+        target = (0.02 * turn, 9.0, 0.0)
+        seen = look(glowing, (0.0, 1.0, 9.0), target, still=False).radiance
+        np.testing.assert_allclose(seen, np.broadcast_to([3.0, 2.0, 1.0], seen.shape), rtol=1e-6)
+
+
+@pytest.mark.gl
 def test_a_part_that_raises_is_left_out_and_named_once(glowing, caplog):
     """The other part and the picture stay."""
     for glow in (1.0, 2.0):

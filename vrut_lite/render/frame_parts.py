@@ -15,6 +15,7 @@ from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
+from vrut_lite.render.reversed_depth import BEFORE_SKY
 from vrut_lite.render.shader_files import shader_source
 
 _log = logging.getLogger(__name__)
@@ -65,8 +66,10 @@ class FrameParts:
         context.disable(context.CULL_FACE)
         context.depth_mask = False
         GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_ONE, GL.GL_ZERO, GL.GL_ONE)
+        GL.glDepthRange(BEFORE_SKY, 1.0)
         for name, part in seen.items():
             self._do(name, partial(part.draw_over_sky, size_px, view))
+        GL.glDepthRange(0.0, 1.0)
         GL.glDisable(GL.GL_SCISSOR_TEST)
         context.disable(context.BLEND)
         context.depth_mask = True

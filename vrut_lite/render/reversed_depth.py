@@ -18,6 +18,9 @@ from OpenGL.platform import PLATFORM
 
 # glClipControl is of OpenGL 4.5 (ARB_clip_control), which PyOpenGL 3.1.0 does not list.
 _ZERO_TO_ONE, _NEGATIVE_ONE_TO_ONE = 0x935F, 0x935E
+# Depth nearer than any that pictures of one sample give the sky (`reuse_kernel.py`), behind all
+# else.
+BEFORE_SKY = 1e-20
 
 
 @lru_cache(maxsize=1)

@@ -17,7 +17,7 @@ from vrut_lite.render.near_air import SECOND_LIGHT
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Pieces
-from vrut_lite.render.reversed_depth import DepthTexture
+from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.targets import Targets
@@ -35,7 +35,6 @@ MARCHED = (0, 3, 4, 7)
 # Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
-_BEFORE_SKY = 1e-20
 # As cloud_take_over.glsl has them.
 _OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCES_UNIT = 8, 10, 11
 # Which blocks are marched in a picture, each once in four. What moves by whole blocks a picture
@@ -224,8 +223,7 @@ class CloudPass:
         context.enable(context.DEPTH_TEST | context.BLEND)
         GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_SRC_ALPHA, GL.GL_ZERO, GL.GL_ONE)
         GL.glDepthFunc(GL.GL_GEQUAL if only_sky else GL.GL_LESS)
-        # Before the depths that pictures of one sample give the sky, behind all else.
-        GL.glDepthRange(_BEFORE_SKY, 1.0)
+        GL.glDepthRange(BEFORE_SKY, 1.0)
         context.depth_mask = False
         self._composite.draw()
         context.depth_mask = True
