@@ -46,7 +46,7 @@ def test_help_shows_every_command_with_an_example(vrut_lite):
 def test_without_the_laboratory_its_commands_say_what_to_install(
     vrut_lite, monkeypatch, capsys, command
 ):
-    """The product's wheel lists none of them; who types one is told where it is, in a line."""
+    """The product's wheel lists none of them; a call prints one line that says what to install."""
     product = [
         point
         for point in cli.entry_points(group=cli.GROUP)

@@ -247,7 +247,7 @@ def test_a_class_has_its_name_alone():
 
 
 def targets(statement):
-    """What an import statement imports; nothing for another statement."""
+    """Names that a statement imports; empty unless it is an import."""
     if isinstance(statement, ast.ImportFrom):
         return [statement.module]
     return [alias.name for alias in statement.names] if isinstance(statement, ast.Import) else []

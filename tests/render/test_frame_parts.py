@@ -88,8 +88,7 @@ def test_a_part_adds_to_the_sky_alone(glowing, still):
 
 @pytest.mark.gl
 def test_parts_stay_whole_while_the_camera_turns(glowing):
-    """Moving pictures take over the sky of the picture before, at a depth of its own: each of its
-    pixels has the part's light."""
+    """Moving pictures reuse the sky of the last one at another depth; each pixel keeps the glow."""
     glowing.change(parts={GlowShown: GlowShown(glow=(3.0, 2.0, 1.0))})
     for turn in range(4):
         target = (0.02 * turn, 9.0, 0.0)

@@ -120,7 +120,7 @@ class SceneState:
         return known
 
     def shown(self, kind: type[D]) -> D | None:
-        """The message of a type that frame parts hear, None if there is none."""
+        """The latest message of a type that frame parts hear, or None."""
         message = self.parts.get(kind)
         assert message is None or isinstance(message, kind)
         return message
