@@ -117,12 +117,16 @@ def pytest_report_header(config):
     return [f"OpenGL: {renderer or 'none, GL tests are skipped: ' + reason}", f"Qt: {qt}"]
 
 
+# Of the two rows of the table of renderers; one that draws in both ways is tried in both.
+CARD_NS, PROCESSOR_NS = 0.1, 100.0
+
+
 @pytest.fixture(scope="session")
 def gl_owner():
-    """One GL thread for all tests of a process."""
+    """One GL thread for all tests of a process, which draws as a processor does, also on a card."""
     from vrut_lite.render.gl_owner import GlOwner
 
-    owner = GlOwner()
+    owner = GlOwner(PROCESSOR_NS)
     yield owner
     owner.close()
 

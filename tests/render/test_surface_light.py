@@ -75,7 +75,10 @@ def mean_of_pictures(found_at):
 
 
 def test_a_surface_sends_back_the_irradiance_of_its_texels(backend, tmp_path):
-    """Linearly between texels: paint under an uneven map over paint under an even one is E / pi."""
+    """Linearly between texels: paint under an uneven map over paint under an even one is E / pi.
+
+    A card's filter rounds a place between texels to 1/256.
+    """
     made = {}
 
     def lit_by(texels):
@@ -91,7 +94,8 @@ def test_a_surface_sends_back_the_irradiance_of_its_texels(backend, tmp_path):
         at_px = np.array([1, 2]) + 0.5 + (places_m + 0.5) * (RECTANGLE_PX - 1)
         return fetched(made["texels"], at_px)[..., :3] / np.pi
 
-    np.testing.assert_allclose(found, mean_of_pictures(expected_at), rtol=2e-3)
+    expected = mean_of_pictures(expected_at)
+    np.testing.assert_allclose(found, expected, rtol=2e-3, atol=0.5 / 256 * np.ptp(expected))
 
 
 def test_every_instance_is_lit_from_its_own_rectangle(backend, tmp_path):

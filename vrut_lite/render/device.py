@@ -43,7 +43,7 @@ class Choices(NamedTuple):
     expected_s: float
 
 
-# A card has 0.1 ns, llvmpipe 50 to 200.
+# A card has 0.1 to 1 ns, llvmpipe 50 to 200.
 TABLE = (
     Choices("graphics card", 0.0, takes_over=False, expected_s=0.0),
     Choices("processor", 10.0, takes_over=True, expected_s=1.0),
@@ -63,16 +63,18 @@ class Device(NamedTuple):
         return next(row for row in reversed(TABLE) if self.trial_ns >= row.least_trial_ns)
 
 
-def device_of(context: Any) -> Device:
-    """The context's renderer, tried out unless its time is known; on the GL thread."""
+def device_of(context: Any, trial_ns: float | None = None) -> Device:
+    """The context's renderer, tried out unless its time is known or stated; on the GL thread."""
     renderer, version = context.info["GL_RENDERER"], context.info["GL_VERSION"]
+    if trial_ns is not None:
+        return Device(renderer, version, trial_ns)
     key = f"{renderer} | {version}"
     known = _known()
-    trial_ns = known.get(key)
-    if not isinstance(trial_ns, float):
-        trial_ns = _trial_ns(context)
-        _keep({**known, key: trial_ns})
-    return Device(renderer, version, trial_ns)
+    kept = known.get(key)
+    if not isinstance(kept, float):
+        kept = _trial_ns(context)
+        _keep({**known, key: kept})
+    return Device(renderer, version, kept)
 
 
 def _trial_ns(context: Any) -> float:

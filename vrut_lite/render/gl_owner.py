@@ -28,11 +28,13 @@ class GlOwner:
     touches OpenGL in this process goes through here, so that no two threads ever share it.
 
     OpenGL is opened while the caller goes on, as by importing libraries: `opened` waits for it.
+    A stated `trial_ns` takes the place of the renderer's trial (see `device`), so that a processor
+    draws as a card would, or a card as a processor.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, trial_ns: float | None = None) -> None:
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gl-owner")
-        self._opened = self._thread.submit(_open)
+        self._opened = self._thread.submit(_open, trial_ns)
         self._thread.submit(lambda: make_first_mipmaps(self.opened.context))
 
     @property
@@ -74,13 +76,13 @@ class GlOwner:
         self._thread.shutdown()
 
 
-def _open() -> Opened:
+def _open(trial_ns: float | None) -> Opened:
     renderer, reason = probe_gl()
     if not renderer:
         raise _missing(reason)
     context = _create_context()
     keep_record(renderer)
-    return Opened(renderer, context, device_of(context))
+    return Opened(renderer, context, device_of(context, trial_ns))
 
 
 def _release(context: Any) -> None:

@@ -97,8 +97,7 @@ class StillPictures:
         """The mean (h, w, 4) of pictures shifted so, row 0 at the top."""
         passes, state = self._passes, shot.state
         passes.meshes.picture_count = len(shifts)
-        width, height = targets.size
-        resolved = np.zeros((height, width, 4), np.float32)
+        total: NDArray[np.float32] | None = None
         for sample, shift_px in enumerate(shifts):
             passes.patience.check()
             passes.meshes.picture_number = sample
@@ -108,13 +107,16 @@ class StillPictures:
             with reversed_depth():
                 self._draw_seen(targets, shot._replace(view=view), still, sample)
             with passes.measure("resolve"):
-                resolved += targets.read_resolved()
+                resolved = targets.read_resolved()
+                total = resolved if total is None else np.add(total, resolved, out=total)
             if state.shows == "picture":
                 drawn = passes.sky.count_samples()
                 passes.ledger.did("sky sample", drawn)
                 passes.ledger.skip("sky sample: covered", targets.samples - drawn)
-        resolved /= np.float32(len(shifts))
-        return resolved[::-1]
+        assert total is not None
+        if len(shifts) > 1:
+            total /= np.float32(len(shifts))
+        return total[::-1]
 
     def _exposed(
         self, targets: Targets, radiance: NDArray[np.float32], view: View, state: SceneState

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.render.reversed_depth import FloatDepth
-from vrut_lite.render.unlocked import read_bytes, read_rgba
+from vrut_lite.render.unlocked import read_colours, read_rgba
 
 SAMPLES = 4
 
@@ -51,7 +51,7 @@ class Targets:
 
     def read_display(self) -> NDArray[np.uint8]:
         """The tone-mapped picture (h, w, 3), row 0 at the top."""
-        return read_bytes(self._display)[::-1, :, :3].copy()
+        return read_colours(self._display)[::-1].copy()
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""

@@ -54,20 +54,35 @@ def read_rgba(texture: Any) -> NDArray[np.float32]:
     """The numbers (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
     from OpenGL import GL
 
-    return _read(texture, GL.GL_FLOAT, np.empty((*texture.size[::-1], 4), np.float32))
+    return _read(texture, GL.GL_RGBA, GL.GL_FLOAT, np.empty(_shape(texture, 4), np.float32))
 
 
 def read_bytes(texture: Any) -> NDArray[np.uint8]:
     """The bytes (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
     from OpenGL import GL
 
-    return _read(texture, GL.GL_UNSIGNED_BYTE, np.empty((*texture.size[::-1], 4), np.uint8))
+    return _read(texture, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, np.empty(_shape(texture, 4), np.uint8))
 
 
-def _read(texture: Any, kind: int, out: NDArray[Number]) -> NDArray[Number]:
+def read_colours(texture: Any) -> NDArray[np.uint8]:
+    """The bytes (h, w, 3) of a flat moderngl texture without its alpha, row 0 at the bottom."""
+    from OpenGL import GL
+
+    GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 1)
+    found = _read(texture, GL.GL_RGB, GL.GL_UNSIGNED_BYTE, np.empty(_shape(texture, 3), np.uint8))
+    GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 4)
+    return found
+
+
+def _shape(texture: Any, channels: int) -> tuple[int, int, int]:
+    width, height = texture.size
+    return height, width, channels
+
+
+def _read(texture: Any, channels: int, kind: int, out: NDArray[Number]) -> NDArray[Number]:
     from OpenGL import GL
 
     GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
-    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, kind, out)
+    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, channels, kind, out)
     GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
     return out

@@ -8,8 +8,13 @@ vec3 face_direction(int face, vec2 c) {
     return normalize(d[face]);
 }
 
+// Divided last: some cards' quotients are not exact, and a middle must be 0.
+vec2 texel_middle(ivec2 at, int size) {
+    return (2.0 * vec2(at) + 1.0 - float(size)) / float(size);
+}
+
 vec3 texel_direction(int face, ivec2 at, int size) {
-    return face_direction(face, (2.0 * vec2(at) + 1.0) / float(size) - 1.0);
+    return face_direction(face, texel_middle(at, size));
 }
 
 // To the nearest half, ties to even: drivers are free to cut the bits off instead.

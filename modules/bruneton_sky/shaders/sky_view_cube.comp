@@ -23,8 +23,8 @@ vec3 sampled(int face, ivec2 at, int size, bool thin) {
     vec3 total = vec3(0.0);
     for (int k = 0; k < samples; ++k) {
         vec2 offset = vec2(2 * k + 1, 2 * ((stride * k + stride / 2) % samples) + 1) - samples;
-        vec2 middle = (2.0 * vec2(at) + 1.0) / float(size) - 1.0;
-        total += radiance(face_direction(face, middle + offset / float(samples * size)));
+        vec2 place = texel_middle(at, size) + offset / float(samples * size);
+        total += radiance(face_direction(face, place));
     }
     return total / float(samples);
 }

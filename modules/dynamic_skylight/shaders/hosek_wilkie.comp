@@ -84,7 +84,8 @@ void main() {
         return;
     }
     int face = faces[gl_WorkGroupID.z];
-    vec2 c = (2.0 * vec2(at) + 1.0) / float(size) - 1.0;
+    // Divided last: some cards' quotients are not exact, and a middle must be 0.
+    vec2 c = (2.0 * vec2(at) + 1.0 - float(size)) / float(size);
     vec3 direction = texel_direction(face, c);
     // By index, not by direction.y: the level row of an odd size is ground on the CPU too.
     bool up = face == 2 || (face != 3 && at.y < size / 2);

@@ -121,7 +121,9 @@ def _noise2(values: Float32Array, error2: Float32Array) -> Float32Array:
     """Squared bound of the noise (H, W), by the squared error (H, W) of values (H, W, 4)."""
     mean = mean_about(luminance(values[..., :3]))
     share2 = error2 / np.maximum(mean**2, np.float32(1e-30)) / _LARGE_SHARE**2
-    return np.asarray(error2 * (_NOISES**2 * (1.0 + share2**2)), np.float32)
+    # Where next to no light is, any noise is a large share.
+    bound2 = error2 * (_NOISES**2 * (1.0 + share2**2))
+    return np.asarray(np.minimum(bound2, np.finfo(np.float32).max), np.float32)
 
 
 def mean_about(values: FloatArray | Float32Array) -> FloatArray:

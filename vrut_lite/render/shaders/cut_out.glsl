@@ -1,11 +1,17 @@
 // What of a cut-out surface is there: render/cut_out.py says what its map holds.
 
+// The level of a map that a pixel asks for, from 0 to 1: drivers differ in what textureQueryLod
+// tells where the map is read finer than that.
+float level_to_one(sampler2D map, vec2 uv) {
+    vec2 texels = vec2(textureSize(map, 0)), x = dFdx(uv) * texels, y = dFdy(uv) * texels;
+    return clamp(0.5 * log2(max(max(dot(x, x), dot(y, y)), 1e-12)), 0.0, 1.0);
+}
+
 // Share of a pixel that a map with this alpha covers: with a soft edge of a pixel where texels are
 // larger than pixels, and the map's own share where they are smaller.
 float covered_share(sampler2D map, vec2 uv, float alpha) {
-    float small = clamp(textureQueryLod(map, uv).y, 0.0, 1.0);
-    float edge = 1.0 / max(fwidth(alpha), 1e-4);
-    return clamp((alpha - 0.5) * mix(max(edge, 1.0), 1.0, small) + 0.5, 0.0, 1.0);
+    float edge = clamp((alpha - 0.5) / clamp(fwidth(alpha), 1e-4, 1.0) + 0.5, 0.0, 1.0);
+    return mix(edge, alpha, level_to_one(map, uv));
 }
 
 // A number of its own for each triangle: surfaces one behind another leave out other pixels.
