@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +93,7 @@ class GlWork:
         self.gpu_s = 0.0
         self._work = gl_owner().call(prepare)
 
-    def __call__(self) -> "GlWork":
+    def __call__(self) -> Self:
         """Run it, and wait until it is done."""
         gl_owner().call(self._run)
         return self
@@ -140,15 +140,19 @@ class GlTexture(GlWork):
         return work
 
     def read(self) -> NDArray[np.float64]:
-        """The cube (6, size, size, 3)."""
+        """The cube (6, size, size, 3), or the volume (depth, height, width, 3)."""
         return self._scale * gl_owner().call(self._read)
 
     def _read(self, context: Any) -> NDArray[np.float64]:
         context.memory_barrier()
         kind = np.float16 if self._job.format == "rgba16f" else np.float32
-        faces = [np.frombuffer(self._texture.read(face), kind) for face in range(6)]
-        cube = np.stack(faces).reshape(6, *self._texture.size, 4)
-        return cube[..., :3].astype(float)
+        size = self._job.size
+        if isinstance(size, tuple):
+            texels = np.frombuffer(self._texture.read(), kind).reshape(*reversed(size), 4)
+        else:
+            faces = [np.frombuffer(self._texture.read(face), kind) for face in range(6)]
+            texels = np.stack(faces).reshape(6, size, size, 4)
+        return texels[..., :3].astype(float)
 
 
 class GlTextures:

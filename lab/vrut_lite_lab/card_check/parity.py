@@ -1,0 +1,132 @@
+"""Products of the card beside those of the processor: the worst texel, and its place.
+
+Differences are over the larger of the processor's value and a hundredth of its largest.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from bruneton_sky import preset, single_scattering
+from bruneton_sky.air_volume import air_volume
+from bruneton_sky.air_volume.gpu import air_volume_job
+from bruneton_sky.published.gpu_pipeline import GpuPipeline
+from bruneton_sky.published.gpu_single_scattering import single_scattering_cube_job
+from bruneton_sky.sky_view import fill_cube, sky_view
+from bruneton_sky.sky_view.gpu import sky_view_job
+from dynamic_skylight import HosekWilkieSky
+from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
+from dynamic_skylight.hosek_wilkie.sky import half_scale
+from numpy.typing import ArrayLike
+
+from vrut_lite.geometry.colour import three_sample_scale
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.sky.air_volume import light_of
+from vrut_lite_lab.bench.gl import GlTexture, close_gl, gl_owner
+from vrut_lite_lab.bench.paths.sky_view import solved
+from vrut_lite_lab.bench.paths.tables import DEMO, SIZES, air
+from vrut_lite_lab.bench.skies import sun_at
+from vrut_lite_lab.card_check.parts import Keep
+
+_SUNS_DEG = (60.0, 4.0, -4.0)
+_BLACK = np.zeros(3)
+_OF_LARGEST = 1e-2
+
+
+def measure(_folder: Path, keep: Keep) -> None:
+    """Compare all products."""
+    found: dict[str, Any] = {}
+    for name, compare in _products().items():
+        try:
+            found[name] = compare()
+        except Exception as error:  # The other products are compared too.
+            found[name] = {"error": f"{type(error).__name__}: {error}"[:500]}
+        keep(found)
+    close_gl()
+
+
+def _products() -> dict[str, Callable[[], dict[str, Any]]]:
+    made: dict[str, Callable[[], dict[str, Any]]] = {}
+    for size in (256, 1024):
+        made[f"Hosek and Wilkie's cube {size}², float16"] = partial(_hosek_wilkie, size)
+    for sun_deg in _SUNS_DEG:
+        made[f"sky-view cube 256², float16, sun {sun_deg:g}°"] = partial(_sky_view, sun_deg)
+        made[f"air volume, sun {sun_deg:g}°"] = partial(_air_volume, sun_deg)
+    for sun_deg in _SUNS_DEG[:2]:
+        made[f"light scattered once, cube 64², sun {sun_deg:g}°"] = partial(_once, sun_deg)
+    for table in ("transmittance", "irradiance", "scattering", "single_mie"):
+        made[f"published table: {table}"] = partial(_table, table)
+    return made
+
+
+def _difference(card: ArrayLike, processor: ArrayLike) -> dict[str, Any]:
+    card, processor = np.asarray(card, float), np.asarray(processor, float)
+    scale = np.maximum(np.abs(processor), _OF_LARGEST * np.abs(processor).max())
+    apart = np.abs(card - processor) / scale
+    where = np.unravel_index(np.argmax(np.where(np.isnan(apart), np.inf, apart)), apart.shape)
+    return {
+        "worst": float(apart[where]),
+        "where": [int(index) for index in where],
+        "card": float(card[where]),
+        "processor": float(processor[where]),
+        "rms": float(np.sqrt(np.mean(apart**2))),
+        "not_finite": int(np.count_nonzero(~np.isfinite(card))),
+    }
+
+
+def _hosek_wilkie(size: int) -> dict[str, Any]:
+    sky = HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.5)
+    scale = half_scale(sky.brightest)
+    cube = GlTexture(gpu_cube_job("check", "cube", sky, 0.5, _BLACK, size, scale), scale)().read()
+    up = texel_directions(size)[..., 1] > 0.0
+    return _difference(np.where(up[..., None], cube, 0.0), sky.cube_map(size, 0.5) * up[..., None])
+
+
+def _sky_view(sun_deg: float) -> dict[str, Any]:
+    view = sky_view(solved("clear air"), 2.0, sun_at(sun_deg))
+    job, scale = sky_view_job(view, 256, _BLACK, "check", "cube")
+    return _difference(GlTexture(job, scale)().read(), fill_cube(view, 256, _BLACK))
+
+
+def _air_volume(sun_deg: float) -> dict[str, Any]:
+    where = (solved("clear air"), 2.0, sun_at(sun_deg), 1.2e5)
+    job, volume = air_volume_job(*where, "check", "air")
+    expected = air_volume(*where)
+    light = light_of(expected).astype(float) * expected.radiance_scale
+    made = GlTexture(job, volume.radiance_scale)().read()
+    return _difference(made.reshape(light.shape), light)
+
+
+def _once(sun_deg: float) -> dict[str, Any]:
+    clear, sun, size = preset("earth-clear"), sun_at(sun_deg), 64
+    job = single_scattering_cube_job(
+        "check", "cube", clear, 0.0, sun, size, rule="gauss-legendre", samples=12, format="rgba32f"
+    )
+    directions = texel_directions(size)
+    up = directions[..., 1] > 0.0
+    towards = directions[up]
+    nu = np.clip(towards @ sun, -1.0, 1.0)
+    light = single_scattering(clear, 0.0, towards[:, 1], sun[1], nu, samples=12)
+    exact = np.asarray(light * three_sample_scale(clear.wavelength_nm, 3.0))
+    return _difference(GlTexture(job)().read()[up], exact)
+
+
+def _table(name: str) -> dict[str, Any]:
+    return _difference(*(getattr(tables, name) for tables in _tables()))
+
+
+_TABLES: list[Any] = []
+
+
+def _tables() -> list[Any]:
+    """By the card and by the processor, in the published form, at a quarter of the size."""
+    from bruneton_sky.published.pipeline.pipeline import run_pipeline
+
+    if not _TABLES:
+        sizes = SIZES["quarter"]
+        pipeline = gl_owner().call(lambda context: GpuPipeline(context, sizes))
+        _TABLES.append(gl_owner().call(lambda _: pipeline.run(air(DEMO), 4)))
+        _TABLES.append(run_pipeline(air(DEMO), sizes, 4))
+    return _TABLES
