@@ -1,11 +1,11 @@
 """Simple clouds for tests: a slab whose light can be computed analytically."""
 
 import numpy as np
+from clouds.model.cloud_density import density, distance_up_m
+from clouds.model.cloud_transport import transport_tables
 
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_density import density, distance_up_m
-from vrut_lite.clouds.cloud_transport import transport_tables
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite_lab.cloud_accuracy import ordinates_of
 
@@ -85,3 +85,8 @@ def slab_irradiance(layer, sun):
     air_m = 8000.0 * (1.0 - np.exp(-(layer.base_m + 300.0) / 8000.0)) / sun[1]
     diffuse = slab_ordinates(layer, sun).diffuse * sun[1]
     return diffuse * suns * np.exp(-air_m * np.array(MOLECULES_PER_M))
+
+
+def clouded(*layers):
+    """The part of a `SceneState` that shows these layers."""
+    return {"parts": {CloudsChanged: CloudsChanged(layers=layers, source="test")}}

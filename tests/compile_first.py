@@ -31,8 +31,8 @@ from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from dynamic_skylight import HosekWilkieSky
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_view import clouds_seen, sun_share
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_view import clouds_seen, sun_share
 half = np.array([0.5])
 fast_scattered_without_phase(Atmosphere.earth(), 0.0, half, 0.5, half, 4)
 layer = make_layers(CloudSettings(coverage=0.5))[1][0]

@@ -15,6 +15,8 @@ import pytest
 # Every kernel asks what is installed, which does not change meanwhile and takes 25 ms to find.
 importlib.metadata.entry_points = functools.cache(importlib.metadata.entry_points)
 
+from stateful_backend import StatefulBackend  # noqa: E402
+
 from vrut_lite.render.gl_environment import probe_gl  # noqa: E402
 
 # pytest-qt ends the whole run where Qt cannot be loaded: pyproject.toml keeps it from loading
@@ -129,6 +131,31 @@ def gl_owner():
     owner = GlOwner(PROCESSOR_NS)
     yield owner
     owner.close()
+
+
+@pytest.fixture
+def gl_backend(gl_owner):
+    """Makes a `StatefulBackend` on OpenGL with parts of its state."""
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    yield lambda **parts: StatefulBackend(backend, **parts)
+    backend.close()
+
+
+@pytest.fixture(scope="module")
+def _backend_of_file(gl_owner):
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture
+def shared_gl_backend(_backend_of_file):
+    """The same on a backend that the tests of a file share: its frames remember the ones before."""
+    return lambda **parts: StatefulBackend(_backend_of_file, **parts)
 
 
 @pytest.fixture(scope="module")

@@ -39,12 +39,11 @@ DAYLIGHT = (
 VALUES = {
     "arguments", "array", "array_cache", "checks", "compiled_code", "errors", "foreign_errors",
     "interrupts", "mailbox", "memory_limit", "njit", "npz_arrays", "numba_shortcuts",
-    "numeric_types", "plain_numbers", "sound_environment", "write_atomic",
+    "numeric_types", "plain_numbers", "sound_environment", "uniform_block", "write_atomic",
 }  # fmt: skip
-# Parts of vrut_lite that modules may import; clouds are not yet in their module.
+# Parts of vrut_lite that modules may import.
 FOR_MODULES = VALUES | {
-    "kernel", "messages", "atmosphere", "sky", "geometry", "frame_part", "clouds", "place_time",
-    "vrut_lite",
+    "kernel", "messages", "atmosphere", "sky", "geometry", "frame_part", "place_time", "vrut_lite",
 }  # fmt: skip
 BELOW = {
     "kernel": set(),
@@ -52,19 +51,17 @@ BELOW = {
     "discovery": {"kernel"},
     "atmosphere": {"geometry"},
     "messages": {"kernel", "geometry", "atmosphere"},
-    "clouds": {"geometry", "messages", "atmosphere"},
     "weather": {"messages", "sky"},
-    "sky": {"kernel", "geometry", "messages", "atmosphere", "clouds"},
+    "sky": {"kernel", "geometry", "messages", "atmosphere"},
     "recording": {"kernel", "messages", "sky", "discovery"},
     "pictures": {"geometry", "messages"},
     "scene": {"kernel", "geometry", "messages", "sky", "pictures", "place_time", "frame_part"},
-    "frame_part": {"kernel"},
+    "frame_part": {"kernel", "messages"},
     "render": {
         "kernel",
         "geometry",
         "messages",
         "atmosphere",
-        "clouds",
         "sky",
         "scene",
         "pictures",

@@ -2,11 +2,14 @@
 
 A module brings a part by an entry point of the group `vrut_lite.frame_parts` that names a subclass
 of `FramePart`. The scene manager hears the messages that it names in `hears`; the renderer makes
-one instance on its GL thread, hands it those messages and lets it draw. Nobody else knows of it.
+one instance on its GL thread, hands it those messages and calls its hooks, in this order of a
+picture: `prepare`, solid surfaces and the sky, `draw_over_sky`, `draw_over_solid`, and what lets
+light through. Nobody else knows of it.
 """
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -20,9 +23,15 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Derived
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.sky import AmbientChanged
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.numeric_types import Vector
+from vrut_lite.uniform_block import UniformBlock
 
 GROUP = "vrut_lite.frame_parts"
 Heard = Mapping[type[Derived], Derived]
+Size = tuple[int, int]
 D = TypeVar("D", bound=Derived)
 _log = logging.getLogger(__name__)
 
@@ -35,12 +44,53 @@ class PartView(Protocol):
         """The eye (3,), world axes."""
 
     @property
+    def rotation(self) -> NDArray[np.float64]:
+        """Matrix (4, 4) from world axes to the camera's."""
+
+    @property
     def projection(self) -> NDArray[np.float64]:
         """Matrix (4, 4) from the camera's axes to clip space; depth is reversed."""
 
     @property
     def clip_from_eye(self) -> NDArray[np.float64]:
         """Matrix (4, 4) from positions relative to the eye, in world axes, to clip space."""
+
+
+@dataclass(frozen=True)
+class PartFrame:
+    """A picture that is about to be drawn.
+
+    Attributes:
+        view: the camera.
+        size_px: width and height.
+        is_still: whether it must be complete; otherwise something moves, and it must be quick.
+        highest_m: y that no surface of the scene exceeds.
+        ground_level_m: y of the ground behind the scene.
+        key_light: the light with shadows, before it meets any part.
+        clear_sky: irradiance of the clear sky.
+        whole_sky: irradiance of the sky with its layers.
+        air: defines with which air.glsl finds the air of this picture; empty without air.
+    """
+
+    view: PartView
+    size_px: Size
+    is_still: bool
+    highest_m: float
+    ground_level_m: float
+    key_light: KeyLightChanged
+    clear_sky: AmbientChanged
+    whole_sky: AmbientChanged
+    air: tuple[str, ...]
+
+
+class PartTarget(Protocol):
+    """The framebuffer of a picture."""
+
+    size: Size
+
+    @property
+    def buffer(self) -> Any:
+        """moderngl's framebuffer: radiance (linear sRGB, W m^-2 sr^-1) and depth."""
 
 
 class Screen(Protocol):
@@ -51,39 +101,119 @@ class Screen(Protocol):
     def set(self, name: str, value: Any) -> None:
         """Set a uniform, a number or numbers, unless the compiler found it unused."""
 
-    def draw(self, view: PartView, box_px: tuple[int, int, int, int] | None = None) -> None:
-        """Draw into the bound framebuffer, or a box of it: left, lower, width and height."""
+    def draw(
+        self, view: PartView | None = None, box_px: tuple[int, int, int, int] | None = None
+    ) -> None:
+        """Draw into the bound framebuffer, or a box of it: left, lower, width and height.
+
+        Without a view the rays of the last one stay.
+        """
+
+    def release(self) -> None:
+        """Free it before the part goes."""
+
+
+class Tiles(Protocol):
+    """A pass that may be given up while it is drawn."""
+
+    def draw(self, size: Size, draw: Callable[[Any], None]) -> None:
+        """Call `draw` for each piece of a picture of this size, clipped to it."""
+
+
+class DepthCopy(Protocol):
+    """The depth of a framebuffer, one sample a pixel, for shaders."""
+
+    def copy(self, framebuffer: Any) -> None:
+        """Take the depth of a framebuffer as it is now."""
+
+    def use(self, location: int) -> None:
+        """Bind it to a texture unit."""
+
+    def release(self) -> None:
+        """Free it."""
 
 
 class PartGl(Protocol):
-    """The renderer's side of a part; it frees what it made when the part goes.
+    """The renderer's side of a part; it frees screens and programs when the part goes.
+
+    A program of a part's own may use texture units 0 to 8, 10 and 11: sky and meshes bind theirs
+    again.
 
     Attributes:
         context: moderngl's context.
+        gl: the functions of OpenGL (PyOpenGL's `OpenGL.GL`).
         ledger: counts what the frame did and skipped.
+        before_sky: the least depth of surfaces, of which the sky's is less.
     """
 
     context: Any
+    gl: Any
     ledger: Ledger
+    before_sky: float
 
-    def screen(self, fragment_shader: Path) -> Screen:
-        """A program of a module's own shader; `//!include FILE` brings the renderer's files."""
+    def screen(self, fragment_shader: Path, defines: tuple[str, ...] = ()) -> Screen:
+        """A program of a module's own shader; `//!include FILE` brings a file beside it, one of
+        the renderer's, or one of the part's blocks."""
 
     def program(self, vertex_shader: Path, fragment_shader: Path) -> Any:
         """moderngl's program of a module's own shaders."""
+
+    def tiles(self, most: int | None = None) -> Tiles:
+        """Pieces of a slow pass, each of at most `most` of the renderer's tiles."""
+
+    def depth_copy(self, size: Size) -> DepthCopy:
+        """A texture for the depth of pictures of a size."""
+
+    def by_size(self, make: Callable[[Size], Any]) -> Any:
+        """A cache of the results of `make` for the last two sizes: `get(size)`, `release()`."""
+
+    def block(self, name: str) -> UniformBlock:
+        """One of the part's `blocks`, with its binding."""
+
+    def unit(self, sampler: str) -> int:
+        """Texture unit of one of the part's `samplers`."""
+
+    def average_down(self, texture: Any) -> None:
+        """Make the smaller levels of a texture; its filter is the caller's."""
+
+    def leave_framebuffers(self) -> None:
+        """Bind a framebuffer that stays, before others are freed."""
 
 
 class FramePart:
     """A module's part of the frame; override the hooks it uses. All calls come on the GL thread.
 
     A part that raises is left out of all further pictures, and a warning says so.
+
+    Class attributes:
+        hears: messages whose latest ones `show` gets; those of a slot go when nobody holds it.
+        blocks: uniform blocks of its shaders, by the names that these include.
+        samplers: names of textures that surfaces and sky look up for it, declared in GLSL by a
+            line `//!sampler TYPE NAME`; `gl.unit(name)` is where it binds them in `prepare`.
+        sun_factor: GLSL that dims the sun before it reaches a surface, called while `shades_sun`:
+            `float sun_factor(vec3 from_eye)` is the share that reaches a point,
+            `vec3 ground_factor(vec3 from_eye)` that of the light of open ground, and
+            `float sun_factor_end_m(vec3 d, float metres)` how far along a ray points may be
+            dimmed. One installed part may have it.
     """
 
-    # Messages whose latest ones `show` gets. Those of a slot go when nobody holds it.
     hears: ClassVar[tuple[type[Derived], ...]] = ()
+    blocks: ClassVar[Mapping[str, UniformBlock]] = {}
+    samplers: ClassVar[tuple[str, ...]] = ()
+    sun_factor: ClassVar[Path | None] = None
 
     def __init__(self, gl: PartGl):
         self.gl = gl
+
+    @classmethod
+    def reach_m(cls, heard: Heard, camera: MoveCamera) -> float:
+        """Distance from the eye up to which it draws things in the air."""
+        return 0.0
+
+    @classmethod
+    def sun_share(cls, heard: Heard, point_m: Vector, direction: Vector) -> float:
+        """Share of the sun in a direction that it lets reach a point: `sun_factor`'s twin."""
+        return 1.0
 
     def show(self, heard: Heard) -> None:
         """Draw these from the next picture on; called when one of them changes."""
@@ -93,11 +223,22 @@ class FramePart:
         """Whether there is anything to draw."""
         return True
 
-    def draw_over_sky(self, size_px: tuple[int, int], view: PartView) -> None:
+    def prepare(self, frame: PartFrame) -> None:
+        """Compute what the picture needs, and bind what surfaces look up."""
+
+    @property
+    def shades_sun(self) -> bool:
+        """Whether `sun_factor` dims anything in the picture that was prepared."""
+        return False
+
+    def draw_over_sky(self, size_px: Size, view: PartView) -> None:
         """Add radiance (linear sRGB, W m^-2 sr^-1) to the sky where no surface covers it.
 
-        Blending adds what fragments return, whose alpha must be 0; clouds come after.
+        Blending adds what fragments return, whose alpha must be 0.
         """
+
+    def draw_over_solid(self, frame: PartFrame, target: PartTarget, sample: int) -> None:
+        """Draw over sky and solid surfaces; `sample`: which of a still's pictures."""
 
     def release(self) -> None:
         """Free the GL objects that the part made by itself."""
@@ -106,12 +247,14 @@ class FramePart:
 @cache
 def frame_parts() -> dict[str, type[FramePart]]:
     """Parts by the names of their entry points; a part that fails to load is left out, warned."""
-    found = {}
+    found: dict[str, type[FramePart]] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:
             part = point.load()
             if not (isinstance(part, type) and issubclass(part, FramePart)):
                 raise UserError("it names no subclass of FramePart")
+            if part.sun_factor is not None and (other := _dims_sun(found)):
+                raise UserError(f"the frame part {other} dims the sun already")
             found[point.name] = part
         except BaseException as error:
             pass_interrupt(error)
@@ -119,6 +262,35 @@ def frame_parts() -> dict[str, type[FramePart]]:
     return found
 
 
+def _dims_sun(parts: Mapping[str, type[FramePart]]) -> str:
+    return next((name for name, part in parts.items() if part.sun_factor is not None), "")
+
+
 def heard_by_parts() -> tuple[type[Derived], ...]:
     """Types of all messages that parts hear."""
     return tuple(dict.fromkeys(kind for part in frame_parts().values() for kind in part.hears))
+
+
+def heard_by(part: type[FramePart], heard: Heard) -> Heard:
+    """The messages that a part hears."""
+    return {kind: heard[kind] for kind in part.hears if kind in heard}
+
+
+def part_reach_m(heard: Heard, camera: MoveCamera) -> float:
+    """Distance from the eye up to which parts draw things in the air."""
+    reach_m = (p.reach_m(heard_by(p, heard), camera) for p in frame_parts().values())
+    return max(reach_m, default=0.0)
+
+
+def sun_share(heard: Heard, point_m: Vector, direction: Vector) -> float:
+    """Share of the sun in a direction that parts let reach a point."""
+    share = 1.0
+    for part in frame_parts().values():
+        share *= part.sun_share(heard_by(part, heard), point_m, direction)
+    return share
+
+
+def shade_is_same(before: Heard, now: Heard) -> bool:
+    """Whether parts that dim the sun heard the same messages."""
+    kinds = {k for part in frame_parts().values() if part.sun_factor for k in part.hears}
+    return all(before.get(kind) is now.get(kind) for kind in kinds)

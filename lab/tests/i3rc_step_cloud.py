@@ -9,9 +9,9 @@ cloudy atmospheres"; results of the project's archive, experiment 2: the sun at 
 from typing import NamedTuple
 
 import numpy as np
+from clouds.model.cloud_density_kernels import compiled
 
 from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
-from vrut_lite.clouds.cloud_density_kernels import compiled
 
 PIXELS, PERIOD_M, MU_0 = 32, 500.0, 0.5
 # Light goes along +x.

@@ -23,7 +23,7 @@ def test_a_part_writes_what_it_found_and_the_page_names_the_card(tmp_path):
 
 def test_a_part_that_takes_too_long_is_stopped_and_said_so(tmp_path, monkeypatch, capsys):
     """What it had found by then stays; the next part is done."""
-    slow = parts.Part("Slow", 0.2, "driver")
+    slow = parts.CheckPart("Slow", 0.2, "driver")
     monkeypatch.setattr(parts, "PARTS", {**parts.PARTS, "driver": slow})
     (tmp_path / "driver.json").write_text('{"card": "before"}')
     run_parts(tmp_path, ["driver", "driver"])

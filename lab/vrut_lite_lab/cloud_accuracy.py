@@ -8,10 +8,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from clouds.model.cloud_transport import droplets, layer_transmittance
 from PythonicDISORT import pydisort
 
 from vrut_lite.atmosphere.aerosols.phase_table import node_places
-from vrut_lite.clouds.cloud_transport import droplets, layer_transmittance
 from vrut_lite.numeric_types import FloatArray
 
 DEPTHS, ELEVATIONS_DEG = (0.3, 1.0, 3.0, 10.0, 30.0, 60.0), (9.0, 20.0, 35.0, 60.0)

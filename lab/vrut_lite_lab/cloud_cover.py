@@ -15,11 +15,12 @@ from datetime import datetime
 import msgspec
 import numpy as np
 from clouds.genera import GENERA, Genus
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_view import clouds_seen
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
+from clouds.sky_under_clouds import light_under_clouds
 
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_view import clouds_seen
 from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
@@ -30,7 +31,7 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.sky.sky_layer import Viewpoint
 
 NOON = datetime.fromisoformat("2026-05-01T10:00+00:00")
 UP, EYE = np.array([0.0, 1.0, 0.0]), (0.0, 2.0, 0.0)

@@ -10,16 +10,16 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from clouds.model.cloud_density import distance_up_m
+from clouds.model.cloud_density_kernels import optical_depths
+from clouds.model.cloud_field import cloud_field
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_march_kernels import look_at_clouds
+from clouds.model.cloud_view import lights_on
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_density import distance_up_m
-from vrut_lite.clouds.cloud_density_kernels import optical_depths
-from vrut_lite.clouds.cloud_field import cloud_field
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_march_kernels import look_at_clouds
-from vrut_lite.clouds.cloud_view import lights_on
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite_lab.cloud_monte_carlo import sun_radiance, without_peak

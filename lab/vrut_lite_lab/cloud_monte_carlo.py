@@ -13,11 +13,11 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from clouds.model.cloud_density_kernels import compiled, density_at
+from clouds.model.cloud_transport import scatterer
 from numpy.typing import ArrayLike
 
 from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
-from vrut_lite.clouds.cloud_density_kernels import compiled, density_at
-from vrut_lite.clouds.cloud_transport import scatterer
 from vrut_lite.numeric_types import FloatArray
 
 

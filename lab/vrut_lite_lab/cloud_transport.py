@@ -1,20 +1,17 @@
-"""Make vrut_lite/clouds/data/cloud_transport.npz: diffuse light in plane layers of droplets.
+"""Make modules/clouds/model/data/cloud_transport.npz: diffuse light in plane layers of droplets.
 
     python -m vrut_lite_lab.cloud_transport
 
 Adding and doubling in float64 (van de Hulst 1963; Hansen and Travis 1974, "Light scattering in
 planetary atmospheres", section 3) for a conservative layer. The phase function is that of fog's
 droplets at 550 nm, cut by delta-M (Wiscombe 1977) after `STREAMS` moments; depths are the scaled
-ones. `vrut_lite/clouds/cloud_transport.py` says what the tables mean.
+ones. `modules/clouds/model/cloud_transport.py` says what the tables mean.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-
-from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
-from vrut_lite.clouds.cloud_transport import (
+from clouds.model.cloud_transport import (
     FILE,
     FLUX_DEPTHS,
     FLUX_SINES,
@@ -23,6 +20,9 @@ from vrut_lite.clouds.cloud_transport import (
     NODE_VIEWS,
     droplets,
 )
+from numpy.typing import NDArray
+
+from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
 from vrut_lite.numeric_types import FloatArray
 
 STREAMS = 16

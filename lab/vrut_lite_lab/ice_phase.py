@@ -1,4 +1,4 @@
-"""Make vrut_lite/clouds/data/ice_crystals.npz: the phase function of hexagonal columns of ice.
+"""Make modules/clouds/model/data/ice_crystals.npz: the phase function of hexagonal columns of ice.
 
     python -m vrut_lite_lab.ice_phase
 

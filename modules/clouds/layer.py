@@ -4,10 +4,7 @@ import msgspec
 import numpy as np
 
 from clouds.genera import GENERA
-from clouds.noise import detail_volume, shape_volume, weather_map
-from clouds.settings import Layer, Passes
-from vrut_lite.array import Array
-from vrut_lite.clouds.cloud_density import (
+from clouds.model.cloud_density import (
     column_of,
     density_of,
     detail_at,
@@ -15,7 +12,10 @@ from vrut_lite.clouds.cloud_density import (
     shape_at,
     weather_at,
 )
-from vrut_lite.clouds.cloud_transport import even_transmittance, layer_transmittance
+from clouds.model.cloud_transport import even_transmittance, layer_transmittance
+from clouds.noise import detail_volume, shape_volume, weather_map
+from clouds.settings import Layer, Passes
+from vrut_lite.array import Array
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray
 

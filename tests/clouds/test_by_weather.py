@@ -6,6 +6,7 @@ import pytest
 from clouds.by_weather import coverage_of, genus_of, layers_under
 from clouds.module import Clouds, make_layers
 from clouds.settings import CloudSettings
+from clouds.sky_under_clouds import light_under_clouds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from light_messages import clear_sky_light, light_messages
@@ -21,7 +22,7 @@ from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.cloudiness import CloudinessChanged
 from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.messages.place import SetPlace
-from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.sky.sky_layer import Viewpoint
 
 FOLLOWS = CloudSettings(follow_weather=True)
 

@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 from cloud_stage import slab
-from clouds.module import make_layers
-from clouds.settings import CloudSettings
-from long_parameters import mostly_long
-
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_density import (
+from clouds.model.cloud_density import (
     PLANET_RADIUS_M,
     altitude_m,
     density,
@@ -16,6 +11,11 @@ from vrut_lite.clouds.cloud_density import (
     optical_depth,
     sun_transmittance,
 )
+from clouds.module import make_layers
+from clouds.settings import CloudSettings
+from long_parameters import mostly_long
+
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
 
 EYE = np.zeros(3)
 

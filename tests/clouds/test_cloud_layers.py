@@ -4,16 +4,17 @@ import msgspec
 import numpy as np
 import pytest
 from cloud_stage import slab
+from clouds.model.cloud_layers import clear_light, lights_on, mean_sun_share
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_transport import even_transmittance, ice_crystals
+from clouds.sky_under_clouds import light_under_clouds
 from light_messages import clear_sky_light, light_messages
 
-from vrut_lite.clouds.cloud_layers import clear_light, lights_on, mean_sun_share
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_transport import even_transmittance, ice_crystals
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.messages.clouds import CloudForm, CloudsChanged
 from vrut_lite.messages.sky import NO_LAMPS
-from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.sky.sky_layer import Viewpoint
 
 SUN = (0.6, 0.8, 0.0)
 LOW = slab(extinction_per_m=0.05)

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from cloud_stage import slab
-from long_parameters import mostly_long
-
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_transport import (
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_transport import (
     even_transmittance,
     layer_reflectance,
     layer_transmittance,
 )
-from vrut_lite.clouds.cloud_view import clouds_seen
+from clouds.model.cloud_view import clouds_seen
+from long_parameters import mostly_long
+
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
 from vrut_lite_lab.cloud_accuracy import DEPTHS, ELEVATIONS_DEG, ordinates_of
 
 CASES = [(depth, elevation) for depth in DEPTHS for elevation in ELEVATIONS_DEG]

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 from cloud_stage import rough_layer, slab, slab_radiance
+from clouds.model.cloud_density import distance_up_m, optical_depth, sun_transmittance
+from clouds.model.cloud_field import cloud_field
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_light_volume import light_volume
+from clouds.model.cloud_view import clouds_seen, sun_share
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from long_parameters import mostly_long
-
-from vrut_lite.clouds.cloud_density import distance_up_m, optical_depth, sun_transmittance
-from vrut_lite.clouds.cloud_field import cloud_field
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_light_volume import light_volume
-from vrut_lite.clouds.cloud_view import clouds_seen, sun_share
 
 SUN = (0.6, 0.8, 0.0)
 DARK = ClearLight(SUN, (90.0, 80.0, 70.0), np.zeros((25, 3)))

@@ -5,7 +5,7 @@ from itertools import count
 import numpy as np
 import pytest
 import trimesh
-from cloud_stage import rough_layer
+from cloud_stage import clouded, rough_layer
 from scene_stage import light, look
 from stateful_backend import opened
 
@@ -35,7 +35,7 @@ def backend(gl_backend, tmp_path):
     path = tmp_path / "spheres.glb"
     scene.export(path)
     scene = opened(path, GroundDisc((0, 0), 0, 600))
-    backend = gl_backend(size_px=(140, 140), scene=scene, clouds=(rough_layer(),))
+    backend = gl_backend(size_px=(140, 140), scene=scene, **clouded(rough_layer()))
     light(backend, SKY, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     look(backend, EYE, (1.5, 3.5, 2.0))
     return backend

@@ -2,7 +2,9 @@
 
 import re
 from collections import defaultdict
+from pathlib import Path
 
+import clouds
 import numpy as np
 import pytest
 from air_stage import volume_of
@@ -14,12 +16,15 @@ from term_stage import material
 from vrut_lite.render.shader_files import SHADERS, shader_source
 
 _SAMPLER = re.compile(r"^layout\(binding = (\d+)\) uniform sampler\w+ (\w+);", re.MULTILINE)
-STAGES = sorted(path.name for path in SHADERS.iterdir() if path.suffix != ".glsl")
+OF_CLOUDS = Path(clouds.__file__).parent / "shaders"
+STAGES = sorted(
+    path for folder in (SHADERS, OF_CLOUDS) for path in folder.iterdir() if path.suffix != ".glsl"
+)
 # Light shafts read the shadow map of the whole scene, which surfaces have too.
 SAME_TEXTURE = {"shaft_shadow_map": "shadow_map"}
 
 
-@pytest.mark.parametrize("stage", STAGES)
+@pytest.mark.parametrize("stage", STAGES, ids=lambda path: path.name)
 def test_no_unit_has_two_textures(stage):
     """What is bound once a picture stays while materials bind theirs, and no unit of a program has
     two kinds of texture, with which GL draws nothing; whatever is compiled out."""

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
-from vrut_lite.render.uniform_blocks import AIR, CLOUDS, UniformBlock
+from vrut_lite.render.part_slots import part_blocks
+from vrut_lite.render.uniform_blocks import AIR
+from vrut_lite.uniform_block import UniformBlock
 
+CLOUDS = part_blocks()["cloud_block.glsl"]
 BLOCK = UniformBlock(
-    "Some", "some", 5, {"a": ("float", "one"), "b": ("vec3", "three"), "c": ("mat4", "sixteen")}
+    "Some", "some", {"a": ("float", "one"), "b": ("vec3", "three"), "c": ("mat4", "sixteen")}, 5
 )
 
 

@@ -7,6 +7,7 @@ import pytest
 from bruneton_sky import single_scattering
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from clouds.layer import with_coverage
+from clouds.model import cloud_density as clouds
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from dynamic_skylight.air import air_is_seen, air_volume
@@ -16,7 +17,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
-from vrut_lite.clouds import cloud_density as clouds
 from vrut_lite.kernel.settings import describe
 from vrut_lite.sky.air_volume import look_up_air
 

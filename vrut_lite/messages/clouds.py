@@ -21,7 +21,7 @@ PARTICLES: tuple[Particles, ...] = ("droplets", "ice")
 
 
 class CloudForm(msgspec.Struct, frozen=True, kw_only=True):
-    """How weather and noise become clouds; `vrut_lite.clouds.cloud_density` says in formulas.
+    """How weather and noise become clouds; `clouds.model.cloud_density` says in formulas.
 
     Attributes:
         weather_periods_m: of the two copies of the weather map.
@@ -73,7 +73,7 @@ class CloudForm(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
-    """One layer of clouds between two altitudes; `vrut_lite.clouds.cloud_density` defines its
+    """One layer of clouds between two altitudes; `clouds.model.cloud_density` defines its
     density.
 
     Altitudes count from world y = 0, azimuths as the world's.

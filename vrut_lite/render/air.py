@@ -14,12 +14,16 @@ from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.near_air import NearAir, second_light
+from vrut_lite.render.near_air import SECOND_LIGHT, NearAir, second_light
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
 from vrut_lite.sky.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.sky.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 
+# A part's GLSL dims the sun (see `FramePart.sun_factor`).
+SUN_FACTOR = "SUN_FACTOR"
+# Those with which air.glsl alone is compiled.
+AIR_DEFINES = ("AIR", SECOND_LIGHT)
 # As air.glsl binds them.
 _RADIANCE_UNIT, _EXTINCTION_UNIT, _PHASE_UNIT = 12, 13, 26
 
@@ -57,6 +61,11 @@ class FrameAir(NamedTuple):
         """Defines of a frame with air; a sky whose air is included needs no more."""
         mesh = ("AIR", *second_light(volume), *(("LIGHT_SHAFTS",) if shafts else ()))
         return cls(mesh, mesh if shafts or around.ground_is_bare else (), near)
+
+    def with_dimmed_sun(self) -> "FrameAir":
+        """The same where a part dims the sun; the sky's ground is dimmed only through air."""
+        sky = (*self.sky, SUN_FACTOR) if "AIR" in self.sky else self.sky
+        return FrameAir((*self.mesh, SUN_FACTOR), sky, self.near)
 
 
 class AirOnGpu:

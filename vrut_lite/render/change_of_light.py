@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
+from vrut_lite.frame_part import shade_is_same
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.scene_state import SceneState
 
 # Parts of a state that must be the very same for a picture to be taken over.
-_KEPT = ("scene", "light_map", "section", "shows", "clouds", "tolerance")
+_KEPT = ("scene", "light_map", "section", "shows", "tolerance")
 # Parts that the hour changes; without another hour they have been set by hand.
 _LIGHT = ("key_light", "background", "ambient", "sky_light", "surface_light", "air")
 # As far as the sun may have moved, and light may have become brighter or darker.
@@ -23,6 +24,8 @@ def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
     While time plays both suns stand side by side; light that is set otherwise is seen at once.
     """
     if any(getattr(before, name) is not getattr(now, name) for name in _KEPT):
+        return None
+    if not shade_is_same(before.parts, now.parts):
         return None
     if all(getattr(before, name) is getattr(now, name) for name in _LIGHT):
         return np.ones(3)

@@ -7,19 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.frame_part import Heard
+from vrut_lite.frame_part import Heard, PartFrame
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.messages.air import AirVolume
-from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.night import MoonDiscChanged
 from vrut_lite.messages.sky import ViewShader, mean_level
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
+from vrut_lite.render.air import AIR_DEFINES, AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.culling import in_view
 from vrut_lite.render.device import Choices
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -92,10 +91,6 @@ class Frame:
         """Light surfaces by these too from the next frame on."""
         self._passes.lamps.show(lamps)
 
-    def show_clouds(self, layers: tuple[CloudLayer, ...]) -> None:
-        """Draw these clouds from the next frame on, from low to high."""
-        self._passes.clouds.show(layers)
-
     def show_parts(self, heard: Heard) -> None:
         """Let the modules' parts draw these messages from the next frame on."""
         self._passes.parts.show(heard)
@@ -143,10 +138,12 @@ class Frame:
         with passes.measure("lamps"):
             passes.lamps.update(passes.meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state)
-        with passes.measure("cloud shadows"):
-            air = passes.clouds.prepare(scene, view, light, air, state.size_px, state.key_light)
+        parts = _part_frame(scene, view, air, state, still)
+        with passes.measure("parts before surfaces"):
+            if passes.parts.prepare(parts):
+                air = air.with_dimmed_sun()
         disc = self._disc(light, state.key_light, state.shown(MoonDiscChanged))
-        shot = Shot(scene, seen, view, light, disc, shadows, reflection, air, state)
+        shot = Shot(scene, seen, view, light, disc, shadows, reflection, air, parts, state)
         return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
 
     def release(self) -> None:
@@ -225,6 +222,25 @@ class Frame:
             # A texture must be bound; no shader reads it.
             return Reflection(light.mirrored.texture, light.mirrored.scale, self._reflectance)
         return Reflection(filtered, self._filter.scale, self._reflectance)
+
+
+def _part_frame(
+    scene: PyrenderScene, view: View, air: FrameAir, state: SceneState, still: bool
+) -> PartFrame:
+    assert state.key_light is not None
+    assert state.ambient is not None
+    assert state.sky_light is not None
+    return PartFrame(
+        view=view,
+        size_px=state.size_px,
+        is_still=still,
+        highest_m=float(scene.centre_m[1] + scene.radius_m),
+        ground_level_m=scene.ground_level_m,
+        key_light=state.key_light,
+        clear_sky=state.ambient,
+        whole_sky=state.sky_light.ambient,
+        air=tuple(name for name in air.mesh if name in AIR_DEFINES),
+    )
 
 
 def _table_texture(context: Any) -> Any:

@@ -10,13 +10,29 @@ import numpy as np
 from OpenGL import GL
 
 from vrut_lite.foreign_errors import sentence_of
-from vrut_lite.frame_part import FramePart, Heard, PartView, frame_parts
+from vrut_lite.frame_part import (
+    FramePart,
+    Heard,
+    PartFrame,
+    PartTarget,
+    PartView,
+    Size,
+    frame_parts,
+    heard_by,
+)
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.reversed_depth import BEFORE_SKY
-from vrut_lite.render.shader_files import shader_source
+from vrut_lite.render.pieces import Patience, Pieces
+from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
+from vrut_lite.render.shader_files import Defines, shader_source
+from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.unlocked import build_mipmaps
+from vrut_lite.scene.backend import GivenUp
+from vrut_lite.uniform_block import UniformBlock
 
 _log = logging.getLogger(__name__)
 
@@ -24,19 +40,19 @@ _log = logging.getLogger(__name__)
 class FrameParts:
     """One of each installed part."""
 
-    def __init__(self, context: Any, ledger: Ledger):
-        self._context, self._ledger = context, ledger
+    def __init__(self, context: Any, ledger: Ledger, patience: Patience):
+        self._context, self._ledger, self._patience = context, ledger, patience
         self._types = frame_parts()
         # Parts are made when they first have something to show.
         self._parts: dict[str, FramePart] = {}
-        self._made: dict[str, _Gl] = {}
+        self._made: dict[str, PartRenderer] = {}
         self._heard: dict[str, Heard] = {}
         self._failed: set[str] = set()
 
     def show(self, heard: Heard) -> None:
         """Draw these messages from the next picture on."""
         for name, part_type in self._types.items():
-            own = {kind: heard[kind] for kind in part_type.hears if kind in heard}
+            own = heard_by(part_type, heard)
             before = self._heard.get(name, {})
             if own.keys() == before.keys() and all(own[kind] is before[kind] for kind in own):
                 continue
@@ -46,7 +62,7 @@ class FrameParts:
 
     def _show(self, name: str, heard: Heard) -> None:
         if name not in self._parts:
-            self._made[name] = _Gl(self._context, self._ledger)
+            self._made[name] = PartRenderer(self._context, self._ledger, self._patience)
             self._parts[name] = self._types[name](self._made[name])
         self._parts[name].show(heard)
 
@@ -55,9 +71,24 @@ class FrameParts:
         """Whether any part has something to draw."""
         return any(part.is_seen for part in self._parts.values())
 
-    def draw_over_sky(self, size_px: tuple[int, int], view: View) -> None:
+    def _seen(self) -> dict[str, FramePart]:
+        return {name: part for name, part in self._parts.items() if part.is_seen}
+
+    def prepare(self, frame: PartFrame) -> bool:
+        """Let parts prepare a picture; whether one of them dims the sun in it."""
+        self._ledger.skip("part: nothing to draw", len(self._types) - len(self._seen()))
+        for name, part in self._seen().items():
+            self._do(name, partial(part.prepare, frame))
+        return any(part.shades_sun for part in self._seen().values())
+
+    def draw_over_solid(self, frame: PartFrame, target: PartTarget, sample: int) -> None:
+        """Let parts draw over sky and solid surfaces; depth is reversed."""
+        for name, part in self._seen().items():
+            self._do(name, partial(part.draw_over_solid, frame, target, sample))
+
+    def draw_over_sky(self, size_px: Size, view: View) -> None:
         """Add what parts draw where nothing was drawn but the sky; depth is reversed."""
-        seen = {name: part for name, part in self._parts.items() if part.is_seen}
+        seen = self._seen()
         if not seen:
             return
         context = self._context
@@ -79,6 +110,8 @@ class FrameParts:
         """Do a part's work; one that raises is left out from now on."""
         try:
             work()
+        except GivenUp:
+            raise
         except BaseException as error:
             pass_interrupt(error)
             self._parts.pop(name, None)
@@ -93,18 +126,50 @@ class FrameParts:
             made.release()
 
 
-class _Gl:
+class PartRenderer:
     """The renderer's side of a part; see `PartGl`."""
 
-    def __init__(self, context: Any, ledger: Ledger):
+    gl, before_sky = GL, BEFORE_SKY
+
+    def __init__(self, context: Any, ledger: Ledger, patience: Patience):
         self.context, self.ledger = context, ledger
+        self._patience = patience
         self._made: list[Any] = []
 
-    def screen(self, fragment_shader: Path) -> "_PartScreen":
+    def screen(self, fragment_shader: Path, defines: Defines = ()) -> "_PartScreen":
         """A program of a module's own shader."""
-        screen = _PartScreen(self.context, fragment_shader)
+        screen = _PartScreen(self.context, fragment_shader, defines)
         self._made.append(screen)
         return screen
+
+    def tiles(self, most: int | None = None) -> Pieces:
+        """Pieces of a slow pass."""
+        return Pieces(self._patience, most)
+
+    def depth_copy(self, size: Size) -> DepthTexture:
+        """A texture for the depth of pictures of a size."""
+        return DepthTexture(size)
+
+    def by_size(self, make: Callable[[Size], Any]) -> SizeCache[Any]:
+        """A cache of what is made for a size."""
+        return SizeCache(self.context, make)
+
+    def block(self, name: str) -> UniformBlock:
+        """A block with its binding."""
+        return part_blocks()[name]
+
+    def unit(self, sampler: str) -> int:
+        """Texture unit of a sampler."""
+        return part_units()[sampler]
+
+    def average_down(self, texture: Any) -> None:
+        """Make the smaller levels of a texture."""
+        is_volume = len(texture.size) == 3
+        build_mipmaps(GL.GL_TEXTURE_3D if is_volume else GL.GL_TEXTURE_2D, texture)
+
+    def leave_framebuffers(self) -> None:
+        """Bind a framebuffer that stays."""
+        bind_permanent_framebuffer(self.context)
 
     def program(self, vertex_shader: Path, fragment_shader: Path) -> Any:
         """moderngl's program of a module's own shaders."""
@@ -124,11 +189,12 @@ class _Gl:
 class _PartScreen(FullScreen):
     """A shader for every pixel that knows its ray."""
 
-    def draw(  # type: ignore[override]
-        self, view: PartView, box_px: tuple[int, int, int, int] | None = None
+    def draw(
+        self, view: PartView | None = None, box_px: tuple[int, int, int, int] | None = None
     ) -> None:
         """Draw into the bound framebuffer, or a box of it: left, lower, width and height."""
-        self.set("ray_from_clip", np.linalg.inv(view.clip_from_eye).T.ravel())
+        if view is not None:
+            self.set("ray_from_clip", np.linalg.inv(view.clip_from_eye).T.ravel())
         if box_px is not None:
             GL.glEnable(GL.GL_SCISSOR_TEST)
             GL.glScissor(*box_px)

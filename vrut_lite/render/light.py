@@ -22,10 +22,9 @@ class Sky(NamedTuple):
 class Light:
     """Sun and sky of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
 
-    `sun_irradiance` is that of a plane that faces the sun, before clouds; `irradiance_sh` (25, 3)
-    is that of sky and clouds together, `clear_sh` of the clear sky. `sky` is seen behind the scene,
-    before clouds are drawn; `mirrored` has them in it. `sun_radius_rad` is that of an even disc.
-    `lamps_rgb` is the radiance of the lands around, for clouds.
+    `sun_irradiance` is that of a plane facing the sun, before any layer; `irradiance_sh` (25, 3)
+    is that of the sky with its layers, `clear_sh` of the clear sky. `sky` is seen behind the scene,
+    before layers are drawn; `mirrored` has them in it. `sun_radius_rad` is that of an even disc.
     """
 
     sun_direction: tuple[float, float, float]
@@ -35,7 +34,6 @@ class Light:
     sky: Sky
     mirrored: Sky
     sun_radius_rad: float
-    lamps_rgb: tuple[float, float, float]
 
 
 class Shadow(NamedTuple):

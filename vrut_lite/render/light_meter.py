@@ -1,17 +1,17 @@
 """A light meter: lux at points of the scene, from the same light as the picture's."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.clouds.cloud_layers import sun_transmittance_of
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.lamps import MOST_DRAWN, SceneLamps
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.numeric_types import Vector
 from vrut_lite.render.rays import SceneRays
 from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
 
@@ -35,18 +35,19 @@ def illuminance(
     ambient: AmbientChanged,
     point_m: ArrayLike,
     normal: ArrayLike,
-    clouds: tuple[CloudLayer, ...] = (),
+    sun_share: Callable[[Vector, Vector], float] = lambda point_m, direction: 1.0,
     lit: LitScene | None = None,
     lamps: SceneLamps | None = None,
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
-    Scene (with a sharp edge) and clouds shade the sun. All other light is as in the picture: the
-    light map's on its surfaces, else the light of the whole sky with its clouds.
+    The scene (with a sharp edge) and frame parts shade the sun. All other light is as in the
+    picture: the light map's on its surfaces, else that of the whole sky with its layers.
 
     Args:
-        sun: before clouds.
-        ambient: of sky and clouds together.
+        sun: before any layer.
+        ambient: of the sky with its layers.
+        sun_share: share of the sun in a direction that parts let reach a point.
         lamps: of the scene; those that the frame draws shine here too.
     """
     n = np.asarray(normal, dtype=float)
@@ -55,8 +56,9 @@ def illuminance(
     cosine = max(0.0, float(n @ direction))
     sunlit = cosine > 0.0 and rays.is_free(point_m, n, direction)
     through = float(sunlit)
-    if sunlit and clouds:
-        through = sun_transmittance_of(clouds, point_m, direction)
+    if sunlit:
+        x, y, z = np.asarray(point_m, float).tolist()
+        through = sun_share((x, y, z), sun.direction)
     sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
     hit = None if lit is None else rays.surface_at(point_m, n)
     if lit is not None and hit is not None:

@@ -47,12 +47,12 @@ class MovingPictures:
                 passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.air.sky)
             with passes.measure("copy and meter"):
                 radiance = self._reuse.keep(targets, shot)
-            if blended or passes.clouds.are_drawn or passes.parts.are_seen:
+            if blended or passes.parts.are_seen:
                 targets.draw_over()
                 with passes.measure("parts over the sky"):
                     passes.parts.draw_over_sky(targets.size, view)
-                with passes.measure("clouds"):
-                    passes.clouds.draw(shot.scene, targets, view, shot.air, still=False)
+                with passes.measure("parts over surfaces"):
+                    passes.parts.draw_over_solid(shot.parts, targets, sample=0)
                 with passes.measure("blended mesh"):
                     if any(needs_backdrop(placed.primitive.material) for placed in blended):
                         passes.backdrop.take(targets.buffer, targets.size)

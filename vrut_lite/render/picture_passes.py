@@ -5,10 +5,10 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from vrut_lite.frame_part import PartFrame
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.backdrop import Backdrop
-from vrut_lite.render.clouds.frame_clouds import FrameClouds
 from vrut_lite.render.frame_parts import FrameParts
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadows
@@ -43,6 +43,7 @@ class Shot(NamedTuple):
     shadows: Shadows
     reflection: Reflection
     air: FrameAir
+    parts: PartFrame
     state: SceneState
 
 
@@ -64,7 +65,6 @@ class PicturePasses:
     surface_light: SurfaceLightOnGpu
     lamps: LampsOnGpu
     backdrop: Backdrop
-    clouds: FrameClouds
     measure: Measure = unmeasured
 
     @staticmethod
@@ -77,12 +77,11 @@ class PicturePasses:
             patience,
             MeshRenderer(),
             SkyPass(context),
-            FrameParts(context, ledger),
+            FrameParts(context, ledger, patience),
             TonePass(context),
             SurfaceLightOnGpu(context),
             LampsOnGpu(context, ledger),
             Backdrop(context),
-            FrameClouds(context, ledger, patience),
         )
 
     def draw_meshes(
@@ -110,5 +109,5 @@ class PicturePasses:
         """Free everything; another framebuffer must be bound."""
         self.meshes.delete()
         for thing in (self.sky, self.parts, self.tone, self.surface_light, self.lamps,
-                      self.backdrop, self.clouds):  # fmt: skip
+                      self.backdrop):  # fmt: skip
             thing.release()

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -9,11 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
-from vrut_lite.frame_part import Heard
+from vrut_lite.frame_part import Heard, sun_share
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
-from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
@@ -53,13 +53,12 @@ class PyrenderBackend:
             "light_map": self._upload_light_map,
             "surface_light": self._upload_surface_light,
             "air": self._upload_air,
-            "clouds": self._upload_clouds,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
             "parts": self._upload_parts,
         }
         # The uploaded parts: a texture on the GPU is valid while its message is kept.
-        nothing = {**dict.fromkeys(self._uploads), "clouds": (), "parts": NO_PARTS}
+        nothing = {**dict.fromkeys(self._uploads), "parts": NO_PARTS}
         self._uploaded: dict[str, Any] = nothing
         self._scene: PyrenderScene | None = None
         self._sky_texture: Any = None
@@ -118,7 +117,7 @@ class PyrenderBackend:
             ambient,
             point_m,
             normal,
-            state.clouds,
+            partial(sun_share, state.parts),
             _lit_scene(state, ambient),
             None if state.scene is None else state.scene.lamps,
         )
@@ -200,9 +199,6 @@ class PyrenderBackend:
     def _upload_air(self, context: Any, volume: AirVolume | None) -> None:
         self._frame.show_air(volume)
 
-    def _upload_clouds(self, context: Any, layers: tuple[CloudLayer, ...]) -> None:
-        self._frame.show_clouds(layers)
-
     def _upload_parts(self, context: Any, heard: Heard) -> None:
         self._frame.show_parts(heard)
 
@@ -255,8 +251,7 @@ class PyrenderBackend:
         summed = state.sky_light.ambient.irradiance_sh_rgb.values
         mirrored = self._mirrored or sky
         radius_rad = sun.even_radius_rad
-        lamps_rgb, shines = ambient.lamps_rgb, sun.irradiance_rgb
-        return Light(sun.direction, shines, summed, clear, sky, mirrored, radius_rad, lamps_rgb)
+        return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored, radius_rad)
 
 
 def _lit_scene(state: SceneState, ambient: AmbientChanged) -> LitScene | None:

@@ -5,23 +5,46 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
+from vrut_lite.frame_part import frame_parts
+from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.uniform_blocks import BLOCK_FILES
 
 SHADERS = Path(__file__).parent / "shaders"
-_INCLUDE = re.compile(r"^//!include (\S+)$", re.MULTILINE)
+# Stands for the GLSL of the part that dims the sun.
+_SUN_FACTOR = "sun_factor.glsl"
+_LINE = re.compile(r"^//!(include|sampler) (\S+)(?: (\S+))?$", re.MULTILINE)
 
 
 Defines = tuple[str, ...]
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=48)
 def shader_source(name: str | Path) -> str:
-    """The text of a shader of ours or, by its path, of a module; each line `//!include FILE` is
-    replaced by that file of ours or uniform block."""
-    if name in BLOCK_FILES:
-        return BLOCK_FILES[str(name)].glsl()
-    text = (SHADERS / name).read_text()
-    return _INCLUDE.sub(lambda found: shader_source(found.group(1)), text)
+    """The text of a shader of ours or, by its path, of a module.
+
+    Each line `//!include FILE` is replaced by a file beside it, one of ours, or a uniform block,
+    and `//!sampler TYPE NAME` by the declaration of a frame part's texture.
+    """
+    path = SHADERS / name
+
+    def text_of(found: re.Match[str]) -> str:
+        line, first, second = found.groups()
+        if line == "sampler":
+            return f"layout(binding = {part_units()[second]}) uniform {first} {second};"
+        return _included(path.parent, first)
+
+    return _LINE.sub(text_of, path.read_text())
+
+
+def _included(folder: Path, name: str) -> str:
+    beside = folder / name
+    if beside.exists():
+        return shader_source(beside)
+    if name == _SUN_FACTOR:
+        parts = (part.sun_factor for part in frame_parts().values())
+        return "".join(shader_source(part) for part in parts if part is not None)
+    block = BLOCK_FILES.get(name) or part_blocks().get(name)
+    return shader_source(name) if block is None else block.glsl()
 
 
 def defined(source: str, names: Mapping[str, int]) -> str:

@@ -1,11 +1,13 @@
 """Complete pictures, in false colours too: one, or the mean of several that are shifted."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS
+from vrut_lite.render.air import SUN_FACTOR
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
@@ -73,7 +75,7 @@ class StillPictures:
         passes.meshes.read_finer(shot.scene, np.log2(len(shifts)) / 2.0 if finished else 0.0)
         passes.ledger.did("picture", len(shifts))
         try:
-            resolved = self._mean(shot, targets, shifts, still)
+            resolved = self._mean(shot, targets, shifts)
         finally:
             passes.meshes.picture_number, passes.meshes.picture_count = 0, 1
         if state.shows != "picture":
@@ -92,7 +94,7 @@ class StillPictures:
         self._of_several.release()
 
     def _mean(
-        self, shot: Shot, targets: Targets, shifts: tuple[tuple[float, float], ...], still: bool
+        self, shot: Shot, targets: Targets, shifts: tuple[tuple[float, float], ...]
     ) -> NDArray[np.float32]:
         """The mean (h, w, 4) of pictures shifted so, row 0 at the top."""
         passes, state = self._passes, shot.state
@@ -105,7 +107,7 @@ class StillPictures:
             targets.buffer.clear()
             view = shot.view if len(shifts) == 1 else shot.view.shifted(shift_px, targets.size)
             with reversed_depth():
-                self._draw_seen(targets, shot._replace(view=view), still, sample)
+                self._draw_seen(targets, shot._replace(view=view), sample)
             with passes.measure("resolve"):
                 resolved = targets.read_resolved()
                 total = resolved if total is None else np.add(total, resolved, out=total)
@@ -130,8 +132,8 @@ class StillPictures:
             passes.tone.draw(targets.radiance, targets.display, ev100, state.exposure, pixel_rad)
         return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
-    def _draw_seen(self, targets: Targets, shot: Shot, still: bool, sample: int) -> None:
-        """Solid surfaces, the sky in what they leave, clouds, and what shows all these.
+    def _draw_seen(self, targets: Targets, shot: Shot, sample: int) -> None:
+        """Solid surfaces, the sky in what they leave, parts, and what shows all these.
 
         Of values in false colours solid surfaces alone.
         """
@@ -152,8 +154,8 @@ class StillPictures:
             self._draw_sky(targets, shot)
         with passes.measure("parts over the sky"):
             passes.parts.draw_over_sky(targets.size, shot.view)
-        with passes.measure("clouds"):
-            passes.clouds.draw(shot.scene, targets, shot.view, shot.air, still, sample)
+        with passes.measure("parts over surfaces"):
+            passes.parts.draw_over_solid(replace(shot.parts, view=shot.view), targets, sample)
         if any(needs_backdrop(placed.primitive.material) for placed in blended):
             with passes.measure("backdrop"):
                 passes.backdrop.take(targets.buffer, targets.size)
@@ -199,7 +201,7 @@ def _defines(shot: Shot, of_lamps: Defines) -> Defines:
     """What meshes' shaders are compiled with."""
     if shot.state.shows == "picture":
         return (*shot.air.mesh, *of_lamps)
-    shadows_of_clouds = tuple(set(shot.air.mesh) & {CLOUD_SHADOWS})
+    sun_factor = tuple(set(shot.air.mesh) & {SUN_FACTOR})
     if shot.state.shows == "illuminance":
-        return ("ILLUMINANCE", *shadows_of_clouds, *of_lamps)
+        return ("ILLUMINANCE", *sun_factor, *of_lamps)
     return ("ILLUMINANCE", "MAP_VALUES")

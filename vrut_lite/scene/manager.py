@@ -7,13 +7,12 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from vrut_lite import __version__
-from vrut_lite.frame_part import heard_by_parts
+from vrut_lite.frame_part import heard_by_parts, part_reach_m
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
@@ -27,7 +26,7 @@ from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.place_time import second_of_day
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import OpenScene
-from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
+from vrut_lite.scene.needs import air_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 from vrut_lite.scene.scene_state import SceneState, Shown
 
@@ -99,10 +98,7 @@ class SceneManager(Module):
         self._wants_air = False
         self._wants_scene_light = False
         self._has_light_map = False
-        self._of_scene = (
-            CloudsChanged,
-            *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
-        )
+        self._of_scene = (LightMapLaid, SurfaceLightChanged) if light_map else ()
         self._hour_moved = True
         self._change(
             light_shafts=settings.light_shafts,
@@ -257,22 +253,14 @@ class SceneManager(Module):
 
     @handles(*heard_by_parts())
     def on_part(self, message: Derived) -> None:
-        """Hand it to the frame part that hears it."""
-        self._change(parts=MappingProxyType({**self.state.parts, type(message): message}))
+        """Hand it to the frame part that hears it; air may have to reach as far as it draws."""
+        self._take_parts({**self.state.parts, type(message): message})
 
     @handles(AirChanged)
     def on_air(self, message: AirChanged) -> None:
         """Show the scene through this air."""
         if self._wants_air:
             self._change(air=message.volume)
-
-    @handles(CloudsChanged)
-    def on_clouds(self, message: CloudsChanged) -> None:
-        """Show these clouds; the air before them reaches farther than the scene's."""
-        moved = _tops_m(message.layers) != _tops_m(self.state.clouds)
-        self._change(clouds=message.layers)
-        if moved:
-            self._look()
 
     @handles(LightMapLaid)
     def on_light_map(self, message: LightMapLaid) -> None:
@@ -321,7 +309,13 @@ class SceneManager(Module):
             parts = self.state.parts.items()
             kept = {kind: part for kind, part in parts if kind.slot != message.name}
             if len(kept) < len(parts):
-                self._change(parts=MappingProxyType(kept))
+                self._take_parts(kept)
+
+    def _take_parts(self, parts: dict[type[Derived], Derived]) -> None:
+        camera, before = self.state.camera, self.state.parts
+        self._change(parts=MappingProxyType(parts))
+        if camera and part_reach_m(parts, camera) != part_reach_m(before, camera):
+            self._look()
 
     def _take_surface_light(self) -> None:
         laid, light = self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)
@@ -358,12 +352,12 @@ class SceneManager(Module):
         self._ask_for_still()
 
     def _air_reach_m(self, camera: MoveCamera, aspect: float) -> float:
-        scene, clouds = self.state.scene, self.state.clouds
+        scene = self.state.scene
         if scene is None or not self._wants_air:
             return 0.0
         ground_level_m = 0.0 if scene.ground is None else scene.ground.height_m
         reach_m = air_reach_m(camera, aspect, scene.lower_m, scene.upper_m, ground_level_m)
-        return max(reach_m, cloud_reach_m(camera, clouds[-1])) if clouds else reach_m
+        return max(reach_m, part_reach_m(self.state.parts, camera))
 
     def _want_air(self, useful: bool) -> None:
         """Demand air where it is seen and switched on; remove it elsewhere."""
@@ -378,16 +372,10 @@ class SceneManager(Module):
         self._change(air=last and last.volume)
 
     def _want_scene_light(self) -> None:
-        """Demand what only a scene needs: clouds, and the light on its surfaces."""
+        """Demand what only a scene needs: the light on its surfaces."""
         if self._wants_scene_light:
             return
         self._wants_scene_light = True
         for kind in self._of_scene:
             self.link.demand(kind, None)
-        clouds = self.link.last(CloudsChanged)
-        self._change(clouds=clouds.layers if clouds else ())
         self._take_surface_light()
-
-
-def _tops_m(layers: tuple[CloudLayer, ...]) -> list[float]:
-    return [layer.top_m for layer in layers]

@@ -5,7 +5,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.messages.camera import MoveCamera, look_at, rays_through
-from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.ground_disc import PLANET_RADIUS_M
 
 # Coarse directions represent whole texels, so the view is widened by a texel.
@@ -50,12 +49,6 @@ def air_reach_m(
     height_m = max(camera.eye_m[1] - ground_level_m, 0.0)
     scene_m = _scene_reach_m(camera, aspect, np.asarray(lower_m), np.asarray(upper_m))
     return max(scene_m, _ground_reach_m(height_m, *_heights_in_view(camera, aspect)))
-
-
-def cloud_reach_m(camera: MoveCamera, layer: CloudLayer) -> float:
-    """Distance from the eye to the last clouds over the horizon, in m."""
-    heights_m = np.array([camera.eye_m[1], layer.base_m + layer.thickness_m])
-    return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * PLANET_RADIUS_M).sum())
 
 
 def _scene_reach_m(camera: MoveCamera, aspect: float, lower_m: NDArray, upper_m: NDArray) -> float:

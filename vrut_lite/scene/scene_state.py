@@ -9,7 +9,6 @@ from typing import Any, Literal, Self, TypeVar
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.camera import MoveCamera, frame_bounds
-from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.scene import SceneOpened
@@ -64,7 +63,6 @@ class SceneState:
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
         air: what the scene is seen through; None where it would not be seen.
-        clouds: the layers, from low to high.
         light_shafts: whether the scene shades the air.
         section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None without one.
@@ -86,7 +84,6 @@ class SceneState:
     size_px: tuple[int, int] = (960, 540)
     exposure: SetExposure = field(default_factory=SetExposure)
     air: AirVolume | None = None
-    clouds: tuple[CloudLayer, ...] = ()
     light_shafts: bool = False
     section: Section | None = None
     light_map: LightMapLaid | None = None

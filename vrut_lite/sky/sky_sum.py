@@ -3,30 +3,29 @@
 from collections.abc import Callable
 from typing import Any
 
-import msgspec
-import numpy as np
-
 from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.scene import SceneNeeds, SceneOpened
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.messages.sky_light import LIGHT, SkyGlowAdded, SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Vector
+from vrut_lite.sky.sky_glow import with_glow
+from vrut_lite.sky.sky_layer import SkyLayer, Viewpoint, sky_layers
 
 NAME = "sky_sum"
 JOB = "sum"
 # Edge of the summed cube map in texels, used when the consumer gives no size.
 CUBE_SIZE = 64
-# Clouds that have drifted, or are seen from a place that has risen, by less than this share of
-# their distance look the same.
+# Layers that are seen from a place that has risen by less than this share of their distance look
+# the same.
 _UNSEEN_SHARE = 0.02
 _LEAST_DISTANCE_M = 50.0
+Layers = dict[type[SkyLayer], Derived]
 
 
 class SumOutdated(Derived, frozen=True, kw_only=True):
@@ -36,9 +35,9 @@ class SumOutdated(Derived, frozen=True, kw_only=True):
 class SkySum(Module):
     """Posts `SkyLightChanged` where it is wanted.
 
-    Without layers its parts are the clear sky's own messages, in the same transaction; with clouds
-    or a glow (`SkyGlowAdded`) a background job sums. The ledger counts "sum" posted, and skips
-    "sum: no layers", "sum: unwanted" and "sum: no change to be seen".
+    Without layers its parts are the clear sky's own messages, in the same transaction; with a
+    layer (`SkyLayer`) or a glow (`SkyGlowAdded`) a background job sums. The ledger counts "sum"
+    posted, and skips "sum: no layers", "sum: unwanted" and "sum: no change to be seen".
     """
 
     speaks = (SumOutdated,)
@@ -51,7 +50,7 @@ class SkySum(Module):
         self._wanted: Demand | None = None
         # Sources of the latest sum, posted or under way.
         self._made_from: tuple[Any, ...] = ()
-        self._layers: tuple[CloudLayer, ...] = ()
+        self._layers: Layers = {}
         # Glows by the modules that add them.
         self._glows: dict[str, SkyGlowAdded] = {}
         self._height_m = 0.0
@@ -60,17 +59,18 @@ class SkySum(Module):
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
-        """Pass demands for the sum on to the sky and the clouds."""
+        """Pass demands for the sum on to the sky and its layers."""
         if message.message != SkyLightChanged.__name__:
             return
         self._wanted = self.link.wanted(SkyLightChanged)
-        self.link.demand(CloudsChanged, 0 if self._wanted is None else None)
+        for layer in sky_layers().values():
+            self.link.demand(layer.hears, 0 if self._wanted is None else None)
         self._want_sky()
         self.link.post(SumOutdated())
 
-    @handles(CloudsChanged)
-    def on_clouds(self, message: CloudsChanged) -> None:
-        """With clouds the sky is needed as an array."""
+    @handles(*(layer.hears for layer in sky_layers().values()))
+    def on_layer(self, _message: Derived) -> None:
+        """With a layer the sky is needed as an array."""
         self._want_sky()
         self.link.post(SumOutdated())
 
@@ -120,15 +120,16 @@ class SkySum(Module):
 
     def _want_sky(self) -> None:
         """Demand the clear sky; nothing is read back from the GPU, so it is made as an array."""
-        wanted, exact = self._wanted, bool(self._clouds() or self._glows)
+        wanted, exact = self._wanted, bool(self._there() or self._glows)
         for kind in LIGHT:
             size = 0 if wanted is None else wanted.size
             self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
         self.link.demand(SkyRadianceChanged, None if exact and wanted is not None else 0)
 
-    def _clouds(self) -> tuple[CloudLayer, ...]:
-        last = self.link.last(CloudsChanged)
-        return () if last is None else last.layers
+    def _there(self) -> Layers:
+        """Messages of the layers that are before the sky."""
+        heard = ((layer, self.link.last(layer.hears)) for layer in sky_layers().values())
+        return {layer: last for layer, last in heard if last is not None and layer.is_there(last)}
 
     def _update(self) -> None:
         if self._wanted is None:
@@ -149,7 +150,7 @@ class SkySum(Module):
             radiance=radiance,
             source=NAME,
         )
-        layers = self._clouds()
+        layers = self._there()
         if not layers and not self._glows:
             self._post_clear(clear)
         elif radiance is not None and not isinstance(background.cube, GpuTexture):
@@ -168,14 +169,14 @@ class SkySum(Module):
         self._made_from = _parts(clear)
         self._post(clear)
 
-    def _start(self, layers: tuple[CloudLayer, ...], clear: SkyLightChanged) -> None:
+    def _start(self, layers: Layers, clear: SkyLightChanged) -> None:
         """Sum in the background, unless the change is invisible."""
         assert self._wanted is not None
         layers, scene = self._unless_unseen(layers), self.link.last(SceneOpened)
         self._height_m = self._seen_from(layers)
         size = self._wanted.size or CUBE_SIZE
         glows = tuple(glow.glow_rgb for glow in self._glows.values() if glow.glow_rgb is not None)
-        made_from = (*_parts(clear), layers, scene, self._height_m, size, *glows)
+        made_from = (*_parts(clear), *layers.values(), scene, self._height_m, size, *glows)
         if _same(made_from, self._made_from):
             self.ledger.skip("sum: no change to be seen")
             return
@@ -186,28 +187,24 @@ class SkySum(Module):
             JOB, sum_up, layers, glows, clear, eye_m, middle_m, half_width_m, size, role="awaited"
         )
 
-    def _unless_unseen(self, layers: tuple[CloudLayer, ...]) -> tuple[CloudLayer, ...]:
-        """The layers, or the earlier ones where only a little wind separates them."""
-        before = self._layers
-        if len(before) != len(layers):
-            return layers
-        for now, was in zip(layers, before, strict=True):
-            drifted_m = float(np.hypot(*np.subtract(now.drift_m, was.drift_m)))
-            distance_m = max(now.base_m - self._height_m, _LEAST_DISTANCE_M)
-            if drifted_m >= _UNSEEN_SHARE * distance_m:
-                return layers
-            if msgspec.structs.replace(now, drift_m=was.drift_m) != was:
-                return layers
-        return before
+    def _unless_unseen(self, layers: Layers) -> Layers:
+        """The layers, or the earlier ones that look the same."""
+        before, height_m = self._layers, self._height_m
+        return {
+            layer: before[layer]
+            if layer in before and layer.looks_same(now, before[layer], height_m)
+            else now
+            for layer, now in layers.items()
+        }
 
-    def _seen_from(self, layers: tuple[CloudLayer, ...]) -> float:
+    def _seen_from(self, layers: Layers) -> float:
         """The eye's height, at least 0, or the earlier one where the difference is invisible."""
         needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
         height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
         height_m = max(height_m, 0.0)
-        if not layers:
+        levels_m = [level for layer, now in layers.items() for level in layer.levels_m(now)]
+        if not levels_m:
             return 0.0
-        levels_m = [level for layer in layers for level in (layer.base_m, layer.top_m)]
         distance_m = max(min(abs(level - height_m) for level in levels_m), _LEAST_DISTANCE_M)
         risen_m = abs(height_m - self._height_m)
         return self._height_m if risen_m < _UNSEEN_SHARE * distance_m else height_m
@@ -218,7 +215,7 @@ class SkySum(Module):
 
 
 def sum_up(
-    layers: tuple[CloudLayer, ...],
+    layers: Layers,
     glows: tuple[Array, ...],
     clear: SkyLightChanged,
     eye_m: Vector,
@@ -226,12 +223,13 @@ def sum_up(
     half_width_m: float,
     size: int,
 ) -> SkyLightChanged:
-    """The background job."""
-    # Imported here because it imports numba, which is needed only if there are layers.
-    from vrut_lite.sky.sky_under_clouds import Viewpoint, light_of_layers
-
-    view = Viewpoint(eye_m, middle_m, half_width_m)
-    return light_of_layers(layers, glows, clear, view, size, NAME)
+    """The background job: glows lie behind all layers."""
+    view, light = Viewpoint(eye_m, middle_m, half_width_m), clear
+    for glow in glows:
+        light = with_glow(light, glow, NAME)
+    for layer, message in layers.items():
+        light = layer.light_under(message, light, view, size, NAME)
+    return light
 
 
 def _square(scene: SceneOpened | None) -> tuple[Vector, float]:

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_lab.card_check.parts import Keep
 
 # The bindings and sizes that the renderer uses.
@@ -27,8 +28,6 @@ _LIMITS = (
 
 def measure(_folder: Path, keep: Keep) -> None:
     """Open OpenGL as the program does."""
-    from vrut_lite.render.gl_owner import GlOwner
-
     start_s = time.perf_counter()
     owner = GlOwner()
     opened = owner.opened

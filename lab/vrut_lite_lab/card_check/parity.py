@@ -14,6 +14,7 @@ from bruneton_sky.air_volume import air_volume
 from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.published.gpu_pipeline import GpuPipeline
 from bruneton_sky.published.gpu_single_scattering import single_scattering_cube_job
+from bruneton_sky.published.pipeline.pipeline import run_pipeline
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.sky_view.gpu import sky_view_job
 from dynamic_skylight import HosekWilkieSky
@@ -122,8 +123,6 @@ _TABLES: list[Any] = []
 
 def _tables() -> list[Any]:
     """By the card and by the processor, in the published form, at a quarter of the size."""
-    from bruneton_sky.published.pipeline.pipeline import run_pipeline
-
     if not _TABLES:
         sizes = SIZES["quarter"]
         pipeline = gl_owner().call(lambda context: GpuPipeline(context, sizes))

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 Keep = Callable[[Any], None]
 
 
-class Part(NamedTuple):
+class CheckPart(NamedTuple):
     """A part's title, limit, and module, whose `measure(folder, keep)` does the work."""
 
     title: str
@@ -24,12 +24,12 @@ class Part(NamedTuple):
 
 
 PARTS = {
-    "driver": Part("Driver and limits", 30, "driver"),
-    "start": Part("First pictures of a fresh machine", 60, "first_pictures"),
-    "parity": Part("Products of the card beside the processor's", 60, "parity"),
-    "tests": Part("Tests that need OpenGL", 180, "gl_tests"),
-    "rows": Part("Rows of the benchmark", 60, "rows"),
-    "frames": Part("Frames of a fixed path", 110, "frames"),
+    "driver": CheckPart("Driver and limits", 30, "driver"),
+    "start": CheckPart("First pictures of a fresh machine", 60, "first_pictures"),
+    "parity": CheckPart("Products of the card beside the processor's", 60, "parity"),
+    "tests": CheckPart("Tests that need OpenGL", 180, "gl_tests"),
+    "rows": CheckPart("Rows of the benchmark", 60, "rows"),
+    "frames": CheckPart("Frames of a fixed path", 110, "frames"),
 }
 
 

@@ -47,7 +47,13 @@ def fill_folder(folder: Path, python: str) -> None:
         "download", "--no-deps", "--only-binary=:all:", "--implementation=cp",
         f"--python-version={python}", *platforms, f"--dest={wheels}", *WHEELS,
     )  # fmt: skip
+    # A build folder would bring files of an earlier build into the wheel.
+    builds = [ROOT / "build", ROOT / "lab" / "build"]
+    for build in builds:
+        shutil.rmtree(build, ignore_errors=True)
     _pip("wheel", "--no-deps", f"--wheel-dir={wheels}", *BUILT, str(ROOT), str(ROOT / "lab"))
+    for build in builds:
+        shutil.rmtree(build, ignore_errors=True)
     # _apt has no right to write into some folders: it downloads into the current one.
     subprocess.run(["apt-get", "download", *LOADERS], cwd=loaders, check=True)
     (folder / "run.sh").write_text(_RUN)

@@ -15,14 +15,14 @@ from vrut_lite.atmosphere.aerosols.phase_table import PhaseTable, node_cosines
 from vrut_lite.numeric_types import FloatArray
 
 # Made by vrut_lite_lab.fog_droplets.
-_FILE = Path(__file__).parents[1] / "data" / "fog_droplets.npz"
+FILE = Path(__file__).parents[1] / "data" / "fog_droplets.npz"
 _SPREAD_RAD = np.radians(24.0)
 
 
 @lru_cache(maxsize=8)
 def droplets_phase(wavelength_nm: tuple[float, ...]) -> PhaseTable:
     """The phase function at wavelengths, linear between the tabulated five."""
-    with np.load(_FILE) as data:
+    with np.load(FILE) as data:
         known, angle = data["wavelength_nm"], data["angle_rad"]
         whole = PhaseTable.of_angles(angle, data["phase_per_sr"].astype(float))
     place = np.interp(wavelength_nm, known, np.arange(known.size))

@@ -15,8 +15,8 @@ vec3 irradiance_of(vec3 face, vec3 n, bool behind) {
 #ifdef GLASS_SHADOW
         sun *= sun_through_glass(face);
 #endif
-#ifdef CLOUD_SHADOWS
-        sun *= cloud_transmittance(eye_to_sample);
+#ifdef SUN_FACTOR
+        sun *= sun_factor(eye_to_sample);
 #endif
         found += sun;
     }

@@ -61,17 +61,17 @@ vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
     return lit ? missing : missing + sunlit_before(ray, range.y) - since;
 }
 
-#ifdef CLOUD_SHADOWS
-//!include cloud_shafts.glsl
+#ifdef SUN_FACTOR
+//!include part_shafts.glsl
 #endif
 
 vec3 shadowed_light(AirRay ray, vec3 d, float metres) {
     vec3 missing = shaded_by_scene(ray, d, metres);
-#ifdef CLOUD_SHADOWS
-    // Approximation: clouds remove the same share of what the scene leaves lit everywhere.
+#ifdef SUN_FACTOR
+    // Approximation: the part removes the same share of what the scene leaves lit everywhere.
     vec3 whole = sunlit_before(ray, metres);
     vec3 left = clamp(1.0 - missing / max(whole, 1e-30), 0.0, 1.0);
-    missing += left * shaded_by_clouds(ray, d, metres);
+    missing += left * shaded_by_part(ray, d, metres);
 #endif
     return missing;
 }

@@ -103,9 +103,8 @@ vec2 uv_of(int layer) {
 //!include mirror.glsl
 #endif
 
-#ifdef CLOUD_SHADOWS
-//!include cloud_block.glsl
-//!include cloud_shadow.glsl
+#ifdef SUN_FACTOR
+//!include sun_factor.glsl
 #endif
 
 #ifdef NEAR_AIR
@@ -285,8 +284,8 @@ void main() {
 #ifdef GLASS_SHADOW
         sun *= sun_through_glass(face);
 #endif
-#ifdef CLOUD_SHADOWS
-        sun *= cloud_transmittance(eye_to_sample);
+#ifdef SUN_FACTOR
+        sun *= sun_factor(eye_to_sample);
 #endif
         add_light(sun, sun_direction, nl, seen, diffuse, radiance, highlights);
     }

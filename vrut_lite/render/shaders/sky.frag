@@ -18,9 +18,8 @@ out vec4 frag_radiance;
 
 //!include sky_lookup.glsl
 
-#ifdef CLOUD_SHADOWS
-//!include cloud_block.glsl
-//!include cloud_shadow.glsl
+#ifdef SUN_FACTOR
+//!include sun_factor.glsl
 #endif
 
 #ifdef AIR
@@ -75,8 +74,8 @@ void main() {
 #endif
 #ifdef AIR
     float ground_m = ground_distance_m(d);
-#ifdef CLOUD_SHADOWS
-    if (air.ground_is_bare > 0.5) lower *= ground_under_clouds(d * ground_m);
+#ifdef SUN_FACTOR
+    if (air.ground_is_bare > 0.5) lower *= ground_factor(d * ground_m);
 #endif
     if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m, 1.0);
 #ifdef LIGHT_SHAFTS

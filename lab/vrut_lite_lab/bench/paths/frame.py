@@ -67,8 +67,10 @@ def _in_valley(fog_m: float | None = None, shafts: bool = False, cover: float = 
     )
 
 
+# The passes of frame parts: clouds cast shadows before surfaces are drawn, and lie over them.
+PREPARED, OVER = "parts before surfaces", "parts over surfaces"
 # Settings of the valley, and the passes that are theirs.
-_SOLID, _CLOUDY = ("shadow", "mesh", "sky"), ("cloud shadows", "clouds", "mesh", "sky")
+_SOLID, _CLOUDY = ("shadow", "mesh", "sky"), (PREPARED, OVER, "mesh", "sky")
 CASES: dict[str, tuple[Settings, tuple[str, ...]]] = {
     "no air": ((*_in_valley(), *_NO_AIR), _SOLID),
     "air": (_in_valley(), _SOLID),

@@ -6,23 +6,26 @@ change, when the eye has left its middle, or when layers have been blown apart.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.clouds.cloud_grid import LEAST_SINE, NEAR_M, growth_of
-from vrut_lite.clouds.cloud_layers import mean_sun_share
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.kernel.ledger import Ledger
+from clouds.drawing.layer_textures import (
+    SHADERS,
+    CloudsOnGpu,
+    CloudSurroundings,
+    ShadowPlane,
+)
+from clouds.drawing.light_volume import CloudLightVolume
+from clouds.model.cloud_grid import LEAST_SINE, NEAR_M, growth_of
+from clouds.model.cloud_layers import mean_sun_share
+from clouds.model.cloud_light import ClearLight
+from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
-from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings, ShadowPlane
-from vrut_lite.render.clouds.light_volume import CloudLightVolume
-from vrut_lite.render.passes.full_screen import FullScreen
 
-UNIT = 14
+SAMPLER = "cloud_shadow_map"
 _SIZE = 512
 # Distance of the eye from the middle at which near texels become too wide.
 _OFF_CENTRE_M = 1_500.0
@@ -39,10 +42,11 @@ class CloudShadowMap:
     The ledger counts "cloud shadow map" done, and skipped: without sun, or where it still holds.
     """
 
-    def __init__(self, context: Any, ledger: Ledger):
-        self._context = context
-        self._ledger = ledger
-        self._screen = FullScreen(context, "cloud_shadow.frag")
+    def __init__(self, gl: PartGl):
+        self._gl = gl
+        context = self._context = gl.context
+        self._ledger, self._unit = gl.ledger, gl.unit(SAMPLER)
+        self._screen = gl.screen(SHADERS / "cloud_shadow.frag")
         self._texture = context.texture((_SIZE, _SIZE), 1, dtype="f4")
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
@@ -93,7 +97,7 @@ class CloudShadowMap:
             self._is_cast = True
         clouds[0].bind_again()
         if casts:
-            self._texture.use(location=UNIT)
+            self._texture.use(location=self._unit)
             # Another unit is the active one now: a texture that is made before the meshes are
             # drawn would take the map's place.
             self._texture.use(location=0)
@@ -105,7 +109,7 @@ class CloudShadowMap:
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        for thing in (self._buffer, self._texture, self._screen, *self._volumes):
+        for thing in (self._buffer, self._texture, *self._volumes):
             thing.release()
 
     def _holds(self, layers: tuple[CloudLayer, ...], sun: Vector, eye_m: NDArray) -> bool:
@@ -122,7 +126,7 @@ class CloudShadowMap:
         self, layers: tuple[CloudLayer, ...], sun: Vector, centre_m: NDArray[np.float64]
     ) -> None:
         while len(self._volumes) < len(layers):
-            self._volumes.append(CloudLightVolume(self._context))
+            self._volumes.append(CloudLightVolume(self._gl))
         for layer, volume in zip(layers, self._volumes, strict=False):
             volume.fill(layer, sun, centre_m)
             self._ledger.did("cloud light volume")

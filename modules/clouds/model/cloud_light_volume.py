@@ -12,15 +12,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.clouds.cloud_density_kernels import (
+from clouds.model.cloud_density_kernels import (
     column_in,
     compiled,
     density_in,
     envelope_in,
     narrowed,
 )
-from vrut_lite.clouds.cloud_diffusion import diffuse_light
-from vrut_lite.clouds.cloud_grid import (
+from clouds.model.cloud_diffusion import diffuse_light
+from clouds.model.cloud_grid import (
     FARTHEST_M,
     LEAST_SINE,
     SUB_STEPS,

@@ -21,12 +21,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.atmosphere.aerosols import droplets as fog
 from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES, PhaseTable, node_cosines
 from vrut_lite.messages.clouds import Particles
 from vrut_lite.numeric_types import FloatArray
 
 FILE = Path(__file__).parent / "data" / "cloud_transport.npz"
-_DROPLETS = Path(__file__).parents[1] / "atmosphere" / "data" / "fog_droplets.npz"
 _CRYSTALS = Path(__file__).parent / "data" / "ice_crystals.npz"
 # Of the fluxes: scaled depths, and sines of the sun's elevation.
 FLUX_DEPTHS = np.geomspace(0.01, 400.0, 48)
@@ -74,7 +74,7 @@ def transport_tables() -> TransportTables:
 @lru_cache(maxsize=1)
 def droplets() -> PhaseTable:
     """Phase functions of cloud droplets at 475, 550 and 625 nm, in this order."""
-    with np.load(_DROPLETS) as data:
+    with np.load(fog.FILE) as data:
         return PhaseTable.of_angles(data["angle_rad"], data["phase_per_sr"][1:4].astype(float))
 
 

@@ -1,7 +1,8 @@
 // The sun behind the clouds. The map holds the layer's optical depth along the sun for places at
 // its base; texels grow away from the middle.
 
-layout(binding = 14) uniform sampler2D cloud_shadow_map;
+//!include cloud_block.glsl
+//!sampler sampler2D cloud_shadow_map
 
 const float CLOUD_PLANET_RADIUS_M = 6.36e6;
 
@@ -17,7 +18,7 @@ vec3 shadow_place(vec3 from_eye) {
 
 // Share of the sun that the clouds let through to a point, from the eye. A point in the layer has
 // its share of the layer above it.
-float cloud_transmittance(vec3 from_eye) {
+float sun_factor(vec3 from_eye) {
     vec3 place = shadow_place(from_eye);
     float share = clamp(1.0 - place.z / clouds.thickness_m, 0.0, 1.0);
     vec2 on_map = place.xy + clouds.shadow_origin_m;
@@ -30,6 +31,12 @@ float cloud_transmittance(vec3 from_eye) {
 }
 
 // Share of the ground's radiance under an open sky that remains under the clouds.
-vec3 ground_under_clouds(vec3 from_eye) {
-    return clouds.ground_by_sun * cloud_transmittance(from_eye) + clouds.ground_by_sky;
+vec3 ground_factor(vec3 from_eye) {
+    return clouds.ground_by_sun * sun_factor(from_eye) + clouds.ground_by_sky;
+}
+
+// Distance along a ray from which on nothing is shaded: above the layer.
+float sun_factor_end_m(vec3 d, float metres) {
+    float top_m = clouds.base_m + clouds.thickness_m - clouds.eye_altitude_m;
+    return d.y > 0.0 && top_m > 0.0 ? min(metres, top_m / max(d.y, 1e-4)) : metres;
 }

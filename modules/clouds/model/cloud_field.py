@@ -8,14 +8,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.array import Array
-from vrut_lite.clouds.cloud_density import (
+from clouds.model.cloud_density import (
     noise_origin,
     warp_origin,
     weather_origin,
 )
-from vrut_lite.clouds.cloud_density_kernels import Field, form_numbers
-from vrut_lite.clouds.cloud_spread import halved, spread_of
+from clouds.model.cloud_density_kernels import Field, form_numbers
+from clouds.model.cloud_spread import halved, spread_of
+from vrut_lite.array import Array
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
 

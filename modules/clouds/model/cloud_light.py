@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from clouds.model.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.sky import NO_LAMPS

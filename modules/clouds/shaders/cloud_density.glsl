@@ -1,5 +1,5 @@
-// Density of clouds: the twin of clouds/cloud_density.py, which explains it, and within the width
-// of a sample of clouds/cloud_density_kernels.py.
+// Density of clouds: the twin of model/cloud_density.py, which explains it, and within the width
+// of a sample of model/cloud_density_kernels.py.
 
 layout(binding = 0) uniform sampler2D cloud_weather;
 layout(binding = 1) uniform sampler3D cloud_shape;

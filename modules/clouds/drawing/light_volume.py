@@ -5,20 +5,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.clouds.cloud_transport import scatterer, transport_tables
+from clouds.model.cloud_transport import scatterer, transport_tables
+from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import Vector
 
 # As cloud_light.glsl binds them.
-_VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT, _DIFFUSE_UNIT = 5, 6, 7, 28
+_VOLUME_UNIT, _SOURCE_UNIT, _PHASE_UNIT = 5, 6, 7
+SAMPLER = "light_diffuse"
 _MOST = 6e4  # of 16 bits
 
 
 class CloudLightVolume:
     """Made and used on the GL thread only."""
 
-    def __init__(self, context: Any):
-        self._context = context
+    def __init__(self, gl: PartGl):
+        context = self._context = gl.context
+        self._diffuse_unit = gl.unit(SAMPLER)
         source = transport_tables().source.astype(np.float16)
         views, above = source.shape[3], source.shape[2]
         self._source = context.texture3d(
@@ -35,8 +38,8 @@ class CloudLightVolume:
     def fill(self, layer: CloudLayer, sun: Vector, centre_m: NDArray[np.float64]) -> None:
         """The light in a layer around a place (2,), world x and z."""
         # Imported here because they import numba, which is needed only if there are clouds.
-        from vrut_lite.clouds.cloud_field import cloud_field
-        from vrut_lite.clouds.cloud_light_volume import light_volume
+        from clouds.model.cloud_field import cloud_field
+        from clouds.model.cloud_light_volume import light_volume
 
         particles = scatterer(layer.particles)
         self._phase.write(particles.phase.astype(np.float32).tobytes(), alignment=1)
@@ -59,7 +62,7 @@ class CloudLightVolume:
         """Set the inputs of the light in clouds."""
         depths, diffuse = self._volumes
         depths.use(location=_VOLUME_UNIT)
-        diffuse.use(location=_DIFFUSE_UNIT)
+        diffuse.use(location=self._diffuse_unit)
         self._source.use(location=_SOURCE_UNIT)
         self._phase.use(location=_PHASE_UNIT)
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.clouds.cloud_density import PLANET_RADIUS_M
-from vrut_lite.clouds.cloud_density_kernels import (
+from clouds.model.cloud_density import PLANET_RADIUS_M
+from clouds.model.cloud_density_kernels import (
     cloud_in,
     column_in,
     compiled,
@@ -20,10 +20,10 @@ from vrut_lite.clouds.cloud_density_kernels import (
     narrowed,
     place_on_ray,
 )
-from vrut_lite.clouds.cloud_diffusion import MEAN_COSINE, plane_light
-from vrut_lite.clouds.cloud_grid import LEAST_SINE
-from vrut_lite.clouds.cloud_light_volume import DARKEST, LightVolume, volume_at
-from vrut_lite.clouds.cloud_transport import (
+from clouds.model.cloud_diffusion import MEAN_COSINE, plane_light
+from clouds.model.cloud_grid import LEAST_SINE
+from clouds.model.cloud_light_volume import DARKEST, LightVolume, volume_at
+from clouds.model.cloud_transport import (
     DEPTH_SCALE,
     LOWEST_RAD,
     MOST_DEPTH,

@@ -17,8 +17,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.clouds.cloud_density_kernels import compiled
-from vrut_lite.clouds.cloud_grid import place_of
+from clouds.model.cloud_density_kernels import compiled
+from clouds.model.cloud_grid import place_of
 from vrut_lite.numeric_types import FloatArray
 
 # Mean cosine of droplets' phase function after delta-M.

@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.atmosphere.aerosols.phase_table import node_places
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_density import (
+from clouds.model.cloud_density import (
     PLANET_RADIUS_M,
     distance_up_m,
 )
-from vrut_lite.clouds.cloud_density_kernels import optical_depths
-from vrut_lite.clouds.cloud_field import cloud_field
-from vrut_lite.clouds.cloud_light import ClearLight, light_from_below
-from vrut_lite.clouds.cloud_light_volume import LightVolume, light_volume
-from vrut_lite.clouds.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
-from vrut_lite.clouds.cloud_transport import scatterer, transport_tables
+from clouds.model.cloud_density_kernels import optical_depths
+from clouds.model.cloud_field import cloud_field
+from clouds.model.cloud_light import ClearLight, light_from_below
+from clouds.model.cloud_light_volume import LightVolume, light_volume
+from clouds.model.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
+from clouds.model.cloud_transport import scatterer, transport_tables
+from vrut_lite.atmosphere.aerosols.phase_table import node_places
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
 from vrut_lite.messages.clouds import CloudLayer, Particles
 from vrut_lite.numeric_types import FloatArray, Vector
 

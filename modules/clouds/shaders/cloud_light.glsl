@@ -1,8 +1,9 @@
-// Light from a point in a cloud towards the eye: the twin of clouds/cloud_march_kernels.py.
+// Light from a point in a cloud towards the eye: the twin of model/cloud_march_kernels.py.
 
 layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and top, by its height
 layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
-layout(binding = 28) uniform sampler3D light_diffuse;  // fluence; flux along x, up and z
+// Fluence; flux along x, up and z.
+//!sampler sampler3D light_diffuse
 layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
 layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: 3 rows
 
@@ -14,7 +15,7 @@ const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2, LEAST_LI
 const float DARK = 40.0;  // half of the volume's greatest depth
 const float MEAN_COSINE = 0.74;  // of the phase function after delta-M
 const float SPHERE = 12.566371;
-// As clouds/cloud_transport.py has its nodes.
+// As model/cloud_transport.py has its nodes.
 const float DEPTH_SCALE = 0.3, MOST_DEPTH = 60.0, LOWEST_RAD = 0.04, HALF_PI = 1.5707963;
 const float DEPTHS = 20.0, SINES = 12.0, VIEWS = 16.0;
 // Sines of the sun's elevation that the table of sunlight spans.
@@ -85,7 +86,7 @@ vec3 in_grid(vec2 level, float height) {
 }
 
 // Fluence and downward flux in a plane layer between scaled depths, of which a share `there` of
-// the sun is scattered above: clouds/cloud_diffusion.py.
+// the sun is scattered above: model/cloud_diffusion.py.
 vec2 plane_light(vec2 above_below, float there, float facing) {
     float hinders = 3.0 * (1.0 - MEAN_COSINE), whole = above_below.x + above_below.y;
     float gone = 1.0 - exp(-whole / facing);

@@ -1,31 +1,29 @@
 """The clouds of a frame on the GPU: their noise as textures, and the block of numbers beside it."""
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.atmosphere.haze_layer import HazeLayer
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_density import (
+from clouds.model.cloud_density import (
     PLANET_RADIUS_M,
     noise_origin,
     warp_origin,
     weather_origin,
 )
-from vrut_lite.clouds.cloud_grid import growth_of, volume_near_m
-from vrut_lite.clouds.cloud_light import ClearLight, light_from_below
-from vrut_lite.clouds.cloud_spread import spread_of
-from vrut_lite.clouds.cloud_transport import scatterer
+from clouds.model.cloud_grid import growth_of, volume_near_m
+from clouds.model.cloud_light import ClearLight, light_from_below
+from clouds.model.cloud_spread import spread_of
+from clouds.model.cloud_transport import scatterer
+from vrut_lite.atmosphere.haze_layer import HazeLayer
+from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
-from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.uniform_blocks import CLOUDS
-from vrut_lite.render.unlocked import build_mipmaps
+from vrut_lite.uniform_block import UniformBlock
 
-import_pyrender()
-from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
-
+SHADERS = Path(__file__).parents[1] / "shaders"
+BLOCK = "cloud_block.glsl"
 # As cloud_density.glsl and cloud_light.glsl bind them.
 _WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 0, 1, 2, 3
 _SUNS, _LOWEST_SUN = 256, -0.1
@@ -66,9 +64,10 @@ class ShadowPlane(NamedTuple):
 class CloudsOnGpu:
     """The textures of one layer; made and used on the GL thread only."""
 
-    def __init__(self, context: Any):
-        self._context = context
-        self._block = context.buffer(reserve=CLOUDS.size_bytes)
+    def __init__(self, gl: PartGl):
+        self._gl, self._context = gl, gl.context
+        self._block = gl.block(BLOCK)
+        self._numbers = gl.context.buffer(reserve=self._block.size_bytes)
         self._noises: list[Any] = []
         self._uploaded: tuple[NDArray, ...] = ()
         self._suns: Any = None
@@ -117,12 +116,13 @@ class CloudsOnGpu:
         if sun_of != self._sun_of:
             self._light(*sun_of)
             self._sun_of = sun_of
-        self._block.write(_packed(self.layer, light, sky_irradiance, around, plane, covered_share))
+        inputs = light, sky_irradiance, around, plane, covered_share
+        self._numbers.write(_packed(self._block, self.layer, *inputs))
         self.bind_again()
 
     def bind_again(self) -> None:
         """Hand what `bind` was given to the shaders that are drawn with next."""
-        self._block.bind_to_uniform_block(CLOUDS.binding)
+        self._numbers.bind_to_uniform_block(self._block.binding)
 
     def bind_noises(self) -> None:
         """Set the inputs of the densities."""
@@ -135,7 +135,7 @@ class CloudsOnGpu:
         self._release_textures()
         if self._suns is not None:
             self._suns.release()
-        self._block.release()
+        self._numbers.release()
 
     def _upload(self, weather: NDArray, shape: NDArray, detail: NDArray) -> None:
         self._release_textures()
@@ -147,9 +147,8 @@ class CloudsOnGpu:
                 for volume in (shape, detail)
             ),
         ]
-        targets = GL.GL_TEXTURE_2D, GL.GL_TEXTURE_3D, GL.GL_TEXTURE_3D
-        for target, texture in zip(targets, self._noises, strict=True):
-            build_mipmaps(target, texture)
+        for texture in self._noises:
+            self._gl.average_down(texture)
             texture.filter = (context.LINEAR_MIPMAP_LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = True
         for volume in self._noises[1:]:
@@ -170,13 +169,14 @@ class CloudsOnGpu:
 
     def _release_textures(self) -> None:
         if self._noises:
-            bind_permanent_framebuffer(self._context)
+            self._gl.leave_framebuffers()
             for texture in self._noises:
                 texture.release()
         self._noises = []
 
 
 def _packed(
+    block: UniformBlock,
     layer: CloudLayer,
     light: ClearLight,
     sky_irradiance: NDArray[np.float64],
@@ -184,13 +184,13 @@ def _packed(
     plane: ShadowPlane,
     covered_share: float,
 ) -> bytes:
-    """The uniform block `CLOUDS`."""
+    """The bytes of a layer's block."""
     eye = around.eye_m
     level, form = eye[[0, 2]], layer.form
     base, top = layer.base_m, layer.top_m
     ground = min(around.ground_level_m, float(eye[1]))
     eye_altitude_m, spread = float(eye[1]), spread_of(layer)
-    return CLOUDS.packed(
+    return block.packed(
         sun_direction=light.sun_direction,
         eye_radius_m=PLANET_RADIUS_M + eye_altitude_m,
         base_m=base,

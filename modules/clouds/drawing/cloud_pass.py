@@ -10,20 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
-from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.moving_targets import MovingTargets
-from vrut_lite.render.near_air import SECOND_LIGHT
-from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.passes.view import View
-from vrut_lite.render.pieces import Patience, Pieces
-from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
-from vrut_lite.render.shader_files import Defines
-from vrut_lite.render.size_cache import SizeCache
-from vrut_lite.render.targets import Targets
-
-import_pyrender()
-from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
+from clouds.drawing.layer_textures import SHADERS, CloudsOnGpu
+from vrut_lite.frame_part import PartGl, PartTarget, PartView, Screen, Size
 
 # Pixels of the frame to one of the clouds' while something moves, along each side; a still has one
 # for each in the end.
@@ -35,6 +23,7 @@ MARCHED = (0, 3, 4, 7)
 # Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
+Defines = tuple[str, ...]
 # As cloud_take_over.glsl has them.
 _OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCES_UNIT = 8, 10, 11
 # Which blocks are marched in a picture, each once in four. What moves by whole blocks a picture
@@ -46,7 +35,7 @@ class _Before(NamedTuple):
     """A picture of the clouds: what it shows, whence, and in which light."""
 
     target: Any
-    view: View
+    view: PartView
     drift_m: tuple[float, float]
     defines: Defines
     light: int
@@ -55,14 +44,14 @@ class _Before(NamedTuple):
 class CloudPass:
     """Draws with reversed depth into the target; on the GL thread only."""
 
-    def __init__(self, context: Any, patience: Patience):
-        self._context = context
-        self._pieces = Pieces(patience, _MOST_TILES)
-        self._programs: dict[tuple[str, Defines], FullScreen] = {}
-        self._composite: FullScreen | None = None
-        self._targets = SizeCache(context, lambda size: _CloudTarget(context, size))
-        self._others = SizeCache(context, lambda size: _CloudTarget(context, size))
-        self._depths = SizeCache(context, DepthTexture)
+    def __init__(self, gl: PartGl):
+        self._gl, self._context = gl, gl.context
+        self._tiles = gl.tiles(_MOST_TILES)
+        self._programs: dict[tuple[str, Defines], Screen] = {}
+        self._composite: Screen | None = None
+        self._targets = gl.by_size(lambda size: _CloudTarget(gl.context, size))
+        self._others = gl.by_size(lambda size: _CloudTarget(gl.context, size))
+        self._depths = gl.by_size(gl.depth_copy)
         self._before: _Before | None = None
         # What a still has already.
         self._known: _Before | None = None
@@ -72,8 +61,8 @@ class CloudPass:
     def draw(
         self,
         clouds: CloudsOnGpu,
-        targets: Targets | MovingTargets,
-        view: View,
+        target: PartTarget,
+        view: PartView,
         air: Defines,
         before_meshes: bool,
         light: int | None,
@@ -82,22 +71,21 @@ class CloudPass:
         """March through the clouds and blend them in.
 
         Args:
+            air: defines with which air.glsl finds the air, none without any.
             before_meshes: whether clouds may stand before meshes.
             light: while something moves, a number of the light on them: pictures of the same light
                 are taken over. None: the picture is a still.
             sample: of a still's pictures, which; the first comes first.
         """
-        defines = (*(name for name in air if name in ("AIR", SECOND_LIGHT)),)
-        depth = self._depths.get(targets.size)
-        depth.copy(targets.buffer)
+        depth = self._depths.get(target.size)
+        depth.copy(target.buffer)
         depth.use(location=4)
         if light is None:
             self._before = None
-            target = self._still(clouds, view, defines, targets.size, sample)
+            self._shown = self._still(clouds, view, air, target.size, sample)
         else:
-            target = self._moving(clouds, view, defines, targets.size, light)
-        self._shown = target
-        targets.buffer.use()
+            self._shown = self._moving(clouds, view, air, target.size, light)
+        target.buffer.use()
         self.draw_again(before_meshes)
 
     def draw_again(self, before_meshes: bool) -> None:
@@ -110,9 +98,9 @@ class CloudPass:
     def _moving(
         self,
         clouds: CloudsOnGpu,
-        view: View,
+        view: PartView,
         defines: Defines,
-        size: tuple[int, int],
+        size: Size,
         light: int,
     ) -> "_CloudTarget":
         """A coarser picture, in part of what the one before shows."""
@@ -133,9 +121,9 @@ class CloudPass:
     def _still(
         self,
         clouds: CloudsOnGpu,
-        view: View,
+        view: PartView,
         defines: Defines,
-        size: tuple[int, int],
+        size: Size,
         sample: int,
     ) -> "_CloudTarget":
         """Every pixel marched that a coarser picture, or that of the first sample, does not say."""
@@ -152,15 +140,12 @@ class CloudPass:
 
     def release(self) -> None:
         """Free the GL objects."""
-        for screen in (*self._programs.values(), self._composite):
-            if screen is not None:
-                screen.release()
         self._before = self._known = self._shown = None
         self._targets.release()
         self._others.release()
         self._depths.release()
 
-    def _take_over(self, known: FullScreen, before: _Before, now: _Before) -> None:
+    def _take_over(self, known: Screen, before: _Before, now: _Before) -> None:
         """Set what the march takes over."""
         before.target.before_sky.use(location=_OLD_SKY_UNIT)
         before.target.before_mesh.use(location=_OLD_MESH_UNIT)
@@ -168,10 +153,10 @@ class CloudPass:
         known.set("old_clip_from_axes", (before.view.projection @ before.view.rotation).T.ravel())
         known.set("moved_m", _moved_m(before, now))
 
-    def _program(self, shader: str, defines: Defines) -> FullScreen:
+    def _program(self, shader: str, defines: Defines) -> Screen:
         program = shader, defines
         if program not in self._programs:
-            self._programs[program] = FullScreen(self._context, *program)
+            self._programs[program] = self._gl.screen(SHADERS / shader, defines)
         return self._programs[program]
 
     def _march(
@@ -196,43 +181,45 @@ class CloudPass:
             program.set("view_axis", -view.rotation[2, :3])
             program.set("mesh_pixels", pixels)
             program.set("picture_px", now.target.size)
-        context = self._context
+        context, gl = self._context, self._gl.gl
         now.target.buffer.use()
         clouds.bind_noises()
         context.disable(context.BLEND | context.CULL_FACE)
         context.enable(context.DEPTH_TEST)
-        GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(1, np.float32))
-        GL.glDepthRange(1.0, 1.0)
-        GL.glDepthFunc(GL.GL_ALWAYS)
+        gl.glClearBufferfv(gl.GL_DEPTH, 0, np.zeros(1, np.float32))
+        gl.glDepthRange(1.0, 1.0)
+        gl.glDepthFunc(gl.GL_ALWAYS)
         # A picture that is given up leaves the next one the usual range of depth.
         try:
             known.draw()
-            GL.glDepthFunc(GL.GL_GREATER)
-            self._pieces.draw(now.target.size, lambda piece: march.draw())
+            gl.glDepthFunc(gl.GL_GREATER)
+            self._tiles.draw(now.target.size, lambda piece: march.draw())
         finally:
-            GL.glDepthRange(0.0, 1.0)
+            gl.glDepthRange(0.0, 1.0)
             context.disable(context.DEPTH_TEST)
 
     def _blend(self, cloud: Any, only_sky: bool) -> None:
         """Blend over samples of the sky, at infinite depth, or over samples of meshes."""
         if self._composite is None:
-            self._composite = FullScreen(self._context, "cloud_composite.frag")
+            self._composite = self._gl.screen(SHADERS / "cloud_composite.frag")
         cloud.use(location=0)
         self._composite.set("cloud", 0)
-        context = self._context
+        context, gl = self._context, self._gl.gl
         context.enable(context.DEPTH_TEST | context.BLEND)
-        GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_SRC_ALPHA, GL.GL_ZERO, GL.GL_ONE)
-        GL.glDepthFunc(GL.GL_GEQUAL if only_sky else GL.GL_LESS)
-        GL.glDepthRange(BEFORE_SKY, 1.0)
+        gl.glBlendFuncSeparate(gl.GL_ONE, gl.GL_SRC_ALPHA, gl.GL_ZERO, gl.GL_ONE)
+        gl.glDepthFunc(gl.GL_GEQUAL if only_sky else gl.GL_LESS)
+        gl.glDepthRange(self._gl.before_sky, 1.0)
         context.depth_mask = False
         self._composite.draw()
         context.depth_mask = True
-        GL.glDepthRange(0.0, 1.0)
-        GL.glDepthFunc(GL.GL_GREATER)
+        gl.glDepthRange(0.0, 1.0)
+        gl.glDepthFunc(gl.GL_GREATER)
         context.disable(context.BLEND)
 
 
-def _picture(target: Any, clouds: CloudsOnGpu, view: View, defines: Defines, light: int) -> _Before:
+def _picture(
+    target: Any, clouds: CloudsOnGpu, view: PartView, defines: Defines, light: int
+) -> _Before:
     assert clouds.layer is not None
     return _Before(target, view, clouds.layer.drift_m, defines, light)
 

@@ -4,11 +4,12 @@ import msgspec
 import numpy as np
 import pytest
 from cloud_stage import rough_layer, slab, slab_irradiance
+from clouds.model.cloud_transport import even_transmittance
+from clouds.sky_under_clouds import light_under_clouds
 from light_messages import clear_sky_light, light_messages
 
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_transport import even_transmittance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -16,7 +17,7 @@ from vrut_lite.geometry.spherical_harmonics import (
     horizontal_irradiance,
     irradiance_coefficients,
 )
-from vrut_lite.sky.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.sky.sky_layer import Viewpoint
 
 SUN = (0.6, 0.8, 0.0)
 IRRADIANCE = np.array([90.0, 80.0, 70.0])

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.clouds.cloud_density import (
+from clouds.model.cloud_density import (
     ANVIL_FADE,
     ANVIL_FROM,
     ANVIL_RISE,
@@ -25,7 +25,7 @@ from vrut_lite.clouds.cloud_density import (
     WEATHER_WARP,
     WEATHER_WAVES,
 )
-from vrut_lite.clouds.cloud_spread import Spread
+from clouds.model.cloud_spread import Spread
 from vrut_lite.messages.clouds import CloudForm
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 

@@ -9,10 +9,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from clouds.model.cloud_density import sun_transmittance
+from clouds.model.cloud_light import ClearLight
+from clouds.model.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
-from vrut_lite.clouds.cloud_density import sun_transmittance
-from vrut_lite.clouds.cloud_light import ClearLight
-from vrut_lite.clouds.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
 from vrut_lite.messages.clouds import CloudLayer

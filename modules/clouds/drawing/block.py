@@ -1,0 +1,56 @@
+"""The numbers of a layer of clouds for the shaders that march through it or are shaded by it."""
+
+from vrut_lite.uniform_block import UniformBlock
+
+CLOUDS = UniformBlock(
+    "Clouds",
+    "clouds",
+    # Positions count from the eye; "level" is world x and z.
+    fields={
+        "sun_direction": ("vec3", "towards the sun"),
+        "eye_radius_m": ("float", "from the planet's middle"),
+        "base_m": ("float", "altitude of the layer's base"),
+        "thickness_m": ("float", "of the layer"),
+        "extinction_per_m": ("float", "of a cloud's full density"),
+        "threshold": ("float", "of the weather, above which there is cloud"),
+        "weather_origin": ("vec4", "the eye in the two views of the weather, in periods"),
+        "noise_origin": ("vec4", "the eye in shape and detail, in periods"),
+        "diffused": ("float", "share of extinction that counts, after delta-M"),
+        "pixel_rad": ("float", "what a pixel of the cloud picture spans"),
+        "top_squares_m2": ("float", "squared radius less the eye's, of the layer's top"),
+        "base_squares_m2": ("float", "the same of its base"),
+        "ground_squares_m2": ("float", "the same of the ground"),
+        "eye_altitude_m": ("float", "the eye's y"),
+        "light_from_above": ("vec3", "mean radiance of the upper hemisphere"),
+        "light_from_below": ("vec3", "radiance of the ground"),
+        "covered_share": ("float", "of the sky's zenith that is cloud"),
+        "shadow_origin_m": ("vec2", "the eye on the shadow map's plane"),
+        "shadow_near_m": ("float", "how far from the middle texels begin to grow"),
+        "shadow_growth": ("float", "of texels away from the middle"),
+        "ground_by_sun": ("vec3", "of the light of open, level ground, what the sun gives"),
+        "sun_slope": ("float", "least sine of the sun's height that shadows are cast by"),
+        "ground_by_sky": ("vec3", "of the same, what sky and clouds give"),
+        "shadow_texels": ("float", "along a side of the map"),
+        # The layer's form: messages/clouds.py.
+        "weather_periods_m": ("vec2", "of the two copies of the weather"),
+        "noise_periods_m": ("vec2", "of shape and detail"),
+        "warp_origin": ("vec4", "the eye in the waves that warp shape and weather, in periods"),
+        "second_share": ("float", "of the second copy of the weather"),
+        "stretch": ("float", "of noise along its x axis"),
+        "lean": ("float", "of that axis with the height"),
+        "growth": ("float", "weather over which clouds grow to full height"),
+        "least_height": ("float", "of the smallest cloud, of the thickness"),
+        "side_fade": ("float", "weather over which sides fade in"),
+        "anvil": ("float", "how far tops spread, in side fades"),
+        "base_fade": ("float", "of a cloud's height"),
+        "top_fade": ("float", "of a cloud's height"),
+        "fraying": ("float", "weight of the detail"),
+        "sharpness": ("float", "of edges"),
+        # Of weather and noise in a sample: model/cloud_spread.py.
+        "spread_most": ("vec2", "half their range in a wide one"),
+        "spread_log_half": ("vec2", "binary logarithm of the width at which it is half that, m"),
+        "spread_power": ("vec2", "of the width"),
+        "volume_near_m": ("float", "of the light volume, as shadow_near_m"),
+        "volume_growth": ("float", "of its columns away from the middle"),
+    },
+)

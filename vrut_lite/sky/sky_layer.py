@@ -1,0 +1,78 @@
+"""Layers before the sky, such as clouds. The interface is provisional until 1.0.
+
+A module brings one by an entry point of the group `vrut_lite.sky_layers` that names a subclass of
+`SkyLayer`. `SkySum` hears its message and asks it for the light of the sky behind it.
+"""
+
+import logging
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any, ClassVar, NamedTuple
+
+from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.numeric_types import Vector
+
+GROUP = "vrut_lite.sky_layers"
+_log = logging.getLogger(__name__)
+
+
+class Viewpoint(NamedTuple):
+    """The eye, and the level square around the middle on which the light falls.
+
+    `eye_m` lies over the scene's `middle_m`, which is on the ground.
+    """
+
+    eye_m: Vector
+    middle_m: Vector
+    half_width_m: float
+
+
+class SkyLayer:
+    """A module's layer before the sky; its methods are pure functions of its message `hears`."""
+
+    hears: ClassVar[type[Derived]]
+
+    @classmethod
+    def is_there(cls, message: Any) -> bool:
+        """Whether there is anything before the sky."""
+        raise NotImplementedError
+
+    @classmethod
+    def levels_m(cls, message: Any) -> tuple[float, ...]:
+        """Altitudes near which the layer looks otherwise to an eye that rises."""
+        return ()
+
+    @classmethod
+    def looks_same(cls, now: Any, before: Any, height_m: float) -> bool:
+        """Whether an eye at a height can tell two layers apart; unequal objects."""
+        return False
+
+    @classmethod
+    def light_under(
+        cls, message: Any, clear: SkyLightChanged, view: Viewpoint, size: int, source: str
+    ) -> SkyLightChanged:
+        """The light of a sky, of which radiance is known, behind the layer and with its own light.
+
+        Runs in a background job; `size`: approximate edge of the background in texels.
+        """
+        raise NotImplementedError
+
+
+@cache
+def sky_layers() -> dict[str, type[SkyLayer]]:
+    """Layers by the names of their entry points; one that fails to load is left out, warned."""
+    found = {}
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        try:
+            layer = point.load()
+            if not (isinstance(layer, type) and issubclass(layer, SkyLayer)):
+                raise UserError("it names no subclass of SkyLayer")
+            found[point.name] = layer
+        except BaseException as error:
+            pass_interrupt(error)
+            _log.warning("the sky layer %s failed to load: %s", point.name, sentence_of(error))
+    return found
