@@ -1,4 +1,4 @@
-"""The exceptions that the command line prints as one sentence."""
+"""Exceptions that the command line prints as one sentence, and the end of unwanted work."""
 
 _LONGEST_SENTENCE = 2000
 
@@ -16,6 +16,10 @@ class UserError(_OneLine):
 
 class ModuleFailed(_OneLine):
     """A module raised an unexpected exception; the text names the module. Exit code 1."""
+
+
+class GivenUp(Exception):
+    """Work that its caller no longer wants has ended."""
 
 
 def one_line(text: str, longest: int) -> str:

@@ -10,12 +10,13 @@ from typing import ClassVar
 import numpy as np
 
 from vrut_lite import checks
+from vrut_lite.atmosphere.planet import EARTH_RADIUS_M
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, colour_table, luminance
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import FloatArray, Vector
 
 SLOT = "aurora"
-RADIUS_KM, LOW_KM, HIGH_KM, STEPS = 6371.0, 90.0, 400.0, 64
+RADIUS_KM, LOW_KM, HIGH_KM, STEPS = EARTH_RADIUS_M / 1000.0, 90.0, 400.0, 64
 # Lines: wavelength (nm), altitude of the peak and scale height (km), brightness over the green's.
 # O 557.7 and 630.0 nm and N2+ 427.8 nm (Chamberlain, Physics of the Aurora and Airglow, 1961).
 LINES = ((557.7, 112.0, 16.0, 1.0), (630.0, 240.0, 50.0, 0.3), (427.8, 106.0, 12.0, 0.18))

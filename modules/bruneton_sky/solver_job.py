@@ -3,11 +3,8 @@
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver import MOST_ORDERS, SourceField, solve
 from bruneton_sky.solver_rungs import SolverRung, rung_sizes, rung_tolerance
+from vrut_lite.errors import GivenUp
 from vrut_lite.kernel.job import JobControl
-
-
-class GivenUp(Exception):
-    """A newer atmosphere is wanted."""
 
 
 def solve_air(

@@ -10,11 +10,11 @@ from clouds.drawing.cloud_shadow import SAMPLER, CloudShadowMap
 from clouds.drawing.layer_textures import BLOCK, SHADERS, CloudsOnGpu, CloudSurroundings
 from clouds.drawing.light_volume import SAMPLER as LIGHT_SAMPLER
 from clouds.model.cloud_layers import clear_light, lights_on, sun_transmittance_of
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.frame_part import FramePart, Heard, PartFrame, PartGl, PartTarget
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
-from vrut_lite.messages.ground_disc import PLANET_RADIUS_M
 from vrut_lite.numeric_types import Vector
 
 # Light that changes by more from one picture to the next shows in all of the next.
@@ -53,7 +53,7 @@ class CloudsPart(FramePart):
         if not layers:
             return 0.0
         heights_m = np.array([camera.eye_m[1], layers[-1].top_m])
-        return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * PLANET_RADIUS_M).sum())
+        return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * GROUND_RADIUS_M).sum())
 
     @classmethod
     def sun_share(cls, heard: Heard, point_m: Vector, direction: Vector) -> float:

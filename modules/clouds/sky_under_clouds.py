@@ -12,12 +12,12 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from clouds.model.cloud_density import PLANET_RADIUS_M
 from clouds.model.cloud_layers import air_share, clear_light, lights_on
 from clouds.model.cloud_light import ClearLight
 from clouds.model.cloud_view import clouds_seen, sun_share
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.haze_layer import HazeLayer
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.atmosphere.sun_aloft import haze_depth
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.encoding import encode_float16
@@ -28,7 +28,7 @@ from vrut_lite.geometry.spherical_harmonics import (
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
-from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.numeric_types import FloatArray, Vector, vector
 from vrut_lite.sky.sky_layer import Viewpoint
 
 # Where linear sRGB has its weight, and Rayleigh scattering at sea level there.
@@ -75,7 +75,7 @@ def light_under_clouds(
     radiance = SkyRadianceChanged(
         cube=Array(texels),
         radiance_scale=scale,
-        ground_radiance_rgb=_vector(on_ground.share * clear.radiance.ground_radiance_rgb),
+        ground_radiance_rgb=vector(on_ground.share * clear.radiance.ground_radiance_rgb),
         source=source,
     )
     near_ground = view.eye_m[1] - view.middle_m[1] <= _NEAR_GROUND * layers[0].base_m
@@ -91,13 +91,13 @@ def light_under_clouds(
             clear.background,
             cube=cube,
             radiance_scale=scale,
-            ground_radiance_rgb=_vector(on_ground.share * clear.background.ground_radiance_rgb),
+            ground_radiance_rgb=vector(on_ground.share * clear.background.ground_radiance_rgb),
             view=None,
-            seen_sun_irradiance_rgb=_vector(through_to_eye * np.asarray(seen_rgb)),
+            seen_sun_irradiance_rgb=vector(through_to_eye * np.asarray(seen_rgb)),
             source=source,
         ),
         key_light=msgspec.structs.replace(
-            sun, irradiance_rgb=_vector(share * np.asarray(sun.irradiance_rgb)), source=source
+            sun, irradiance_rgb=vector(share * np.asarray(sun.irradiance_rgb)), source=source
         ),
         ambient=AmbientChanged(
             irradiance_sh_rgb=Array(on_ground.harmonics.astype(np.float32)), source=source
@@ -197,14 +197,14 @@ def _air_depths(
     mu (n,): the rays' zenith cosines.
     """
     horizontal_m = distance_m * np.sqrt(np.maximum(1.0 - mu * mu, 0.0))
-    far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * PLANET_RADIUS_M)
+    far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * GROUND_RADIUS_M)
     of_haze = [(layer.height_m, haze_depth(layer, _RGB_NM) / layer.height_m) for layer in haze]
     before, whole = np.zeros((2, len(mu), 3))
     for scale_m, per_m in [(_SCALE_HEIGHT_M, _RAYLEIGH_PER_M), *of_haze]:
         in_m = distance_m * _mean_density(eye_altitude_m, far_altitude_m, scale_m)
         before += in_m[:, None] * per_m
         # Along the horizon there is as much as along so many scale heights.
-        most = np.sqrt(0.5 * np.pi * PLANET_RADIUS_M / scale_m)
+        most = np.sqrt(0.5 * np.pi * GROUND_RADIUS_M / scale_m)
         upward = scale_m * np.exp(-eye_altitude_m / scale_m)
         downward = scale_m * -np.expm1(-eye_altitude_m / scale_m)
         through_m = np.where(mu > 0.0, upward, downward) / np.maximum(np.abs(mu), 1.0 / most)
@@ -218,8 +218,3 @@ def _mean_density(from_m: float, to_m: FloatArray, scale_m: float) -> FloatArray
     level = np.abs(rise) < 1e-6
     mean = np.where(level, 1.0, -np.expm1(-rise) / np.where(level, 1.0, rise))
     return np.asarray(np.exp(-from_m / scale_m) * mean)
-
-
-def _vector(values: FloatArray) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

@@ -22,6 +22,7 @@ from dynamic_skylight.daylight import Daylight
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.aerosols import PhaseTable
 from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.messages.air import AirVolume
@@ -37,7 +38,7 @@ from vrut_lite.sky.air_volume import (
     slice_shares,
 )
 
-GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
+TOP_ALTITUDE_M = 60_000.0
 _MOLECULES_M = 8000.0
 # From the ground the rows above the horizon and the columns are the twilight table's own: that is
 # bilinear, and chords across its kinks would be up to 7 % too bright, a degree above the horizon.

@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
-from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
 from dynamic_skylight.twilight_blend import BLEND_DEG, BLEND_ENDS_DEG, blend, model_on_map
 from dynamic_skylight.twilight_curve import NIGHT_BEGINS_DEG, illuminance_lx
 from dynamic_skylight.twilight_table import (
@@ -29,12 +28,13 @@ from dynamic_skylight.twilight_table import (
     luminous_irradiance,
     twilight_table,
 )
+from vrut_lite.atmosphere.refraction import geometric_elevation, refraction_of_true_rad
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import FloatArray
 
 # Geometric elevation at which the illuminance reaches the published curve.
 ON_CURVE_DEG = -7.0
-BLEND_APPARENT_RAD = float(np.radians(BLEND_DEG) + refraction_rad(np.radians(BLEND_DEG)))
+BLEND_APPARENT_RAD = float(np.radians(BLEND_DEG) + refraction_of_true_rad(np.radians(BLEND_DEG)))
 # Starlight and airglow of a clear moonless night, on level ground (RCA Electro-Optics
 # Handbook 1974, table 6-1). Seidelmann's curve ends close by, at 6.5e-4 lx.
 NIGHT_ILLUMINANCE_LX = 1e-3

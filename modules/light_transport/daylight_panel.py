@@ -16,11 +16,12 @@ import numpy as np
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QProgressBar, QPushButton, QWidget
 
-from light_transport.giving_up import GivenUp, unless
+from light_transport.giving_up import unless
 from light_transport.legend import Legend
 from light_transport.plane_view import PlaneView
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import Chooser, faint_label, make_timer, panel_column
+from vrut_lite.errors import GivenUp
 from vrut_lite.kernel.messages import ClockMoved, Demand, SetSetting, SettingChanged
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneOpened

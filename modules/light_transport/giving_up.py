@@ -2,12 +2,10 @@
 
 from collections.abc import Callable
 
+from vrut_lite.errors import GivenUp
+
 # Called between steps; raises GivenUp where the work is to end.
 GoOn = Callable[[], None]
-
-
-class GivenUp(Exception):
-    """The work was cancelled."""
 
 
 def always() -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 import msgspec
 import numpy as np
 
-from light_transport.giving_up import GivenUp, GoOn, unless
+from light_transport.giving_up import GoOn, unless
 from light_transport.kept_layout import (
     BakeRecipe,
     RoundNumbers,
@@ -27,6 +27,7 @@ from light_transport.kept_layout import (
 from light_transport.messages import NAME
 from vrut_lite.array import Array
 from vrut_lite.array_cache import Arrays
+from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.messages.light_map import LightMapLaid, Mirrors, SurfaceLightChanged

@@ -9,9 +9,10 @@ from night_sky.moon_light import earthshine_radiance_rgb, irradiance_rgb
 from night_sky.night_air import NightAir
 from night_sky.sky_axes import unit
 from vrut_lite.array import Array
+from vrut_lite.atmosphere.planet import MOON_RADIUS_KM
 from vrut_lite.atmosphere.refraction import apparent_elevation, dip_rad
 from vrut_lite.messages.night import THROUGH_PLACES, MoonDiscChanged
-from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.numeric_types import vector
 
 # Selenographic longitude and latitude (deg) and diameter (km) of the maria (IAU gazetteer), and how
 # much longer than wide along the longitude.
@@ -34,7 +35,7 @@ _MARIA = (
     (-92.8, -19.4, 300.0, 1.0),  # Orientale
 )
 _MARE_ALBEDO = 0.53
-_MEAN_RADIUS_KM, _SOFT = 1737.4, 0.12
+_SOFT = 0.12
 _ROWS, _COLUMNS = 90, 180
 # Samples across the disc that its radiance is normalised by.
 _ACROSS = 64
@@ -51,7 +52,7 @@ def albedo_map() -> Array:
         middle = unit(east, north)
         along = np.array([-middle[1], middle[0], 0.0]) / np.hypot(middle[0], middle[1])
         across = np.cross(middle, along)
-        radius = 0.5 * diameter_km / _MEAN_RADIUS_KM / np.sqrt(aspect)
+        radius = 0.5 * diameter_km / MOON_RADIUS_KM / np.sqrt(aspect)
         reach = np.hypot(place @ along / aspect, place @ across) / radius
         near = place @ middle > 0.0
         dark = np.maximum(dark, near * np.clip((1.0 + _SOFT - reach) / (2.0 * _SOFT), 0.0, 1.0))
@@ -66,13 +67,13 @@ def disc_of(moon: Moon, air: NightAir, source: str, eye_height_m: float = 0.0) -
     across = flattening * moon.angular_radius_rad * np.linspace(-1.0, 1.0, THROUGH_PLACES)
     through = air.through(np.sin(np.arcsin(moon.direction[1]) + across))
     return MoonDiscChanged(
-        direction=_vector(moon.direction),
+        direction=vector(moon.direction),
         angular_radius_rad=moon.angular_radius_rad,
         flattening=flattening,
-        to_sun=_vector(moon.to_sun),
+        to_sun=vector(moon.to_sun),
         axes=tuple(float(value) for value in moon.axes.ravel()),
-        lit_rgb=_vector(np.maximum(lit, 0.0)),
-        dark_rgb=_vector(dark),
+        lit_rgb=vector(np.maximum(lit, 0.0)),
+        dark_rgb=vector(dark),
         albedo=albedo_map(),
         source=source,
         horizon_rad=-dip_rad(eye_height_m),
@@ -107,8 +108,3 @@ def _flattening(moon: Moon, eye_height_m: float) -> float:
     edges = true + moon.angular_radius_rad * np.array([-1.0, 1.0])
     low, high = apparent_elevation(edges, eye_height_m)
     return float(np.clip((high - low) / (edges[1] - edges[0]), 0.1, 1.0))
-
-
-def _vector(values: FloatArray) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

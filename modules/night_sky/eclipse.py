@@ -7,8 +7,8 @@ of the cosine mu, at three wavelengths near those of linear sRGB.
 import astronomy
 import numpy as np
 
-from night_sky.moon import RADIUS_KM
 from night_sky.sky_axes import Watch, body_km
+from vrut_lite.atmosphere.planet import MOON_RADIUS_KM
 from vrut_lite.numeric_types import FloatArray
 
 SUN_RADIUS_KM = 696_000.0
@@ -26,7 +26,7 @@ def sun_left(at: Watch) -> FloatArray:
     apart = float(np.linalg.norm(np.cross(sun / sun_km, moon / moon_km)))
     if sun @ moon < 0.0:
         return np.ones(3)
-    ratio = RADIUS_KM / moon_km / (SUN_RADIUS_KM / sun_km)
+    ratio = MOON_RADIUS_KM / moon_km / (SUN_RADIUS_KM / sun_km)
     return left_of_disc(apart / (SUN_RADIUS_KM / sun_km), ratio)
 
 

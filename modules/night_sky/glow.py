@@ -15,6 +15,7 @@ from night_sky.lamp_sky import lamp_share
 from night_sky.night_air import SENT_DOWN, NightAir
 from night_sky.sky_axes import Watch, body_km, ecliptic_of_j2000, unit
 from night_sky.stars import colour_of, planck_colour
+from vrut_lite.atmosphere.planet import EARTH_RADIUS_M
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
@@ -23,7 +24,7 @@ from vrut_lite.numeric_types import FloatArray
 S10 = 8.65e-7
 # Noll et al. (2012, A&A 543, A92): airglow by the sun's flux at 10.7 cm, at the zenith.
 _AIRGLOW_S10, _AIRGLOW_AT_0, _AIRGLOW_PER_SFU = 200.0, 0.2, 0.00614
-_AIRGLOW_M, _RADIUS_M = 90_000.0, 6_371_000.0
+_AIRGLOW_M = 90_000.0
 # Of table 17: 1e-8 W m^-2 sr^-1 um^-1 at 500 nm as luminance.
 _ZODIACAL_CD = 7.0e-7
 # Stars too faint for points: a layer of 20 S10 across, seen slantwise to five times that, and the
@@ -77,7 +78,7 @@ def mean_outside(at: Watch, air: NightAir, sources: Sources) -> FloatArray:
 def airglow_cd(sine: FloatArray, solar_flux_sfu: float) -> FloatArray:
     """Luminance (n,) of the airglow's layer, by van Rhijn's path through it."""
     zenith = S10 * _AIRGLOW_S10 * (_AIRGLOW_AT_0 + _AIRGLOW_PER_SFU * solar_flux_sfu)
-    ratio = _RADIUS_M / (_RADIUS_M + _AIRGLOW_M)
+    ratio = EARTH_RADIUS_M / (EARTH_RADIUS_M + _AIRGLOW_M)
     return np.asarray(zenith / np.sqrt(1.0 - ratio**2 * (1.0 - sine**2)))
 
 

@@ -9,8 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from night_sky.night_air import RADIUS_M, RGB_NM, TOP_M
+from night_sky.night_air import RGB_NM, TOP_M
 from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.sky.clear_sun import extinctions_per_m
@@ -31,10 +32,10 @@ def _shares(haze: SetHaze) -> tuple[FloatArray, FloatArray]:
     elevation = 0.5 * np.pi * np.linspace(0.0, 1.0, _NODES) ** 2
     x, weight = np.polynomial.legendre.leggauss(_STEPS)
     place, weight = 0.5 * (x + 1.0), 0.5 * weight
-    start = RADIUS_M * np.sin(elevation)[:, None]
-    length = np.sqrt((RADIUS_M + TOP_M) ** 2 - RADIUS_M**2 + start**2) - start
+    start = GROUND_RADIUS_M * np.sin(elevation)[:, None]
+    length = np.sqrt((GROUND_RADIUS_M + TOP_M) ** 2 - GROUND_RADIUS_M**2 + start**2) - start
     along = length * place**2
-    altitude = np.sqrt(RADIUS_M**2 + along**2 + 2.0 * start * along) - RADIUS_M
+    altitude = np.sqrt(GROUND_RADIUS_M**2 + along**2 + 2.0 * start * along) - GROUND_RADIUS_M
     metres = length * (2.0 * place * weight)
     kinds = extinctions_per_m(haze, altitude, RGB_NM)
     step = kinds.sum(axis=0) * metres[..., None]

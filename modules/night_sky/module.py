@@ -33,7 +33,7 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneNeeds
 from vrut_lite.messages.sky import NO_LAMPS
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.numeric_types import FloatArray, Vector, vector
 from vrut_lite.sky.eye import eye_height_m
 from vrut_lite.sky.night_glow import map_directions
 from vrut_lite.sky.sky_module import PRODUCTS
@@ -265,7 +265,7 @@ def moon_light(
     if math.degrees(true) < _MOON_GONE_DEG:
         return None
     light = irradiance_rgb(moon.phase) * left_rgb
-    x, y, z = _vector(moon.direction)
+    x, y, z = vector(moon.direction)
     return MoonLight(
         place=SunMoved(
             direction=(x, y, z),
@@ -274,8 +274,8 @@ def moon_light(
             apparent_elevation_rad=math.asin(min(max(y, -1.0), 1.0)),
             visible_disc_fraction=moon.visible_disc_fraction,
         ),
-        irradiance_rgb=_vector(light),
-        of_sunlight_rgb=_vector(light / sun_rgb()),
+        irradiance_rgb=vector(light),
+        of_sunlight_rgb=vector(light / sun_rgb()),
         angular_radius_rad=moon.angular_radius_rad,
         lit_fraction=moon.lit_fraction,
         waxes=moon.phase.sun_longitude_rad > 0.0,
@@ -309,8 +309,3 @@ def stars_seen(at: "Watch", air: "NightAir", eye_height_m: float = 0.0) -> Stars
 def _no_stars() -> StarsChanged:
     none = Array(np.zeros((0, 3), np.float32))
     return StarsChanged(direction=none, irradiance_rgb=none, source=NAME)
-
-
-def _vector(values: FloatArray) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

@@ -7,10 +7,9 @@ import numpy as np
 
 from night_sky.moon_light import Phase
 from night_sky.sky_axes import AU_KM, Watch, body_km, moon_axes, refracted
+from vrut_lite.atmosphere.planet import MOON_RADIUS_KM
 from vrut_lite.atmosphere.refraction import dip_rad
 from vrut_lite.numeric_types import FloatArray
-
-RADIUS_KM = 1737.4
 
 
 class Moon(NamedTuple):
@@ -50,7 +49,7 @@ def moon_at(at: Watch, eye_height_m: float = 0.0) -> Moon:
     seen, lit = own @ -to_moon, own @ to_sun
     true = at.world @ to_moon
     apparent = refracted(true, eye_height_m)
-    radius = float(np.arcsin(RADIUS_KM / distance))
+    radius = float(np.arcsin(MOON_RADIUS_KM / distance))
     phase = Phase(
         angle_rad=float(np.arccos(np.clip(-to_moon @ to_sun, -1.0, 1.0))),
         sun_longitude_rad=float(np.arctan2(lit[1], lit[0])),

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from night_sky.data_files import table
+from vrut_lite.atmosphere.planet import EARTH_RADIUS_M
 from vrut_lite.geometry.colour import colour_table, rgb_from_spectrum, solar_irradiance
 from vrut_lite.numeric_types import FloatArray
 
@@ -22,7 +23,7 @@ _LEAST_PHASE_DEG, _MOST_PHASE_DEG = 1.55, 97.0
 # Of the disc at the standard distance, sr.
 _SOLID_ANGLE, _STANDARD_KM = 6.4177e-5, 384_400.0
 # Full Earth at the moon's distance: 133 klx of sun, its geometric albedo 0.434, its radius.
-_EARTH_ALBEDO, _EARTH_KM = 0.434, 6371.0
+_EARTH_ALBEDO, _EARTH_KM = 0.434, EARTH_RADIUS_M / 1000.0
 _MOON_ALBEDO = 0.12
 
 

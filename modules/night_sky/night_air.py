@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.atmosphere.refraction import dip_rad
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
@@ -21,7 +22,7 @@ RGB_NM = np.array([610.0, 550.0, 465.0])
 # Share of the light that the air takes from an even sky and that reaches the ground.
 SENT_DOWN = 0.45
 _NODES = 181
-RADIUS_M, TOP_M = 6_360_000.0, 120_000.0
+TOP_M = 120_000.0
 # Of a part of a ray, denser where the air is.
 _STEPS = 48
 
@@ -55,9 +56,9 @@ def _depth(haze: SetHaze, eye_height_m: float, elevation: FloatArray) -> FloatAr
     A ray is followed by its distance from where it is nearest to the planet, forth and, of one that
     descends, back.
     """
-    impact = (RADIUS_M + eye_height_m) * np.cos(elevation)
-    eye = (RADIUS_M + eye_height_m) * np.sin(elevation)
-    top = np.sqrt(np.maximum((RADIUS_M + TOP_M) ** 2 - impact**2, 0.0))
+    impact = (GROUND_RADIUS_M + eye_height_m) * np.cos(elevation)
+    eye = (GROUND_RADIUS_M + eye_height_m) * np.sin(elevation)
+    top = np.sqrt(np.maximum((GROUND_RADIUS_M + TOP_M) ** 2 - impact**2, 0.0))
     start = np.clip(eye, -top, top)
     up = _part(haze, impact, np.maximum(start, 0.0), top)
     return up + _part(haze, impact, np.zeros_like(start), np.maximum(-start, 0.0))
@@ -68,6 +69,6 @@ def _part(haze: SetHaze, impact: FloatArray, near: FloatArray, far: FloatArray) 
     x, weight = np.polynomial.legendre.leggauss(_STEPS)
     place, weight = 0.5 * (x + 1.0), 0.5 * weight
     along = near[:, None] + (far - near)[:, None] * place**2
-    altitude = np.maximum(np.hypot(impact[:, None], along) - RADIUS_M, 0.0)
+    altitude = np.maximum(np.hypot(impact[:, None], along) - GROUND_RADIUS_M, 0.0)
     metres = (far - near)[:, None] * (2.0 * place * weight)
     return np.asarray((extinction_per_m(haze, altitude, RGB_NM) * metres[..., None]).sum(axis=1))

@@ -5,9 +5,10 @@ from collections.abc import Callable
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
+from vrut_lite.errors import GivenUp
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.scene.backend import GivenUp, IsGivenUp
+from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import SceneState
 
 

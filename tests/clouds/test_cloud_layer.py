@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from cloud_stage import slab
 from clouds.model.cloud_density import (
-    PLANET_RADIUS_M,
     altitude_m,
     density,
     distance_up_m,
@@ -15,6 +14,7 @@ from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from long_parameters import mostly_long
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
 
 EYE = np.zeros(3)
@@ -91,7 +91,7 @@ def test_depths_add_up():
 def test_altitude_is_that_over_the_sphere():
     """sqrt(x^2 + (R + y)^2 + z^2) - R, without cancellation: to a micrometre near the eye."""
     far = np.array([3e5, 2e3, -4e5])
-    plain = np.linalg.norm(far + np.array([0.0, PLANET_RADIUS_M, 0.0])) - PLANET_RADIUS_M
+    plain = np.linalg.norm(far + np.array([0.0, GROUND_RADIUS_M, 0.0])) - GROUND_RADIUS_M
     assert altitude_m(far, EYE) == pytest.approx(plain, abs=1e-6)
     assert altitude_m(np.array([0.0, 1e-3, 0.0]), EYE) == pytest.approx(1e-3, rel=1e-12)
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from dynamic_skylight import SunEvents, sun_events, sun_position
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
-from dynamic_skylight.sun.refraction import refraction_rad
 from hypothesis import example, given
 from hypothesis import strategies as st
+
+from vrut_lite.atmosphere.refraction import refraction_of_true_rad
 
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 NAMES = [field.name for field in fields(SunEvents)]
@@ -100,7 +101,7 @@ def test_each_event_is_where_the_sun_says(day, latitude, longitude, zone_hours):
             assert abs(sun.direction[0]) < 2e-6
         elif name in ("sunrise", "sunset"):
             limb = sun.elevation_rad + MEAN_ANGULAR_RADIUS_RAD
-            assert limb + refraction_rad(limb) == pytest.approx(0.0, abs=2e-6)
+            assert limb + refraction_of_true_rad(limb) == pytest.approx(0.0, abs=2e-6)
         else:
             expected = np.radians(TWILIGHTS[name.split("_")[0]])
             assert sun.elevation_rad == pytest.approx(expected, abs=2e-6)
@@ -199,5 +200,5 @@ def test_an_event_minutes_after_midnight_is_found(latitude, longitude, sunset, s
     assert events.sunrise.strftime("%H:%M") == sunrise
     first_dip = sun_position(datetime(2026, 6, 21, 0, 9, tzinfo=UTC), latitude, longitude)
     limb = first_dip.elevation_rad + MEAN_ANGULAR_RADIUS_RAD
-    assert limb + refraction_rad(limb) < 0.0
+    assert limb + refraction_of_true_rad(limb) < 0.0
     assert events.sunset is not None

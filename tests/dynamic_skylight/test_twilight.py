@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from dynamic_skylight import HosekWilkieSky
-from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
 from dynamic_skylight.twilight import (
     BLEND_APPARENT_RAD,
     NIGHT_ILLUMINANCE_LX,
@@ -22,6 +21,7 @@ from exact_cube import assert_texels_agree, twin_cube
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from vrut_lite.atmosphere.refraction import geometric_elevation, refraction_of_true_rad
 from vrut_lite.geometry import spherical_harmonics
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
@@ -35,7 +35,7 @@ SKY_THETA, SKY_GAMMA = (
 def apparent(geometric_deg: float) -> float:
     """Apparent elevation (rad) of a geometric one in degrees."""
     geometric = np.radians(geometric_deg)
-    return float(geometric + refraction_rad(geometric))
+    return float(geometric + refraction_of_true_rad(geometric))
 
 
 def illuminance_of(turbidity: float, albedo: float, geometric_deg: float) -> float:

@@ -21,9 +21,10 @@ from light_transport.daylight_numbers.report import Page, Table, write_report
 from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import HOURS, YearLight, lit_hours
-from light_transport.giving_up import GivenUp, unless
+from light_transport.giving_up import unless
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.false_colours import scale_of
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.pictures.image_files import write_png

@@ -13,11 +13,11 @@ from bruneton_sky.solver_rungs import rung_sizes
 from bruneton_sky.sun_light import sun_irradiance_rgb as bruneton_sun_rgb
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.module import DynamicSkyLight
-from dynamic_skylight.sun.refraction import geometric_elevation
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, NIGHT_ILLUMINANCE_LX
 from dynamic_skylight.twilight_curve import illuminance_lx
 
 from vrut_lite.atmosphere.equal_haze import equal_sky
+from vrut_lite.atmosphere.refraction import geometric_elevation
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance, rgb_from_spectrum
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze

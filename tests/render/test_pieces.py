@@ -9,8 +9,8 @@ from cloud_stage import clouded, rough_layer
 from scene_stage import light, look
 from stateful_backend import opened
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.messages.ground_disc import GroundDisc
-from vrut_lite.scene.backend import GivenUp
 
 pytestmark = pytest.mark.gl
 SKY = np.linspace(9.0, 1.0, 16)[None, :, None, None] * np.ones((6, 1, 16, 3))

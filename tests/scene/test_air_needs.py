@@ -5,12 +5,12 @@ import pytest
 import trimesh
 from render.air_stage import volume_of
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.ground_disc import PLANET_RADIUS_M
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.scene import LoadScene, SceneNeeds
 from vrut_lite.scene.manager import SceneManager
@@ -29,14 +29,14 @@ def reach(eye, target, lower=LOWER, upper=UPPER, field_of_view_rad=0.8):
 
 
 def horizon_m(height_m):
-    return np.sqrt(height_m * (2 * PLANET_RADIUS_M + height_m))
+    return np.sqrt(height_m * (2 * GROUND_RADIUS_M + height_m))
 
 
 @pytest.mark.parametrize("height_m", [0.1, 1.7, 100.0, 3e3, 1e5, 1e7])
 def test_with_the_horizon_in_view_it_reaches_there(height_m):
     """sqrt(h (2 R + h)): 4.65 km for a person, 3,700 km for a satellite."""
     far = horizon_m(height_m)
-    down = -np.arcsin(far / (PLANET_RADIUS_M + height_m))
+    down = -np.arcsin(far / (GROUND_RADIUS_M + height_m))
     level = reach((0, height_m, 50), (0, height_m + np.tan(down + 1e-3), 49))
     # The scene itself is within 60 m.
     assert far * (1 - 1e-9) <= level <= max(far * (1 + 1e-9), 60.0)

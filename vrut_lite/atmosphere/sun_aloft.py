@@ -2,23 +2,24 @@
 
 `KeyLightChanged` has the irradiance at the ground. A cloud has less air and less haze above it, and
 sees the sun before sunrise and after sunset at the ground. Its sunlight is computed from the sun's
-spectrum, the molecules and ozone of a clear atmosphere (the coefficients of Bruneton 2017's demo)
-and the haze that the key light names, along a straight ray.
+spectrum, the molecules and ozone of a clear atmosphere (`clear_air`) and the haze that the key
+light names, along a straight ray.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.atmosphere.gases import ozone_absorption
+from vrut_lite.atmosphere.clear_air import (
+    SCALE_HEIGHT_M,
+    molecules_per_m,
+    ozone_density,
+    ozone_per_m,
+)
 from vrut_lite.atmosphere.haze_layer import HAZE_NM, HazeLayer
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.geometry.colour import colour_table, rgb_from_spectrum, solar_irradiance
 from vrut_lite.numeric_types import FloatArray
 
-PLANET_RADIUS_M = 6.36e6
-_RAYLEIGH_AT_1_UM, _RAYLEIGH_SCALE_M = 1.24062e-6, 8000.0
-_OZONE_DU, _OZONE_TENT_M = 300.0, 15_000.0
-# Ozone's density is a tent: zero at the ends, one in the middle.
-_OZONE_M = (10_000.0, 25_000.0, 40_000.0)
 _TOP_M = 80_000.0
 _STEPS = 96
 _SUN_RADIUS_RAD = 0.004675
@@ -40,7 +41,7 @@ def sun_aloft(
         np.asarray(altitude_m, dtype=float), np.asarray(sine, dtype=float)
     )
     # The arc cosine of nearly 1 would lose half of its digits.
-    dip = np.arctan2(np.sqrt(altitude * (2.0 * PLANET_RADIUS_M + altitude)), PLANET_RADIUS_M)
+    dip = np.arctan2(np.sqrt(altitude * (2.0 * GROUND_RADIUS_M + altitude)), GROUND_RADIUS_M)
     over_horizon = np.arcsin(np.clip(mu, -1.0, 1.0)) + dip
     shown = _shown_share(over_horizon / _SUN_RADIUS_RAD)
     # The visible part of a setting disc is seen along the horizon.
@@ -67,9 +68,9 @@ def _optical_depth(
     """
     wavelength_nm = colour_table()[:, 0]
     altitude_m, mu, misses = _inside(altitude_m, mu)
-    radius = PLANET_RADIUS_M + altitude_m
+    radius = GROUND_RADIUS_M + altitude_m
     along = radius * mu
-    rise = (_TOP_M - altitude_m) * (radius + PLANET_RADIUS_M + _TOP_M)
+    rise = (_TOP_M - altitude_m) * (radius + GROUND_RADIUS_M + _TOP_M)
     whole = np.sqrt(along * along + rise) - along
     # Dense near the start, where the air is.
     u = (np.arange(_STEPS) + 0.5) / _STEPS
@@ -78,10 +79,10 @@ def _optical_depth(
     squares = t * (2.0 * along[..., None] + t)
     higher = squares / (radius[..., None] + np.sqrt(radius[..., None] ** 2 + squares))
     height = altitude_m[..., None] + higher
-    air = (np.exp(-height / _RAYLEIGH_SCALE_M) * weight).sum(axis=-1)
-    ozone = (np.interp(height, _OZONE_M, (0.0, 1.0, 0.0)) * weight).sum(axis=-1)
-    depth = air[..., None] * (_RAYLEIGH_AT_1_UM * (wavelength_nm / 1000.0) ** -4.0)
-    depth += ozone[..., None] * ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M)
+    air = (np.exp(-height / SCALE_HEIGHT_M) * weight).sum(axis=-1)
+    ozone = (ozone_density(height) * weight).sum(axis=-1)
+    depth = air[..., None] * molecules_per_m(wavelength_nm)
+    depth += ozone[..., None] * ozone_per_m(wavelength_nm)
     for layer in haze:
         heights = (np.exp(-height / layer.height_m) * weight).sum(axis=-1) / layer.height_m
         depth += heights[..., None] * haze_depth(layer, wavelength_nm)
@@ -99,8 +100,8 @@ def _inside(
     altitude_m: FloatArray, mu: FloatArray
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Altitude and mu (...,) where rays from above the air enter it, and whether they miss it."""
-    above, top = altitude_m > _TOP_M, PLANET_RADIUS_M + _TOP_M
-    perigee = (PLANET_RADIUS_M + altitude_m) * np.sqrt((1.0 - mu) * (1.0 + mu))
+    above, top = altitude_m > _TOP_M, GROUND_RADIUS_M + _TOP_M
+    perigee = (GROUND_RADIUS_M + altitude_m) * np.sqrt((1.0 - mu) * (1.0 + mu))
     squares = (top - perigee) * (top + perigee)
     misses = above & ((mu >= 0.0) | (squares <= 0.0))
     entering = np.where(misses, 1.0, -np.sqrt(np.maximum(squares, 0.0)) / top)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from vrut_lite import checks
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
-from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.numeric_types import FloatArray, Vector, vector
 
 DEFAULT_FIELD_OF_VIEW_RAD = 0.75
 # From the south-west and a little above, as if standing at the scene's edge.
@@ -111,8 +111,8 @@ def frame_bounds(lower_m: ArrayLike, upper_m: ArrayLike, aspect: float) -> MoveC
     # Each corner asks for the distance at which it lies on the picture's edge.
     distance = np.max(back + np.maximum(np.abs(right) / aspect, np.abs(up)) / tangent)
     return MoveCamera(
-        eye_m=_vector(centre + _FRAMING_MARGIN * distance * away),
-        target_m=_vector(centre),
+        eye_m=vector(centre + _FRAMING_MARGIN * distance * away),
+        target_m=vector(centre),
         vertical_field_of_view_rad=DEFAULT_FIELD_OF_VIEW_RAD,
     )
 
@@ -129,13 +129,9 @@ def camera_from_pose(pose: ArrayLike, vertical_field_of_view_rad: float) -> Move
     matrix = np.asarray(pose, dtype=float)
     eye, forward = matrix[:3, 3], -matrix[:3, 2]
     return MoveCamera(
-        eye_m=_vector(eye),
-        target_m=_vector(eye + forward / np.linalg.norm(forward)),
+        eye_m=vector(eye),
+        target_m=vector(eye + forward / np.linalg.norm(forward)),
         vertical_field_of_view_rad=float(
             np.clip(vertical_field_of_view_rad, *_DRAWABLE_FIELD_OF_VIEW_RAD)
         ),
     )
-
-
-def _vector(values: FloatArray) -> Vector:
-    return (float(values[0]), float(values[1]), float(values[2]))

@@ -8,12 +8,13 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
+
 # In radii of the scene: the rim lies near the horizon, where the sky's lower half, of the same
 # radiance, continues.
 _RADII = 60.0
 _SEGMENTS = 96
 # The Earth's, for every atmosphere.
-PLANET_RADIUS_M = 6.36e6
 # Beyond it the parabola of `fall_m` is no longer accurate.
 _WIDEST_M = 2e5
 # In radii of the scene: just below its base, so that floors on it do not flicker.
@@ -42,7 +43,7 @@ def disc_under(lower_m: ArrayLike, upper_m: ArrayLike) -> GroundDisc:
 
 def fall_m(across_m: ArrayLike) -> NDArray[np.float64]:
     """Drop (...,) of the ground below level, in m, at distances (...,) from the disc's middle."""
-    return np.square(np.asarray(across_m, dtype=float)) / (2.0 * PLANET_RADIUS_M)
+    return np.square(np.asarray(across_m, dtype=float)) / (2.0 * GROUND_RADIUS_M)
 
 
 # Of the rings these are the inner ones, up to a 27th of the radius.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.frame_part import (
     FramePart,
@@ -31,7 +32,6 @@ from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
 from vrut_lite.render.shader_files import Defines, shader_source
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.unlocked import build_mipmaps
-from vrut_lite.scene.backend import GivenUp
 from vrut_lite.uniform_block import UniformBlock
 
 _log = logging.getLogger(__name__)

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from time import perf_counter, thread_time
 from typing import NamedTuple
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.scene.backend import GivenUp, IsGivenUp
+from vrut_lite.scene.backend import IsGivenUp
 
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.messages.ground_disc import PLANET_RADIUS_M, fall_m
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
+from vrut_lite.messages.ground_disc import fall_m
 from vrut_lite.messages.scene import SceneOpened
 
 # A ray starts this share of the scene's size off its surface.
@@ -111,7 +112,7 @@ class SceneRays:
         # The ground bends: height over it is a t^2 + 2 b t + c along the ray.
         start, along = eye[[0, 2]] - self._ground.centre_xz_m, ray[[0, 2]]
         c = float(eye[1] - self._ground.height_m + fall_m(np.linalg.norm(start)))
-        b = 0.5 * float(ray[1] + start @ along / PLANET_RADIUS_M)
+        b = 0.5 * float(ray[1] + start @ along / GROUND_RADIUS_M)
         squared = b * b - float(fall_m(np.linalg.norm(along))) * c
         if c <= 0.0 or b >= 0.0 or squared < 0.0:
             return float(np.inf)

@@ -11,10 +11,6 @@ from vrut_lite.scene.scene_state import SceneState
 IsGivenUp = Callable[[], bool]
 
 
-class GivenUp(Exception):
-    """The caller gave up the picture while it was being drawn."""
-
-
 class SceneBackend(Protocol):
     """Draws the scene; calls come from one thread at a time."""
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.messages.camera import MoveCamera, look_at, rays_through
-from vrut_lite.messages.ground_disc import PLANET_RADIUS_M
 
 # Coarse directions represent whole texels, so the view is widened by a texel.
 _PROBE_SIZE = 16
@@ -76,8 +76,8 @@ def _heights_in_view(camera: MoveCamera, aspect: float) -> tuple[float, float]:
 
 def _ground_reach_m(height_m: float, lowest: float, highest: float) -> float:
     """Distance to the farthest ground between two sines of elevation, from a height; 0 if none."""
-    radius_m = PLANET_RADIUS_M + height_m
-    tangent_m2 = height_m * (PLANET_RADIUS_M + radius_m)
+    radius_m = GROUND_RADIUS_M + height_m
+    tangent_m2 = height_m * (GROUND_RADIUS_M + radius_m)
     horizon = -np.sqrt(tangent_m2) / radius_m
     if lowest >= horizon:
         return 0.0

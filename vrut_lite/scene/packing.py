@@ -21,7 +21,7 @@ from vrut_lite.messages.scene_content import (
     SceneMaterials,
 )
 from vrut_lite.messages.surface_terms import as_row
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import vector
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.materials import SurfaceMaterial
@@ -126,8 +126,8 @@ def packed(loaded: LoadedScene) -> SceneOpened:
     materials = list({id(mesh.material): mesh.material for mesh in meshes}.values())
     return SceneOpened(
         path=str(loaded.path),
-        lower_m=_vector(loaded.lower_m),
-        upper_m=_vector(loaded.upper_m),
+        lower_m=vector(loaded.lower_m),
+        upper_m=vector(loaded.upper_m),
         triangles=loaded.triangles,
         geometry=_geometry(loaded, meshes, materials),
         materials=_materials(materials),
@@ -227,7 +227,3 @@ def _images(images: list[Image.Image]) -> tuple[Array, Array]:
 def _name(material: SurfaceMaterial) -> str:
     one_line = " ".join(str(material.name or "").split())
     return one_line[:_LONGEST_NAME].encode(errors="replace").decode()
-
-
-def _vector(values: NDArray[np.float64]) -> Vector:
-    return (float(values[0]), float(values[1]), float(values[2]))

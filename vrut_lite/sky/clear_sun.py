@@ -11,17 +11,21 @@ from functools import lru_cache
 
 import numpy as np
 
-from vrut_lite.atmosphere.gases import ozone_absorption
+from vrut_lite.atmosphere.clear_air import (
+    OZONE_HALF_WIDTH_M,
+    OZONE_MIDDLE_M,
+    SCALE_HEIGHT_M,
+    molecules_per_m,
+    ozone_density,
+    ozone_per_m,
+)
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.geometry.colour import colour_table, rgb_from_spectrum, solar_irradiance
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
 
-_RADIUS_M = 6_360_000.0
-_MOLECULES_M, _RAYLEIGH_AT_1_UM = 8000.0, 1.24062e-6
-# A tent of ozone from 10 to 40 km; its light path is that at its middle.
 # From here the series of `_erfcx` is as exact as its closed form.
 _LARGE = 20.0
-_OZONE_DU, _OZONE_TENT_M, _OZONE_AT_M = 300.0, 15_000.0, 25_000.0
 
 
 def sun_irradiance_rgb(haze: SetHaze, apparent_elevation_rad: float) -> FloatArray:
@@ -39,13 +43,14 @@ def slant_depth(
 ) -> FloatArray:
     """Optical depth (n,) of all the air between the ground and the sun."""
     sine = max(float(np.sin(apparent_elevation_rad)), 0.0)
-    molecules = _RAYLEIGH_AT_1_UM * (wavelength_nm / 1000.0) ** -4.0 * _MOLECULES_M
-    ozone = ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M) * _OZONE_TENT_M
+    molecules = molecules_per_m(wavelength_nm) * SCALE_HEIGHT_M
+    ozone = ozone_per_m(wavelength_nm) * OZONE_HALF_WIDTH_M
     optics = haze.optics
     share = haze.optical_depth_550 / optics.optical_depth_550
-    at_ozone = _RADIUS_M / (_RADIUS_M + _OZONE_AT_M)
+    # The light's path through ozone is that at the middle of its tent.
+    at_ozone = GROUND_RADIUS_M / (GROUND_RADIUS_M + OZONE_MIDDLE_M)
     through_ozone = 1.0 / np.sqrt(1.0 - at_ozone**2 * (1.0 - sine * sine))
-    depth = molecules * _air_mass(sine, _MOLECULES_M) + ozone * through_ozone
+    depth = molecules * _air_mass(sine, SCALE_HEIGHT_M) + ozone * through_ozone
     for layer in optics.layers:
         depth += share * layer.depth_at(wavelength_nm) * _air_mass(sine, layer.height_m)
     return np.asarray(depth)
@@ -65,10 +70,8 @@ def extinctions_per_m(
     altitude = np.asarray(altitude_m, dtype=float)[..., None]
     optics = haze.optics
     share = haze.optical_depth_550 / optics.optical_depth_550
-    rayleigh = _RAYLEIGH_AT_1_UM * (wavelength_nm / 1000.0) ** -4.0
-    ozone = ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M)
-    tent = np.maximum(1.0 - np.abs(altitude - _OZONE_AT_M) / _OZONE_TENT_M, 0.0)
-    found = [ozone * tent, rayleigh * np.exp(-altitude / _MOLECULES_M)]
+    molecules = molecules_per_m(wavelength_nm) * np.exp(-altitude / SCALE_HEIGHT_M)
+    found = [ozone_per_m(wavelength_nm) * ozone_density(altitude), molecules]
     for layer in optics.layers:
         at_foot = share / layer.height_m * layer.depth_at(wavelength_nm)
         found.append(at_foot * np.exp(-altitude / layer.height_m))
@@ -76,7 +79,7 @@ def extinctions_per_m(
 
 
 def _air_mass(sine: float, scale_height_m: float) -> float:
-    half = 0.5 * _RADIUS_M / scale_height_m
+    half = 0.5 * GROUND_RADIUS_M / scale_height_m
     return math.sqrt(math.pi * half) * _erfcx(math.sqrt(half) * sine)
 
 

@@ -21,7 +21,7 @@ from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sky import NO_LAMPS, BackgroundChanged, SkyRadianceChanged, ViewShader
 from vrut_lite.messages.sun import Body, KeyLightChanged, SunMoved
-from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector, vector
 
 _USUAL_ALBEDO = 0.1
 # Names of a sky's jobs for the GPU.
@@ -125,12 +125,12 @@ class Background(NamedTuple):
         return BackgroundChanged(
             cube=cube,
             radiance_scale=scale,
-            ground_radiance_rgb=_vector(self.ground_rgb),
+            ground_radiance_rgb=vector(self.ground_rgb),
             source=source,
             ground_through_air=self.ground_through_air,
             view=self.view,
             seen_sun_irradiance_rgb=(
-                None if self.seen_sun_rgb is None else _vector(self.seen_sun_rgb)
+                None if self.seen_sun_rgb is None else vector(self.seen_sun_rgb)
             ),
         )
 
@@ -141,7 +141,7 @@ class Background(NamedTuple):
         return SkyRadianceChanged(
             cube=cube,
             radiance_scale=scale,
-            ground_radiance_rgb=_vector(self.ground_rgb),
+            ground_radiance_rgb=vector(self.ground_rgb),
             source=source,
         )
 
@@ -173,7 +173,7 @@ class SunDisc(NamedTuple):
         """The same as the sky's holder posts it."""
         return KeyLightChanged(
             direction=self.direction or direction,
-            irradiance_rgb=_vector(self.irradiance_rgb),
+            irradiance_rgb=vector(self.irradiance_rgb),
             angular_radius_rad=self.angular_radius_rad,
             limb_darkening_rgb=self.limb_darkening_rgb,
             source=source,
@@ -245,8 +245,3 @@ class Sky:
     def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
         """The job `AIR_JOB` that makes the air's light, and the volume without the texture."""
         return None
-
-
-def _vector(values: NDArray[np.floating]) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

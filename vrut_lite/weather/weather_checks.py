@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vrut_lite.atmosphere.planet import EARTH_RADIUS_M
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.sky.suns import Suns, suns_at, year_start_s
@@ -25,7 +26,7 @@ _FITS, _MUCH_BETTER, _AS_GOOD = 0.12, 0.72, 1.05
 _CLOSURE_RAD, _MAY_DIFFER = float(np.radians(10.0)), 0.1
 _DIFFERS_BY, _DIFFERS_W_M2 = 0.15, 50.0
 # The sun rises six minutes apart over this distance at 50 degrees.
-_EARTH_M, _FAR_M = 6_371_000.0, 100_000.0
+_FAR_M = 100_000.0
 # Share of sunlit hours whose diffuse light may exceed the global by more than 5 % and 10 W/m^2.
 _MAY_EXCEED = 0.01
 
@@ -62,7 +63,7 @@ def far_from(weather: SetWeather, latitude_deg: float, longitude_deg: float) -> 
     latitudes = np.radians([weather.latitude_deg, latitude_deg])
     apart = np.radians(longitude_deg - weather.longitude_deg)
     sines, cosines = np.sin(latitudes).prod(), np.cos(latitudes).prod()
-    away_m = _EARTH_M * float(np.arccos(np.clip(sines + cosines * np.cos(apart), -1.0, 1.0)))
+    away_m = EARTH_RADIUS_M * float(np.arccos(np.clip(sines + cosines * np.cos(apart), -1.0, 1.0)))
     if away_m <= _FAR_M:
         return ()
     return (

@@ -9,13 +9,13 @@ from functools import cache
 import matplotlib as mpl
 import numpy as np
 from dynamic_skylight.sun.disc import visible_fraction
-from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
 from dynamic_skylight.sun_light import sun_light
 from dynamic_skylight.twilight import HourSky, sky_of_hour
 from dynamic_skylight.twilight_curve import illuminance_lx
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from vrut_lite.atmosphere.refraction import geometric_elevation, refraction_of_true_rad
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance, srgb_encode
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.numeric_types import FloatArray
@@ -43,7 +43,7 @@ RELATIVE_POWER = 0.8
 def hour(turbidity: float, geometric_deg: float) -> HourSky:
     """The sky of a geometric elevation."""
     geometric = np.radians(geometric_deg)
-    return sky_of_hour(turbidity, ALBEDO, float(geometric + refraction_rad(geometric)))
+    return sky_of_hour(turbidity, ALBEDO, float(geometric + refraction_of_true_rad(geometric)))
 
 
 def illuminance(turbidity: float, geometric_deg: float) -> float:
@@ -55,7 +55,7 @@ def illuminance(turbidity: float, geometric_deg: float) -> float:
 def sunlight(turbidity: float, geometric_deg: float) -> float:
     """Lux on level ground from what is up of the disc."""
     geometric = np.radians(geometric_deg)
-    elevation = float(geometric + refraction_rad(geometric))
+    elevation = float(geometric + refraction_of_true_rad(geometric))
     light = sun_light(turbidity, ALBEDO, elevation, float(visible_fraction(elevation)))
     return LUMENS_PER_WATT * max(np.sin(elevation), 0.0) * float(luminance(light.irradiance_rgb))
 

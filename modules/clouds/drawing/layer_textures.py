@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clouds.model.cloud_density import (
-    PLANET_RADIUS_M,
     noise_origin,
     warp_origin,
     weather_origin,
@@ -17,6 +16,7 @@ from clouds.model.cloud_light import ClearLight, light_from_below
 from clouds.model.cloud_spread import spread_of
 from clouds.model.cloud_transport import scatterer
 from vrut_lite.atmosphere.haze_layer import HazeLayer
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
 from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
@@ -192,7 +192,7 @@ def _packed(
     eye_altitude_m, spread = float(eye[1]), spread_of(layer)
     return block.packed(
         sun_direction=light.sun_direction,
-        eye_radius_m=PLANET_RADIUS_M + eye_altitude_m,
+        eye_radius_m=GROUND_RADIUS_M + eye_altitude_m,
         base_m=base,
         thickness_m=layer.thickness_m,
         extinction_per_m=layer.extinction_per_m,
@@ -228,5 +228,5 @@ def _packed(
 
 def _squares_m2(altitude_m: float, eye_altitude_m: float) -> float:
     """The difference of two radii's squares, factored."""
-    radii_m = 2.0 * PLANET_RADIUS_M + altitude_m + eye_altitude_m
+    radii_m = 2.0 * GROUND_RADIUS_M + altitude_m + eye_altitude_m
     return (altitude_m - eye_altitude_m) * radii_m

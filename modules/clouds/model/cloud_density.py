@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.messages.clouds import CloudForm, CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
-PLANET_RADIUS_M = 6.36e6
 # Rotation of the second weather map, and of shape and detail, so that no axes of noise coincide.
 WEATHER_TURN_RAD = 0.65
 NOISE_TURN_RAD = 0.3
@@ -82,8 +82,8 @@ def altitude_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
     # The difference of squares is factored, to avoid cancellation.
     y = eye[..., 1] + across[..., 1]
     level = across[..., 0] ** 2 + across[..., 2] ** 2
-    radius = np.sqrt(level + (PLANET_RADIUS_M + y) ** 2)
-    return np.asarray((y * (2.0 * PLANET_RADIUS_M + y) + level) / (PLANET_RADIUS_M + radius))
+    radius = np.sqrt(level + (GROUND_RADIUS_M + y) ** 2)
+    return np.asarray((y * (2.0 * GROUND_RADIUS_M + y) + level) / (GROUND_RADIUS_M + radius))
 
 
 def level_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
@@ -93,7 +93,7 @@ def level_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
     """
     eye = np.asarray(eye_m, dtype=float)
     across = np.asarray(points_m, dtype=float) - eye
-    upright = PLANET_RADIUS_M + eye[..., 1] + across[..., 1]
+    upright = GROUND_RADIUS_M + eye[..., 1] + across[..., 1]
     radius = np.sqrt(across[..., 0] ** 2 + across[..., 2] ** 2 + upright**2)
     scale = np.sqrt(2.0 * radius / (radius + upright))
     return np.asarray(eye[..., [0, 2]] + across[..., [0, 2]] * scale[..., None])
@@ -208,9 +208,9 @@ def sun_transmittance(layer: CloudLayer, point_m: ArrayLike, sun: ArrayLike) -> 
 
 def distance_up_m(from_altitude_m: float, to_altitude_m: float, mu: float) -> float:
     """Distance along a ray of zenith cosine mu to a higher sphere; negative if it is below."""
-    along = (PLANET_RADIUS_M + from_altitude_m) * mu
+    along = (GROUND_RADIUS_M + from_altitude_m) * mu
     squares = (to_altitude_m - from_altitude_m) * (
-        2.0 * PLANET_RADIUS_M + from_altitude_m + to_altitude_m
+        2.0 * GROUND_RADIUS_M + from_altitude_m + to_altitude_m
     )
     root = np.sqrt(max(along * along + squares, 0.0))
     return float(squares / (along + root) if along > 0.0 else root - along)

@@ -18,7 +18,6 @@ from clouds.model.cloud_density import (
     ANVIL_RISE,
     ANVIL_ROOT,
     NOISE_TURN_RAD,
-    PLANET_RADIUS_M,
     WARP,
     WARP_WAVES,
     WEATHER_TURN_RAD,
@@ -26,6 +25,7 @@ from clouds.model.cloud_density import (
     WEATHER_WAVES,
 )
 from clouds.model.cloud_spread import Spread
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.messages.clouds import CloudForm
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 
@@ -299,7 +299,7 @@ def density_at(field, x, z, over_base_m, width_m):  # type: ignore[no-untyped-de
 @compiled
 def place_on_ray(field, d, along, at_m, fine_m, pixel_rad):  # type: ignore[no-untyped-def]
     """Where a ray is: x, z, height over the base, and the width of a sample there."""
-    eye_radius_m = PLANET_RADIUS_M + field.eye_altitude_m
+    eye_radius_m = GROUND_RADIUS_M + field.eye_altitude_m
     rise = at_m * (2.0 * along + at_m)
     radius = math.sqrt(eye_radius_m * eye_radius_m + rise)
     over_base_m = field.eye_altitude_m - field.base_m + rise / (eye_radius_m + radius)
@@ -315,7 +315,7 @@ def optical_depths(field, places_m, direction, enter_m, leave_m, steps):  # type
     `enter_m`, `leave_m`: where rays from the eye's altitude enter and leave the layer.
     """
     out = np.empty(places_m.shape[0])
-    along = (PLANET_RADIUS_M + field.eye_altitude_m) * direction[1]
+    along = (GROUND_RADIUS_M + field.eye_altitude_m) * direction[1]
     step_m = (leave_m - enter_m) / steps
     for n in range(places_m.shape[0]):
         depth = 0.0

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from clouds.model.cloud_density import PLANET_RADIUS_M
 from clouds.model.cloud_density_kernels import (
     cloud_in,
     column_in,
@@ -31,6 +30,7 @@ from clouds.model.cloud_transport import (
     NODE_SINES,
     NODE_VIEWS,
 )
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
@@ -149,7 +149,7 @@ def _add_source(  # type: ignore[no-untyped-def]
     to_sun = near + depths[0]
     upright = depths[1] + depths[2]
     lit, unscattered = math.exp(-diffused * to_sun), math.exp(-to_sun)
-    sine = sun[1] + (x * sun[0] + z * sun[2]) / PLANET_RADIUS_M
+    sine = sun[1] + (x * sun[0] + z * sun[2]) / GROUND_RADIUS_M
     # Light in the plane layer that is as deep, with as much before the sun as here, by the tables;
     # how much more or less of it there is than in that layer, by diffusion.
     low = min(max(sine, LEAST_SINE), 1.0)
@@ -211,7 +211,7 @@ def _phase_into(table, beside, out):  # type: ignore[no-untyped-def]
 
 @compiled
 def _squares_m2(altitude_m, eye_altitude_m):  # type: ignore[no-untyped-def]
-    radii_m = 2.0 * PLANET_RADIUS_M + altitude_m + eye_altitude_m
+    radii_m = 2.0 * GROUND_RADIUS_M + altitude_m + eye_altitude_m
     return (altitude_m - eye_altitude_m) * radii_m
 
 
@@ -293,7 +293,7 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             per_m = lights.diffused * field.extinction_per_m * density / share
             seen = -out[6] * math.expm1(-per_m * step_m)
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
-            rise = d[1] + at_m / PLANET_RADIUS_M
+            rise = d[1] + at_m / GROUND_RADIUS_M
             _add_source(
                 field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out
             )  # fmt: skip
@@ -316,7 +316,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
     `out` (n, 5) takes radiance, transmittance, and the mean distance (m) of the visible clouds, 0
     where there are none. `pixel_rad`: the angle that a ray stands for.
     """
-    eye_radius_m = PLANET_RADIUS_M + field.eye_altitude_m
+    eye_radius_m = GROUND_RADIUS_M + field.eye_altitude_m
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)
     base_m2 = _squares_m2(field.base_m, field.eye_altitude_m)
     ground_m2 = _squares_m2(min(0.0, field.eye_altitude_m), field.eye_altitude_m)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clouds.model.cloud_density import (
-    PLANET_RADIUS_M,
     distance_up_m,
 )
 from clouds.model.cloud_density_kernels import optical_depths
@@ -22,6 +21,7 @@ from clouds.model.cloud_light_volume import LightVolume, light_volume
 from clouds.model.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
 from clouds.model.cloud_transport import scatterer, transport_tables
 from vrut_lite.atmosphere.aerosols.phase_table import node_places
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.atmosphere.sun_aloft import sun_aloft
 from vrut_lite.messages.clouds import CloudLayer, Particles
 from vrut_lite.numeric_types import FloatArray, Vector
@@ -99,7 +99,7 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
 
 def _on_horizon(sun: Vector, altitude_m: float) -> FloatArray:
     """The sun's direction (3,), on the horizon of this altitude where the sun is below that."""
-    lowest = -float(np.sqrt(2.0 * max(altitude_m, 0.0) / PLANET_RADIUS_M))
+    lowest = -float(np.sqrt(2.0 * max(altitude_m, 0.0) / GROUND_RADIUS_M))
     x, sine, z = sun
     if sine >= lowest:
         return np.array([x, sine, z])

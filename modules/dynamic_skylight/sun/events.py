@@ -23,8 +23,8 @@ import numpy as np
 
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun.position import Method, SunPosition, checked_place, position_at
-from dynamic_skylight.sun.refraction import pressure_at_altitude_pa, refraction_rad
 from vrut_lite.arguments import FIRST_YEAR, LAST_YEAR, check_choice, check_type, shown
+from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa, refraction_of_true_rad
 
 # Between two samples the sun moves 7.5 deg; extremes in between are searched for.
 _LOOK = timedelta(minutes=30)
@@ -96,7 +96,7 @@ def sun_events(
 
     def upper_limb(when: datetime) -> float:
         limb = look(when).elevation_rad + MEAN_ANGULAR_RADIUS_RAD
-        return limb + float(refraction_rad(limb, pressure_at_altitude_pa(altitude_m)))
+        return limb + float(refraction_of_true_rad(limb, pressure_at_altitude_pa(altitude_m)))
 
     def eastward(when: datetime) -> float:
         return look(when).direction[0]

@@ -6,12 +6,12 @@ from typing import Literal, get_args
 
 from dynamic_skylight.sun import ephemeris, preetham
 from dynamic_skylight.sun.disc import visible_fraction
-from dynamic_skylight.sun.refraction import (
+from vrut_lite.arguments import as_number, check_choice, check_instant
+from vrut_lite.atmosphere.refraction import (
     STANDARD_TEMPERATURE_C,
     pressure_at_altitude_pa,
-    refraction_rad,
+    refraction_of_true_rad,
 )
-from vrut_lite.arguments import as_number, check_choice, check_instant
 from vrut_lite.geometry.frames import direction_from_angles
 from vrut_lite.messages.place import HIGHEST_M, LOWEST_M
 
@@ -99,7 +99,7 @@ def position_at(
     """`sun_position` of checked arguments."""
     pressure = pressure_at_altitude_pa(altitude_m) if pressure_pa is None else pressure_pa
     azimuth, elevation = _geometric_angles(when, latitude_deg, longitude_deg, altitude_m, method)
-    apparent = elevation + float(refraction_rad(elevation, pressure, temperature_c))
+    apparent = elevation + float(refraction_of_true_rad(elevation, pressure, temperature_c))
     east, north, up = (float(v) for v in direction_from_angles(azimuth, apparent))
     return SunPosition(
         elevation_rad=elevation,

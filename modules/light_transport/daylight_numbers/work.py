@@ -11,14 +11,14 @@ from light_transport.daylight_numbers.glass import Glass, glass_of, with_glazing
 from light_transport.daylight_numbers.operator import Operator, operator_of
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.work_planes import work_planes
-from light_transport.giving_up import GivenUp, GoOn, always
+from light_transport.giving_up import GoOn, always
 from light_transport.jobs import first_rays
 from light_transport.kept_cuts import kept_cut_texels
 from light_transport.kept_rays import add_kept_rays
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
 from light_transport.tolerance import quality_for
-from vrut_lite.errors import UserError
+from vrut_lite.errors import GivenUp, UserError
 from vrut_lite.messages.glazing import Glazing
 from vrut_lite.messages.scene import SceneOpened
 

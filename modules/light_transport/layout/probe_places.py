@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.messages.light_map import ProbeGrid
-from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
+from vrut_lite.numeric_types import BoolArray, FloatArray, vector
 
 _MOST_PROBES, _MOST_A_SIDE = 2048, 64
 # A box that is thinner, in steps, is a sheet.
@@ -33,7 +33,7 @@ def probe_grid(lower_m: FloatArray, upper_m: FloatArray, least_step_m: float) ->
     flat = size < _FLAT * step
     steps = np.where(flat, step, size / (counts - 0.75))
     lower = np.where(flat, lower_m - 0.5 * steps, lower_m + 0.125 * steps)
-    return ProbeGrid(lower_m=_vector(lower), step_m=_vector(steps), counts=_whole(counts))
+    return ProbeGrid(lower_m=vector(lower), step_m=vector(steps), counts=_whole(counts))
 
 
 def probe_places_m(grid: ProbeGrid) -> FloatArray:
@@ -72,10 +72,6 @@ def without_buried(light: NDArray[np.float32], buried: BoolArray) -> NDArray[np.
 
 def _counts(size: FloatArray, step: float) -> NDArray[np.int64]:
     return np.maximum(np.ceil(size / step - 1e-9).astype(np.int64) + 1, 2)
-
-
-def _vector(values: FloatArray) -> Vector:
-    return (float(values[0]), float(values[1]), float(values[2]))
 
 
 def _whole(values: NDArray[np.int64]) -> tuple[int, int, int]:

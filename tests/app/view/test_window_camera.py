@@ -11,11 +11,11 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 from window_driver import SMALL, HeadlessStage, WindowDriver
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.kernel.messages import Tick
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.scene.backend import GivenUp
 
 
 @pytest.fixture

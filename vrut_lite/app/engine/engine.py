@@ -23,13 +23,13 @@ from vrut_lite.app.engine.revision_gate import DEADLINE_S, RevisionGate
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.engine.window_jobs import WindowJobs
+from vrut_lite.errors import GivenUp
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import KERNEL_MESSAGES, Derived, Input, Message
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.change_of_light import change_of_light
-from vrut_lite.scene.backend import GivenUp
 from vrut_lite.scene.scene_state import SceneState
 
 T = TypeVar("T")

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.numeric_types import FloatArray, vector
 
 _STEEPEST_RAD = math.radians(89.5)
 _TURN_PER_VIEW_RAD = math.pi
@@ -15,7 +16,6 @@ _ZOOM, _CLIMB = 0.9, 1.125
 _EYE_HEIGHT_M = 1.7
 _HIGHEST_M = 4e7
 # The Earth's radius: it affects only the view's tilt with height.
-_GROUND_RADIUS_M = 6.36e6
 NARROWEST_RAD, WIDEST_RAD = math.radians(5.0), math.radians(120.0)
 
 
@@ -59,8 +59,8 @@ class CameraRig:
     def camera(self) -> MoveCamera:
         """The input that moves the camera here."""
         return MoveCamera(
-            eye_m=_vector(self.eye_m),
-            target_m=_vector(self.target_m),
+            eye_m=vector(self.eye_m),
+            target_m=vector(self.target_m),
             vertical_field_of_view_rad=self.field_of_view_rad,
         )
 
@@ -144,13 +144,9 @@ class CameraRig:
 
 def dip_rad(height_m: float) -> float:
     """The dip of the planet's horizon below the level."""
-    return math.acos(_GROUND_RADIUS_M / (_GROUND_RADIUS_M + max(height_m, 0.0)))
+    return math.acos(GROUND_RADIUS_M / (GROUND_RADIUS_M + max(height_m, 0.0)))
 
 
 def height_text(height_m: float) -> str:
     """A height as text: metres up to 10 km, then kilometres."""
     return f"{height_m:,.1f} m" if abs(height_m) < 1e4 else f"{height_m / 1e3:,.1f} km"
-
-
-def _vector(values: FloatArray) -> Vector:
-    return (float(values[0]), float(values[1]), float(values[2]))

@@ -1,7 +1,5 @@
 """The light under the pointer, and clicks on surfaces as messages for the modules."""
 
-import numpy as np
-from numpy.typing import ArrayLike
 from PySide6.QtCore import QObject, Signal
 
 from vrut_lite.app.engine.engine import Shown
@@ -10,7 +8,7 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import make_timer
 from vrut_lite.messages.picture import PictureClicked
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import vector
 from vrut_lite.render.light_meter import Illuminance
 
 # Seconds of rest of the pointer before lux is measured.
@@ -71,10 +69,10 @@ class LightProbe(QObject):
             if hit is not None:
                 stage.kernel.inject(
                     PictureClicked(
-                        position_m=_vector(hit.point_m),
-                        normal=_vector(hit.normal),
+                        position_m=vector(hit.point_m),
+                        normal=vector(hit.normal),
                         material=hit.material,
-                        radiance_rgb=_vector(radiance_rgb),
+                        radiance_rgb=vector(radiance_rgb),
                     )
                 )
 
@@ -134,8 +132,3 @@ def illuminance_text(light: Illuminance) -> str:
     if light.sun_lux <= 0.0 and light.lamp_lux <= 0.0:
         return lux_text(light.lux)
     return f"{lux_text(light.lux)} ({' + '.join(shown)})"
-
-
-def _vector(values: ArrayLike) -> Vector:
-    x, y, z = np.asarray(values, dtype=float).tolist()
-    return x, y, z

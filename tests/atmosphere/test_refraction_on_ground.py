@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
-from dynamic_skylight.sun.refraction import (
+
+from vrut_lite.atmosphere.refraction import (
     geometric_elevation,
     pressure_at_altitude_pa,
-    refraction_rad,
+    refraction_of_true_rad,
 )
 
 EVERYWHERE = np.radians(np.linspace(-90.0, 90.0, 18001))
@@ -21,33 +22,33 @@ def test_refraction_of_known_elevations():
     lift = np.degrees(apparent - geometric_elevation(apparent)) * 60
     # The formula of the other direction; Meeus states 0.07' between the two, 1.01325/1.01 for air.
     assert lift == pytest.approx(28.754 * 1.01325 / 1.01, abs=0.2)
-    assert np.degrees(refraction_rad(0.0)) * 60 == pytest.approx(29.0, abs=0.3)
-    assert np.degrees(refraction_rad(np.radians(45.0))) * 60 == pytest.approx(1.0, abs=0.03)
+    assert np.degrees(refraction_of_true_rad(0.0)) * 60 == pytest.approx(29.0, abs=0.3)
+    assert np.degrees(refraction_of_true_rad(np.radians(45.0))) * 60 == pytest.approx(1.0, abs=0.03)
 
 
 def test_refraction_is_continuous_and_keeps_the_order_of_elevations():
     """From nadir to zenith no jump, and a higher sun never looks lower (slope within 0.2)."""
-    slope = np.diff(refraction_rad(EVERYWHERE)) / np.diff(EVERYWHERE)
+    slope = np.diff(refraction_of_true_rad(EVERYWHERE)) / np.diff(EVERYWHERE)
     assert np.all(np.abs(slope) < 0.2)
 
 
 def test_refraction_is_gone_in_deep_twilight_and_never_negative():
     """Below -6 deg geometric and apparent agree; the zenith's fit may not push down."""
-    refraction = refraction_rad(EVERYWHERE)
+    refraction = refraction_of_true_rad(EVERYWHERE)
     assert refraction.min() == 0.0
     assert not refraction[np.radians(-6.0) >= EVERYWHERE].any()
 
 
 def test_no_air_no_refraction():
     """Refraction scales with pressure, and inversely with absolute temperature."""
-    assert refraction_rad(0.1, pressure_pa=0.0) == 0.0
-    warm = refraction_rad(0.1, temperature_c=10.0 + 283.0)
-    assert warm == pytest.approx(refraction_rad(0.1, temperature_c=10.0) / 2, rel=1e-9)
+    assert refraction_of_true_rad(0.1, pressure_pa=0.0) == 0.0
+    warm = refraction_of_true_rad(0.1, temperature_c=10.0 + 283.0)
+    assert warm == pytest.approx(refraction_of_true_rad(0.1, temperature_c=10.0) / 2, rel=1e-9)
 
 
 def test_geometric_elevation_inverts_refraction():
     """There and back must be the identity to 1e-12 rad."""
-    apparent = EVERYWHERE + refraction_rad(EVERYWHERE)
+    apparent = EVERYWHERE + refraction_of_true_rad(EVERYWHERE)
     np.testing.assert_allclose(geometric_elevation(apparent), EVERYWHERE, atol=1e-12)
 
 
