@@ -1,7 +1,7 @@
 """The set-up of a kernel as a list of steps, so that a replay can repeat it.
 
-Faults, storms, remembered messages and what a module keeps of its settings depend on every step,
-and on their order: a list of final values would not tell them.
+Fault counts, post limits, remembered messages and a module's state depend on every step and on the
+order of the steps; they cannot be derived from a list of final values.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ MOST_STEPS = 10_000
 
 
 class Step(NamedTuple):
-    """A module that was added, or an input; neither where what was queued was delivered."""
+    """An added module or an input; without both, a delivery of all queued messages."""
 
     module: str = ""
     input: Input | None = None
@@ -38,7 +38,7 @@ class Beginning:
         self._jobs = jobs
 
     def note(self, step: Step) -> None:
-        """Remember a step; of a job's own result only whose it is."""
+        """Store a step; of a job's result only the module and job names."""
         if self.ended_by:
             return
         message = step.input

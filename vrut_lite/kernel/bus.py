@@ -80,7 +80,7 @@ class Kernel:
         A module whose constructor raises is suspended with a Fault; the others go on.
 
         Raises:
-            UserError: the class is not what `check_module_type` asks for, or its name is taken.
+            UserError: `check_module_type` refuses the class, or its name is taken.
         """
         check_module_type(module_type)
         name = module_type.manifest.name
@@ -149,7 +149,7 @@ class Kernel:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all that was admitted has had its consequences, but for drafts and refinement."""
+        """Whether all admitted inputs have had their consequences, except drafts and refinement."""
         return not (self._pumping or self.jobs.awaited)
 
     @property
@@ -252,7 +252,7 @@ class Kernel:
             self.lifecycle.refuse(HOST, where, said)
         self.dispatcher.settle()
 
-    # --- what the kernel itself does -------------------------------------------------
+    # --- the kernel's own handlers ---------------------------------------------------
 
     def _acts(self) -> dict[type[Message], tuple[str, Act]]:
         """The kernel's own handler of a message type, and its name in a Fault."""
@@ -273,7 +273,7 @@ class Kernel:
     def _act_on(self, kind: type[Message]) -> Act | None:
         """The kernel's own handler of a type, called before the modules; inputs are checked.
 
-        A refused input is told as a Fault for the user.
+        A refused input is posted as a Fault for the user.
         """
         where, act = self._own_acts.get(kind, (kind.__name__, _do_nothing))
         if act is _do_nothing and (not issubclass(kind, Input) or kind.check is Message.check):

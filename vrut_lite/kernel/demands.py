@@ -39,7 +39,7 @@ class Demands:
         return [wish for wishes in self._of.values() for wish in wishes.values()]
 
     def refresh(self) -> None:
-        """Merge anew: a consumer has started or stopped."""
+        """Merge all demands again, after a consumer has started or stopped."""
         for message in self._of:
             self._merge(message)
 

@@ -31,7 +31,7 @@ Receiver = tuple[Handler, ModuleLink, str, str]
 
 
 class Route(NamedTuple):
-    """Where messages of one type go; plain if there is nothing to do but deliver."""
+    """Receivers of one message type; `plain` if messages are delivered without further work."""
 
     name: str
     slot: str | None
@@ -44,7 +44,7 @@ class Dispatcher:
     """Delivers messages.
 
     `act_on` gives the kernel's own handler of a type, which runs before the modules; `fail`
-    receives what a handler raised. Both are set before the first message.
+    receives the exception of a handler. Both are set before the first message.
     """
 
     act_on: Callable[[type[Message]], Act | None]
@@ -92,7 +92,7 @@ class Dispatcher:
         self._queue.append((message, sender, self._cause, None, link))
 
     def reroute(self) -> None:
-        """Look receivers up anew: a module has started or stopped."""
+        """Clear the cache of receivers, after a module has started or stopped."""
         self._routes.clear()
 
     def settle(self) -> None:
@@ -108,7 +108,7 @@ class Dispatcher:
             while queue:
                 message, sender, cause, place, only = queue.popleft()
                 if place is not None:
-                    if message is None:  # A later one has taken its place.
+                    if message is None:  # A later message has replaced it.
                         continue
                     del waiting[place]
                 kind = type(message)

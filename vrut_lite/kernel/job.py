@@ -15,12 +15,12 @@ from vrut_lite.kernel.trace import Trace
 
 Key = tuple[str, str]
 Work = Callable[..., Any]
-# In letters: the trace keeps a thousand of them.
+# Longest progress text (characters); the trace keeps a thousand of them.
 _LONGEST_PROGRESS = 200
 
 
 class JobControl:
-    """What work may say and ask while it runs, if it has a parameter named `control`."""
+    """Progress and cancellation of work, passed to its parameter `control` if it has one."""
 
     def __init__(self, tell: Callable[[str], None]):
         self._tell = tell
@@ -43,8 +43,8 @@ class Job:
     """One start of a module's work, under the module's name and the job's.
 
     Attributes:
-        role: what the result is to its revision.
-        revision: that started it; 0 where none did.
+        role: role of the result in its revision.
+        revision: the revision that started it; 0 without one.
     """
 
     def __init__(

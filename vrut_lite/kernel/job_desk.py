@@ -22,7 +22,7 @@ class JobDesk:
 
     `revision` is that of the running transaction: of its input, of the job whose result it
     delivers, or 0. An awaited job that a transaction without a revision starts refines instead. A
-    result that a draft stood in for belongs to the `latest` revision, which awaits what it causes.
+    result that a draft replaced belongs to the `latest` revision, which awaits its consequences.
     """
 
     def __init__(self, runner: JobRunner, inject: Callable[[Input], None], trace: Trace):
@@ -77,21 +77,21 @@ class JobDesk:
             self._outside[key] = self.revision
 
     def start(self, key: Key, work: Work, arguments: tuple[Any, ...], role: Role = "aside") -> None:
-        """Run the work now, or when the job of this key that runs is done."""
+        """Run the work now, or after the running job of this key."""
         if role == "awaited" and not self.revision:
             role = "refines"
         job = Job(key, work, arguments, self._trace, role, self.revision)
         if key in self._running:
             older = self._pending.get(key)
             if older is not None and older.role == "awaited":
-                # The older's revision has only this one to wait for.
+                # The older job's revision now awaits this one.
                 job.role, job.revision = "awaited", max(job.revision, older.revision)
             self._pending[key] = job
         else:
             self._run(job)
 
     def cancel(self, key: Key) -> None:
-        """Drop what waits, and the result of what runs."""
+        """Drop the waiting job and the result of the running one."""
         self._outside.pop(key, None)
         self._pending.pop(key, None)
         running = self._running.pop(key, None)

@@ -1,4 +1,4 @@
-"""Where background jobs run: on a few threads."""
+"""Runners of background jobs, on a few threads."""
 
 import threading
 from collections.abc import Callable

@@ -15,5 +15,5 @@ class Ledger:
         self.done[work] += amount
 
     def skip(self, work: str, amount: int = 1) -> None:
-        """Count work that was asked for in principle but not needed."""
+        """Count requested work that was not needed."""
         self.skipped[work] += amount

@@ -1,4 +1,4 @@
-"""How modules start, stop, fail and are replaced; slots, demands and jobs follow."""
+"""Start, stop, failure and replacement of modules, with their slots, demands and jobs."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -20,7 +20,7 @@ FAULTS_UNTIL_SUSPENSION = 3
 
 
 class Lifecycle:
-    """Moves seats from state to state and tells everyone concerned."""
+    """Moves seats from state to state and posts the changes."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class Lifecycle:
     # --- faults ----------------------------------------------------------------------
 
     def failed(self, seat: Seat, where: str, error: BaseException) -> None:
-        """Turn what a module raised into its Fault."""
+        """Count a module's exception as its Fault."""
         self.count(seat, Fault(module=seat.name, where=where, **described(error)))
 
     def count(self, seat: Seat, fault: Fault) -> None:
@@ -98,7 +98,7 @@ class Lifecycle:
         self.say(change)
 
     def _welcome(self, seat: Seat) -> None:
-        """Let a fresh instance have its slots, its demands and the last values."""
+        """Give a fresh instance its slots, its demands and the last values."""
         self._changed_state()
         for demand in self.demands.of_consumer(seat.name):
             self._dispatcher.put(demand, HOST)

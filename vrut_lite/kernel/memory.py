@@ -8,7 +8,7 @@ Place = tuple[type[Message], str, str]
 
 
 class Memory:
-    """What was delivered last; messages without a key are not remembered."""
+    """The messages delivered last; those without a key are not remembered."""
 
     def __init__(self) -> None:
         self._kept: dict[Place, tuple[int, Message]] = {}
@@ -20,7 +20,7 @@ class Memory:
         self.latest[place[0]] = message
 
     def recall(self, types: Iterable[type[Message]]) -> list[tuple[Message, str]]:
-        """Message and sender of all that is remembered of these types, oldest first."""
+        """The remembered messages of these types with their senders, oldest first."""
         wanted = set(types)
         found = [(*entry, place[1]) for place, entry in self._kept.items() if place[0] in wanted]
         return [(message, sender) for _, message, sender in sorted(found, key=lambda e: e[0])]

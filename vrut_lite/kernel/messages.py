@@ -3,8 +3,8 @@
 An input comes from outside (a person, the clock, a file, a finished job) and opens a
 transaction. A derived message is a consequence, posted by a handler inside one.
 
-`check` holds what listeners rely on: inputs are checked when admitted, derived messages when
-posted. These are the kernel's own types; the layers above add theirs.
+`check` ensures the types and ranges that listeners rely on: inputs are checked when admitted,
+derived messages when posted. These are the kernel's own types; the layers above add theirs.
 """
 
 from datetime import datetime
@@ -37,21 +37,21 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
         Takes microseconds; `check_arrays` checks the content of arrays.
 
         Raises:
-            UserError: a field is not; the sentence names it.
+            UserError: a field is invalid; the sentence names it.
         """
 
     def check_arrays(self) -> None:
         """Check the content of the arrays of a message that passes `check`.
 
         Raises:
-            UserError: one does not.
+            UserError: the content of an array is invalid.
         """
 
 
 class Input(Message, frozen=True, kw_only=True):
-    """A fact from outside; each opens a transaction of its own."""
+    """A fact from outside; each opens one transaction."""
 
-    # Inputs of one timeline merge only with its last: their order matters.
+    # Name of a sequence whose order matters: an input merges only with its last one.
     timeline: ClassVar[str | None] = None
     # Whether it begins a revision. One that does not may overtake waiting inputs that do.
     revises: ClassVar[bool] = True
@@ -73,7 +73,7 @@ class Derived(Message, frozen=True, kw_only=True):
     guarded: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
-        """Note it here, where it costs no post anything."""
+        """Set `guarded` once per class, so that a post need not find it out."""
         super().__init_subclass__()
         cls.guarded = cls.slot is not None or cls.check is not Message.check
 
@@ -128,7 +128,7 @@ class _ModuleCommand(Input, frozen=True, kw_only=True):
 
 
 class RestartModule(_ModuleCommand, frozen=True, kw_only=True):
-    """Start a module anew with its present settings, also after it was suspended."""
+    """Restart a module with its present settings, also after it was suspended."""
 
 
 class ReloadModule(_ModuleCommand, frozen=True, kw_only=True):
@@ -181,7 +181,7 @@ class Demand(Input, frozen=True, kw_only=True):
 
 
 class JobResult(Input, frozen=True, kw_only=True):
-    """A background or GPU job is done; `error` tells why not, if it is not.
+    """The end of a background or GPU job; `error` is the reason of a failure.
 
     Only the module that started the job hears it; an outdated result is dropped. Work that raised
     leaves its `trace`, and is posted as a `Fault` too. The result belongs to the revision in which
@@ -219,7 +219,7 @@ class SetClock(Input, frozen=True, kw_only=True):
 
 
 class SetClockRate(Input, frozen=True, kw_only=True):
-    """Play: so many seconds of the host's clock pass in one of the tick's; 0 pauses."""
+    """Speed of the host's clock: its seconds per second of `Tick`; 0 pauses."""
 
     timeline: ClassVar[str | None] = "clock"
 
@@ -234,14 +234,14 @@ class SetClockRate(Input, frozen=True, kw_only=True):
 
 
 class Tick(Input, frozen=True, kw_only=True):
-    """So much time went by outside."""
+    """Time that has passed outside."""
 
     timeline: ClassVar[str | None] = "clock"
 
     elapsed_s: float
 
     def merged(self, older: Self) -> Self:
-        """Both went by: a slow kernel falls behind in frames, never in time."""
+        """The sum of both times: a slow kernel loses frames, never time."""
         return type(self)(elapsed_s=self.elapsed_s + older.elapsed_s)
 
     def check(self) -> None:
@@ -284,7 +284,7 @@ class Fault(Derived, frozen=True, kw_only=True):
     for_user: bool = False
 
     def key(self) -> None:
-        """Every fault is told."""
+        """Every fault is delivered."""
 
     def check(self) -> None:
         """Texts."""

@@ -17,7 +17,7 @@ Role = Literal["aside", "refines", "drafted", "awaited"]
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
-    """What a module is called, which slots it can hold and which it needs filled.
+    """A module's name, the slots that it can hold and those that it requires.
 
     It holds none before each slot that it `requires` has had a holder. One that does not `stand_in`
     holds a slot only when it is chosen, never as a replacement. An `auxiliary` module is a tool:
@@ -43,7 +43,7 @@ class Link(Protocol):
     """A module's side of the kernel; the host owns it, so that nothing is left behind."""
 
     def post(self, message: Derived) -> None:
-        """Say something; it is delivered in this transaction, after what is already queued."""
+        """Post a message; it is delivered in this transaction, after those already queued."""
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
         """The merged demand for a type of message, or None without demand.
@@ -66,8 +66,8 @@ class Link(Protocol):
     def last(self, message_type: type[M]) -> M | None:
         """The latest message of a type, or None.
 
-        For a slot's types it is always the present holder's: after a switch there is none
-        until the new holder has spoken.
+        For a slot's types it is always the present holder's: after a switch it is None until the
+        new holder has posted one.
         """
 
     def start_job(
@@ -79,8 +79,8 @@ class Link(Protocol):
         parameter named `control` it gets a `JobControl`. One job of a name runs and one waits,
         the latest. A replay does the work where its result was admitted, or never.
 
-        `role` says what the result is to the present revision, as "awaited": pictures show the
-        revision only with it. What its result starts belongs to the same revision.
+        `role` is the role of the result in the present revision; "awaited": pictures show the
+        revision only with it. Jobs that its result starts belong to the same revision.
         """
 
     def await_result(self, name: str) -> None:
@@ -103,7 +103,7 @@ def handles(*message_types: type[Message]) -> Callable[[Handler], Handler]:
 class Module:
     """Base of all modules: state, settings and handlers, without a clock or a random source.
 
-    A handler that raises is caught, told as a Fault, and suspends the module at the third.
+    An exception of a handler is caught and posted as a Fault; the third suspends the module.
     """
 
     manifest: ClassVar[Manifest]
@@ -122,11 +122,11 @@ class Module:
         """Called after `self.settings` got a new value for `name`; override to react."""
 
     def snapshot(self) -> Any:
-        """What a reload hands to the new version besides the settings: plain data, or None."""
+        """State for a reload's new version besides the settings: plain data, or None."""
         return None
 
     def restore(self, state: Any) -> None:
-        """Take over what the old version's `snapshot` returned, as built-in types."""
+        """Restore the old version's `snapshot`, given as built-in types."""
 
     @classmethod
     def handlers(cls) -> Iterator[tuple[type[Message], str]]:

@@ -22,7 +22,7 @@ def import_afresh(module_type: type[Module]) -> tuple[type[Module], Callable[[],
 
     Raises:
         UserError: the module is part of the host, or its class is gone or got another name.
-        Exception: whatever the new version raises on import; the old package is back then.
+        Exception: an exception of the new version's import; the old package is then restored.
     """
     root = root_package(module_type)
     if root in (_HOST_PACKAGE, "__main__"):

@@ -25,7 +25,7 @@ JOBS_IN_A_CHAIN = 10_000
 
 
 class Exchange(NamedTuple):
-    """What links need of the kernel."""
+    """The kernel's functions that module links call."""
 
     put: Callable[[Message, str], None]
     suspend: Callable[["Seat", str, BaseException], None]
@@ -57,7 +57,7 @@ class ModuleLink:
             return
         if message.guarded and not self._may_say(message):
             return
-        # What `counts` does, without a call: this is the kernel's hottest line.
+        # `counts`, inlined: this is the kernel's most frequent line.
         if 0 < self.posts < POSTS_PER_TRANSACTION:
             self.posts += 1
         elif not self.counts(message):
@@ -194,7 +194,7 @@ class Seat:
     def start(self, link: ModuleLink) -> None:
         """Put a fresh instance with the present settings in place of any other.
 
-        May raise what its maker wrote; the seat is then as it was.
+        An exception of the module's constructor passes on; the seat is then unchanged.
         """
         try:
             module = self.module_type(link, self.settings, **self._services)

@@ -1,7 +1,7 @@
 """Settings: one struct per module, from which validation, CLI options and panels are made.
 
 A settings class is a frozen `msgspec.Struct` whose fields all have defaults and are annotated by
-`setting`. A field that may also be None is left open: its description says what holds then.
+`setting`. A field may also be None, for unset: its description states the effect.
 """
 
 import math
@@ -15,7 +15,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 
-# Of a text that is refused.
+# Longest part (characters) of a refused text that an error quotes.
 _LONGEST_TOLD = 200
 
 
@@ -27,14 +27,14 @@ def setting(
     unit: str = "",
     source: str = "",
 ) -> msgspec.Meta:
-    """Annotates a field: what it means, its least and greatest value, and the formula's source."""
+    """Annotates a field: its meaning, its least and greatest value, and the formula's source."""
     return msgspec.Meta(
         ge=low, le=high, description=description, extra={"unit": unit, "source": source}
     )
 
 
 class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
-    """What is known of one setting: enough to make an option or a panel row."""
+    """Description of one setting, from which options and panel rows are made."""
 
     name: str
     type: type
@@ -101,7 +101,7 @@ def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
 
 
 def _without_meta(hint: Any) -> tuple[Any, msgspec.Meta | None]:
-    """A type without what annotates it, and the meta in that."""
+    """A type without its annotations, and the meta among them."""
     if not hasattr(hint, "__metadata__"):
         return hint, None
     meta = next((m for m in hint.__metadata__ if isinstance(m, msgspec.Meta)), None)
@@ -112,7 +112,7 @@ def check_spec(spec: SettingSpec, module: str) -> None:
     """Check that a setting can be described, set and shown, and that its default is valid.
 
     Raises:
-        UserError: it cannot, or the default does not satisfy the type.
+        UserError: the setting is unusable, or the default does not satisfy the type.
     """
     if spec.type not in (bool, int, float, str):
         raise UserError(
@@ -132,7 +132,7 @@ def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgs
     """The settings with one value changed.
 
     Raises:
-        UserError: no such setting, or the value is outside what it accepts.
+        UserError: no such setting, or the value is outside its range.
     """
     specs = describe(type(settings))
     if name not in specs:

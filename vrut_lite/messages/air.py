@@ -23,7 +23,7 @@ class SecondLight(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     Attributes:
         light: as the volume's, at the same nodes, but with columns counted from this body's azimuth
             and phase functions of the angle to this body.
-        radiance_scale: of this light, a power of two.
+        radiance_scale: factor of this light, a power of two.
         direction: to the body, in world axes.
     """
 
@@ -60,8 +60,8 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             exp(-extinction * distance).
         aerosol_phase: (n, 3) float32, the aerosol's phase function in each channel, sr^-1, at n
             angles uniform in sin(angle / 2).
-        rows_above, rows_below: of the rows, how many lie above and below the horizon.
-        reach_m: how much of a ray's air the slices span at most, from where it enters the air.
+        rows_above, rows_below: numbers of rows above and below the horizon.
+        reach_m: length of a ray that the slices span at most, from where it enters the air.
         sun_direction: to the body whose light this is, whose shadows the scene casts.
         second: the light of another body, the sun or the moon; None where one lights the air.
     """
@@ -84,7 +84,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """Tables whose shapes match, with at least two nodes along each axis.
 
         Raises:
-            UserError: they do not.
+            UserError: a table or a field is invalid.
         """
         for name in ("rows_above", "rows_below", "columns"):
             checks.whole(self, name, 2, LARGEST_VOLUME // 2)
@@ -118,7 +118,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """Finite light, and extinction that is not negative.
 
         Raises:
-            UserError: there is none such.
+            UserError: a value is infinite, NaN or negative.
         """
         for source in (self, self.second):
             if source is not None and isinstance(source.light, Array):
@@ -129,7 +129,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class AirChanged(Derived, frozen=True, kw_only=True):
-    """The air in front of the scene; no volume where it would not be seen."""
+    """The air in front of the scene; the volume is None where air is invisible."""
 
     slot: ClassVar[str | None] = "sky"
 

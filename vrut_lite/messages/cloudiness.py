@@ -1,4 +1,4 @@
-"""How cloudy an hour is, as someone who knows the weather tells it."""
+"""Cloudiness of an hour, from a module that has the weather."""
 
 import numpy as np
 
@@ -12,9 +12,9 @@ class CloudinessChanged(Derived, frozen=True, kw_only=True):
     Attributes:
         cover: share of the hemisphere that is cloud, 0 to 1.
         global_share: irradiance of level ground over that below a cloudless sky; None where the sun
-            is too low to tell.
-        direct_share: of that cloudless light, the sun's own.
-        sun_elevation_rad: apparent, of the sun that shone meanwhile.
+            is too low for the ratio.
+        direct_share: the sun's share of that cloudless light.
+        sun_elevation_rad: apparent elevation of the hour's sun.
     """
 
     cover: float

@@ -24,18 +24,18 @@ class CloudForm(msgspec.Struct, frozen=True, kw_only=True):
     """How weather and noise become clouds; `clouds.model.cloud_density` says in formulas.
 
     Attributes:
-        weather_periods_m: of the two copies of the weather map.
-        second_share: of the second copy in their sum.
-        shape_period_m, detail_period_m: of the volumes of noise.
-        stretch: how much longer the noise is along its own x axis: fibres.
-        lean: how far the noise's x axis is carried for each metre up, m: falling streaks.
+        weather_periods_m: periods of the two copies of the weather map.
+        second_share: share of the second copy in their sum.
+        shape_period_m, detail_period_m: periods of the volumes of noise.
+        stretch: factor by which the noise is longer along its own x axis: fibres.
+        lean: shift of the noise along its x axis, m per metre of height: falling streaks.
         growth: weather above the threshold over which a cloud grows to its full height.
-        least_height: of the smallest cloud, as a share of the layer's thickness.
+        least_height: height of the smallest cloud, as a share of the layer's thickness.
         side_fade: weather above the threshold over which a cloud's side fades in.
-        anvil: how far an anvil spreads beyond the clouds below, in `side_fade`; 0 without one.
+        anvil: width of an anvil beyond the clouds below, in `side_fade`; 0 without one.
         base_fade, top_fade: shares of a cloud's height over which its base and its top fade.
         fraying: weight of the detail.
-        sharpness: of edges, where the noise crosses the envelope.
+        sharpness: sharpness of edges, where the noise crosses the envelope.
     """
 
     weather_periods_m: tuple[float, float] = (37_000.0, 23_300.0)
@@ -57,7 +57,7 @@ class CloudForm(msgspec.Struct, frozen=True, kw_only=True):
         """Lengths and shares that divide.
 
         Raises:
-            UserError: a value is none.
+            UserError: a value is out of range.
         """
         checks.numbers(self, "weather_periods_m", 2)
         if min(self.weather_periods_m) < 1.0:
@@ -79,15 +79,15 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
     Altitudes count from world y = 0, azimuths as the world's.
 
     Attributes:
-        extinction_per_m: of a cloud's full density; of ice, without the share that keeps its
+        extinction_per_m: extinction at full density; for ice, without the share that keeps its
             direction (`ice_crystals` in cloud_transport.py).
         coverage: share of the sky's zenith that is cloud, 0 to 1.
         threshold: there is cloud where `weather` exceeds it.
         column_density: mean over clouds of density times share of the thickness.
-        particles: what scatters in it.
-        form: how its weather and noise become clouds.
-        drift_m: how far the wind has carried the pattern, along world x and z.
-        weather: (n, n) uint16, where clouds stand; periodic.
+        particles: its scatterers.
+        form: its shape parameters.
+        drift_m: shift of the pattern by the wind, along world x and z.
+        weather: (n, n) uint16, the map of cloud places; periodic.
         shape: (n, n, n) uint8 (y, z, x), their billows; periodic.
         detail: (n, n, n) uint8 (y, z, x), noise at their edges; periodic.
     """
@@ -112,14 +112,14 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def optical_depth(self) -> float:
-        """Of its clouds from base to top, in the mean."""
+        """Mean optical depth of its clouds from base to top."""
         return self.extinction_per_m * self.thickness_m * self.column_density
 
     def check(self) -> None:
         """A layer with some thickness, and maps that a GPU can hold.
 
         Raises:
-            UserError: it is none.
+            UserError: a field is invalid.
         """
         checks.number(self, "base_m", -_LARGEST_M, _LARGEST_M)
         checks.number(self, "thickness_m", 1e-3, _LARGEST_M)

@@ -15,7 +15,7 @@ class GpuTexture:
     alike on every machine.
 
     Attributes:
-        size: edge in texels; of a 3-D texture (width, height, depth).
+        size: edge in texels; (width, height, depth) of a 3-D texture.
         format: "rgba16f" or "rgba32f".
         recipe: digest of the shader, its uniforms and the output (`GpuJob.recipe`).
     """

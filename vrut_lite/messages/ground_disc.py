@@ -17,7 +17,7 @@ _SEGMENTS = 96
 # The Earth's, for every atmosphere.
 # Beyond it the parabola of `fall_m` is no longer accurate.
 _WIDEST_M = 2e5
-# In radii of the scene: just below its base, so that floors on it do not flicker.
+# Depth of the disc below the scene's base, in radii of the scene, so that floors do not flicker.
 _DROP = 2e-3
 
 
@@ -46,7 +46,7 @@ def fall_m(across_m: ArrayLike) -> NDArray[np.float64]:
     return np.square(np.asarray(across_m, dtype=float)) / (2.0 * GROUND_RADIUS_M)
 
 
-# Of the rings these are the inner ones, up to a 27th of the radius.
+# Number of inner rings; they reach to a 27th of the radius.
 _INNER_RINGS = 3
 
 
@@ -55,7 +55,7 @@ def inner_and_outer(
 ) -> tuple[tuple[NDArray[np.float32], NDArray[np.uint32]], ...]:
     """The disc in two parts with a common edge, each as `triangulate` gives all of it.
 
-    The inner one is near an eye in the scene: what is far away need not be asked of it.
+    The inner part lies near an eye in the scene and needs no effects of distance.
     """
     vertices, triangles = triangulate(disc)
     # The middle's fan, and two triangles a segment of each further ring.

@@ -49,7 +49,7 @@ DEFAULT_AEROSOL: AerosolType = "continental-average"
 
 
 class SetHaze(Input, frozen=True, kw_only=True):
-    """How much aerosol is above the place, and of which type.
+    """Amount and type of the aerosol above the place.
 
     `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
     (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
@@ -63,17 +63,17 @@ class SetHaze(Input, frozen=True, kw_only=True):
 
     @property
     def one_lobe(self) -> bool:
-        """Whether it is the closed form."""
+        """Whether the aerosol is the closed form."""
         return self.own is None and self.aerosol == ONE_LOBE
 
     @property
     def turbidity(self) -> float:
-        """The same on Preetham's scale."""
+        """Turbidity of the optical depth on Preetham's scale."""
         return turbidity_of_optical_depth(self.optical_depth_550)
 
     @property
     def optics(self) -> AerosolOptics:
-        """What the aerosol does to light, at a depth of its own."""
+        """Optical properties of the aerosol at its reference depth."""
         if self.own is not None:
             return self.own.optics
         if self.one_lobe:
@@ -82,7 +82,7 @@ class SetHaze(Input, frozen=True, kw_only=True):
 
     @property
     def layers(self) -> tuple[HazeLayer, ...]:
-        """What of it lies between the ground and the sun."""
+        """Layers of the aerosol between the ground and the sun."""
         optics = self.optics
         share = self.optical_depth_550 / optics.optical_depth_550
         layers = []

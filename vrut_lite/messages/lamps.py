@@ -19,7 +19,7 @@ ALL_AROUND = (-2.0, -2.0)
 # Nodes of a luminaire's table: every degree from its axis, every 5 degrees around it.
 TABLE_SHAPE = (181, 73)
 MOST_LAMPS = 4096
-# So many lamps are drawn with shadow maps of their own; the light map has the light of the others.
+# Number of lamps drawn with shadow maps; the light map has the light of the others.
 MOST_DRAWN = 8
 _SHARPEST_RAMP = 1e-3
 
@@ -78,7 +78,7 @@ class SceneLamps(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         """Arrays of the types and shapes that are named above.
 
         Raises:
-            UserError: one is not.
+            UserError: an array is invalid.
         """
         checks.arrays(
             self,
@@ -97,7 +97,7 @@ class SceneLamps(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         """Tables that are there.
 
         Raises:
-            UserError: one is not.
+            UserError: an array is invalid.
         """
         table = self.table.values
         if np.any((table < NONE) | (table >= self.tables.shape[0])):

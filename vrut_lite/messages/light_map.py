@@ -18,15 +18,15 @@ from vrut_lite.messages.limits import LARGEST_EDGE, LARGEST_VOLUME, MOST_LIGHT, 
 from vrut_lite.numeric_types import Float32Array, Vector
 
 NOT_MAPPED = -1
-# Who lights surfaces; without a holder the open sky does.
+# Slot of the module that lights surfaces; without a holder the open sky lights them.
 SLOT = "light_map"
 _LARGEST_M = 1e10
-# Of how the sky's visible share changes with direction.
+# Largest slope of the sky's visible share with direction.
 _STEEPEST = 100.0
 _SHAPE_COLUMNS = 5
 _FACES = 6
 _SHORTEST_STEP_M = 1e-9
-# Along an axis: the six faces of the probes lie in one texture.
+# Largest number of probes along an axis: their six faces lie in one texture.
 _MOST_PROBES = LARGEST_VOLUME // _FACES
 
 
@@ -68,7 +68,7 @@ class GroundChart(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """A square with some width.
 
         Raises:
-            UserError: it is none.
+            UserError: a field is invalid.
         """
         checks.wholes(self, "corner_px", 0, LARGEST_EDGE, most=2, least=2)
         checks.whole(self, "edge_px", 2, LARGEST_EDGE)
@@ -79,7 +79,7 @@ class GroundChart(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Places on a regular grid along the world's axes; surfaces without texels take their light.
 
-    The first stands at `lower_m`; `counts` is how many there are along x, y and z.
+    The first stands at `lower_m`; `counts` are their numbers along x, y and z.
     """
 
     lower_m: Vector
@@ -105,8 +105,8 @@ class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     Attributes:
         part: (N,) int32, the parts of the scene.
         centre_m: (N, 3) float64, the points that the cubes are seen from, world axes.
-        nearness: (N, 6, e, e) float32, inverse distance of the surface that is seen, in 1/m; of the
-            sky what a ray through an opening crosses, or 0. Faces as in `geometry.cube_map`.
+        nearness: (N, 6, e, e) float32, inverse distance of the visible surface, in 1/m; for the
+            sky, of the opening that the ray passes, or 0. Faces as in `geometry.cube_map`.
     """
 
     part: Array
@@ -117,7 +117,7 @@ class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         """Check that there are as many cubes as parts.
 
         Raises:
-            UserError: it is otherwise.
+            UserError: the numbers differ.
         """
         layouts: dict[str, tuple[str, tuple[str | int, ...]]] = {
             "part": ("<i4", ("N",)),
@@ -128,10 +128,10 @@ class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         _check_lengths(self, "nearness", self.nearness.shape[2:], 1, LARGEST_EDGE)
 
     def check_arrays(self, parts: int) -> None:
-        """Parts of a scene of so many, each named once, finite places and distances.
+        """Check that each part is one of the scene's `parts`, named once, and numbers are finite.
 
         Raises:
-            UserError: something is not.
+            UserError: a part or a number is invalid.
         """
         part = self.part.values
         if np.any((part < 0) | (part >= parts)) or len(np.unique(part)) < len(part):
@@ -144,8 +144,8 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
     """The layout of a scene's light map.
 
     Attributes:
-        content_key: of the scene (`SceneOpened.content_key`).
-        layout_key: of this layout; `SurfaceLightChanged` names its layout.
+        content_key: the scene's (`SceneOpened.content_key`).
+        layout_key: key of this layout; `SurfaceLightChanged` names its layout.
         size_px: width and height of the map.
         shapes: (S, 5) int64, a row a shape: its mesh, first row of `source_vertex` and `uv`,
             their number, first row of `triangles`, their number.
@@ -155,7 +155,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
         part_shape: (P,) int32, the shape of each of the scene's parts; -1 where it has no texels
             and takes its light from the probes.
         part_corner_px: (P, 2) int32, the corner of the part's rectangle in the map.
-        ground: of the ground disc, where the scene has one.
+        ground: chart of the ground disc, where the scene has one.
         probes: None where everything has texels.
         mirrors: None where no part has a cube map.
     """
@@ -210,10 +210,10 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
             checks.refuse(self, "ground", f"lie within {self.size_px} texels")
 
     def check_arrays(self) -> None:
-        """Shapes within the arrays, their triangles within them, and parts that name a shape.
+        """Check that shapes and their triangles lie within the arrays, and parts name a shape.
 
         Raises:
-            UserError: something is not.
+            UserError: a shape or a part is invalid.
         """
         mesh, vertex, vertices, triangle, triangles = self.shapes.values.T
         _check_rows(vertex, vertices, len(self.uv.values))
@@ -236,11 +236,11 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
 class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     """The light of an hour on the surfaces of a scene.
 
-    The size of a demand for it is a number of rays of each texel: light of fewer is not worked out,
-    unless no more are to be had.
+    The size of a demand for it is a number of rays per texel: light of fewer rays is computed only
+    if no more can be traced.
 
     Attributes:
-        layout_key: of its layout.
+        layout_key: key of its layout.
         texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in
             W m^-2: of the sky and of light from surfaces, without the key light's direct part;
             alpha is the share of the open sky's irradiance that arrives, 0 to 1.
@@ -249,12 +249,12 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         rays: number of rays of each texel.
         sky_level: `AmbientChanged.level` of the hour; None where it is not known.
         visible_sky: (height, width, 4) float16: the share of the sky that is seen from a texel in
-            direction d, world axes, is RGB . d + alpha, kept in [0, 1]. None where it is not known:
-            the share of the sky's irradiance then stands for it.
+            direction d, world axes, is RGB . d + alpha, clamped to [0, 1]. None where unknown:
+            the share of the sky's irradiance is then used.
         mirrors: (N, 6, e, e, 4) float16, the cube maps of the layout's mirrors. RGB times
-        `radiance_scale`
-            is radiance in W m^-2 sr^-1, weighed by alpha: the share of a texel that is neither sky
-            nor ground beyond the map, 0 to 1. None where the layout has no mirrors.
+            `radiance_scale` is radiance in W m^-2 sr^-1, weighted by alpha: the share of a texel
+            that is neither sky nor ground beyond the map, 0 to 1. None where the layout has no
+            mirrors.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -292,7 +292,7 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         """Light within its bounds, and shares of the sky.
 
         Raises:
-            UserError: a value lies beyond.
+            UserError: a value lies outside its bounds.
         """
         most = MOST_LIGHT / self.radiance_scale
         for name in ("texels", "probes", "mirrors"):

@@ -1,4 +1,4 @@
-"""What a light map is worth, texel by texel: how wide texels are, and how noisy their light is."""
+"""Quality of a light map by texel: the width of texels and the noise of their light."""
 
 import numpy as np
 
@@ -11,13 +11,13 @@ _SAMPLES_A_TEXEL = 4.0
 
 
 def noise(finer: FloatArray, coarser: FloatArray, times: float) -> FloatArray:
-    """Noise that rays leave, as a share of the light: rms over 3 x 3 texels.
+    """Noise of the light, as a share of it: rms over 3 x 3 texels.
 
     Args:
         finer, coarser: irradiance (h, w, 3) of one hour by many and by fewer rays, of which the
             fewer are among the many.
-        times: how many times as many. With n of N rays the variance of the difference is N / n - 1
-            times the variance that N rays leave.
+        times: ratio of the numbers of rays. With n of N rays the variance of the difference is
+            N / n - 1 times the variance with N rays.
     """
     one, other = luminance(np.asarray(finer, float)), luminance(np.asarray(coarser, float))
     change = (one - other) / np.maximum(np.maximum(one, other), 1e-30)
@@ -57,7 +57,7 @@ def texel_edges_m(laid: LightMapLaid, scene: SceneOpened) -> FloatArray:
 
 
 def _edges_on(uv: FloatArray, corners_m: FloatArray) -> FloatArray:
-    """How wide (F,) a texel is on each triangle."""
+    """Width (F,) in metres of a texel on each triangle."""
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     texels = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
     # Looked up in the middle of a texel, on both sides of which the chart ends: half of a strip.

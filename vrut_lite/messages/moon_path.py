@@ -1,4 +1,4 @@
-"""The moon's way over a place, for those who draw it or tell when it rises."""
+"""The moon's path over a place, with its rise and set."""
 
 from datetime import datetime, timedelta
 from typing import ClassVar

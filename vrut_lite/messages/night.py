@@ -17,9 +17,9 @@ from vrut_lite.numeric_types import Vector
 SLOT = "night"
 NO_ECLIPSE: Vector = (1.0, 1.0, 1.0)
 _WIDEST_RAD = 0.25 * math.pi
-# Of the light in the Earth's umbra.
+# Light at the edge of the Earth's umbra, relative to its middle.
 EDGE_OVER_MIDDLE = 30.0
-# Places from the lowest of the moon's disc to its highest at which the air before it is told.
+# Number of heights on the moon's disc, lowest to highest, with the transmittance of the air there.
 THROUGH_PLACES = 9
 
 
@@ -27,12 +27,12 @@ class MoonLight(msgspec.Struct, frozen=True, kw_only=True):
     """The moon as a source of light.
 
     Attributes:
-        place: where it stands; its fields say of the moon what they say of the sun.
+        place: its direction, in the fields of the sun's message.
         irradiance_rgb: above the air, on a plane that faces it, linear sRGB, W m^-2.
         of_sunlight_rgb: the same as a share of the sun's at one astronomical unit.
-        angular_radius_rad: of its disc.
+        angular_radius_rad: angular radius of its disc.
         lit_fraction: share of the disc that the sun lights.
-        waxes: whether that share grows.
+        waxes: whether that share grows with time.
     """
 
     place: SunMoved
@@ -46,7 +46,7 @@ class MoonLight(msgspec.Struct, frozen=True, kw_only=True):
         """A place, and some light.
 
         Raises:
-            UserError: it is none.
+            UserError: a field is invalid.
         """
         checks.instance(self, "place", SunMoved)
         self.place.check()
@@ -125,8 +125,8 @@ class StarsChanged(Derived, frozen=True, kw_only=True):
 class EarthShadow(msgspec.Struct, frozen=True, kw_only=True):
     """The Earth's shadow where the moon is, as a place sees it.
 
-    Sunlight is whole outside `penumbra_rad` of `direction` and gone within `umbra_rad`; there
-    `umbra_rgb` of it is left at the middle, `EDGE_OVER_MIDDLE` times as much at the edge.
+    Sunlight is undimmed outside `penumbra_rad` of `direction`. Within `umbra_rad` the share
+    `umbra_rgb` of it remains at the middle, `EDGE_OVER_MIDDLE` times as much at the edge.
     """
 
     direction: Vector
@@ -154,7 +154,7 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     `flattening` is the disc's height over its width: refraction raises the lower limb more.
     `sun_left_rgb` is below 1 while the moon hides a part of the sun. `shadow` is the Earth's, near
     a full moon that it reaches. `horizon_rad` is the horizon's elevation, below 0 for an eye aloft;
-    of the disc below it nothing is seen.
+    it hides the disc below.
     """
 
     slot: ClassVar[str | None] = SLOT

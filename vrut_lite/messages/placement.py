@@ -1,4 +1,4 @@
-"""How a scene file stands in the world: its units, its vertical axis, its place."""
+"""Placement of a scene file in the world: its unit, vertical axis, position and heading."""
 
 import math
 from typing import Annotated, Literal
@@ -18,13 +18,13 @@ _FARTHEST_M = 1e7
 
 
 class Placement(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A file's axes in the world's. What is None the file says itself, or it is guessed.
+    """A file's axes in the world's. A value of None is read from the file, or guessed.
 
     Attributes:
         up: the file's vertical axis.
         metres_per_unit: the length of the file's unit.
-        position_m: where its origin stands, world axes.
-        heading_deg: how far it is turned about the vertical, clockwise seen from above.
+        position_m: position of its origin, world axes.
+        heading_deg: its turn about the vertical, clockwise seen from above.
     """
 
     up: UpAxis | None = None
@@ -38,7 +38,7 @@ class Placement(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """An axis, a length above 0, a point and an angle.
 
         Raises:
-            UserError: one is not.
+            UserError: a value is invalid.
         """
         if self.up is not None:
             checks.choice(self, "up", UP_AXES)
@@ -61,7 +61,7 @@ class Placement(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class PlacedFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A scene file beside another, and how it stands."""
+    """A further scene file with its placement."""
 
     scene: str
     placement: Placement = Placement()

@@ -9,7 +9,7 @@ from vrut_lite.errors import UserError
 
 
 class PointsAndLines(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """All of a scene's, in world axes; colours are linear RGBA in [0, 1].
+    """Points and lines of a scene in world axes; colours are linear RGBA in [0, 1].
 
     Attributes:
         points_m: (P, 3) float64.
@@ -27,7 +27,7 @@ class PointsAndLines(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         """Arrays of the types and shapes that are named above.
 
         Raises:
-            UserError: one is not.
+            UserError: an array is invalid.
         """
         checks.arrays(
             self,
@@ -43,7 +43,7 @@ class PointsAndLines(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         """Places that are finite.
 
         Raises:
-            UserError: one is not.
+            UserError: an array is invalid.
         """
         if not all(np.isfinite(array.values).all() for array in (self.points_m, self.lines_m)):
             raise UserError("points and lines of a scene must stand at finite places")

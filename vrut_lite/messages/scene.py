@@ -23,8 +23,8 @@ class LoadScene(Input, frozen=True, kw_only=True):
 
     `camera` is the name of one of the file's cameras, or its number from 1; empty for the first.
     `luminaires` are names of lamps and paths of their IES files. `variant` is one of the file's
-    variants of materials, in the same way as `camera`; empty for the default ones. `glazing` says
-    by their names which materials are glass.
+    variants of materials, in the same way as `camera`; empty for the default ones. `glazing` gives
+    the glass of materials by name.
     """
 
     is_barrier: ClassVar[bool] = True
@@ -38,7 +38,7 @@ class LoadScene(Input, frozen=True, kw_only=True):
     glazing: tuple[tuple[str, Glazing], ...] = ()
 
     def check(self) -> None:
-        """Paths and placements; the files themselves tell the rest."""
+        """Paths and placements; the content of files is checked on opening."""
         checks.text(self, "path", "camera", "variant")
         checks.instance(self, "placement", Placement)
         self.placement.check()
@@ -63,12 +63,12 @@ class LoadScene(Input, frozen=True, kw_only=True):
 class SceneOpened(Derived, frozen=True, kw_only=True):
     """An opened scene: its bounds in metres, world axes, and its content.
 
-    `triangles` counts those of all parts. `ground` is the disc that it stands on, None if it
-    brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
-    `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
-    what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
-    of the file's cameras, `variants` those of its materials' variants; `animation_s` is how long
-    its animations last, 0 without any. `points_and_lines` are None without any.
+    `triangles` counts those of all parts. `ground` is the disc below the scene, None if the file
+    has a ground; `camera` is the file's first camera; `lamps` is None without lamps. `notices` are
+    import warnings, a line each. `opened` is the request, with the guessed parts of its placement
+    filled in; `cameras` are the names of the file's cameras, `variants` those of its materials'
+    variants; `animation_s` is the length of its animations, 0 without any. `points_and_lines` is
+    None without any.
     """
 
     path: str

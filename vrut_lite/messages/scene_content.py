@@ -35,7 +35,7 @@ MapName = Literal[
 Wrap = Literal["repeat", "clamp", "mirror"]
 ALPHA_MODES: tuple[AlphaMode, ...] = get_args(AlphaMode)
 MAP_NAMES: tuple[MapName, ...] = get_args(MapName)
-# Those whose texels are sRGB-encoded.
+# Maps whose texels are sRGB-encoded.
 COLOUR_MAPS: tuple[MapName, ...] = ("base_colour", "emission", "specular_colour")
 WRAPS: tuple[Wrap, ...] = get_args(Wrap)
 NONE = -1
@@ -73,8 +73,8 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         colours_rgba: (C, 4) float32, linear, in [0, 1].
         triangles: (F, 3) int32, vertex numbers that count from the first of their mesh.
         meshes: (M, 8) int64, a row a mesh: first vertex, vertices, first triangle, triangles,
-            first row of `uv`, of the second layer in `uv`, and of `colours_rgba` (-1 where it has
-            none), and its material.
+            first row of `uv`, of the second layer in `uv`, and of `colours_rgba` (-1 without it),
+            and its material.
         part_mesh: (P,) int32, the mesh of each part.
         world_from_part: (P, 4, 4) float64, from the mesh's axes to the world's.
     """
@@ -122,7 +122,7 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         """Arrays of the types and shapes that are named above.
 
         Raises:
-            UserError: one is not.
+            UserError: an array is invalid.
         """
         checks.arrays(
             self,
@@ -142,7 +142,7 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         """Meshes that lie within the arrays, and parts that name a mesh.
 
         Raises:
-            UserError: one does not.
+            UserError: a mesh or a part is invalid.
         """
         vertex, vertices, triangle, triangles, *firsts, _ = self.meshes.values.T
         ranges = [(vertex, vertices, self.positions_m), (triangle, triangles, self.triangles)]
@@ -158,9 +158,9 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class Sampler(NamedTuple):
-    """How a map goes on beyond its edges, along u and along v, and whether texels show as squares.
+    """Wrapping of a map along u and along v, and whether enlarged texels show as squares.
 
-    Where several texels lie in a pixel, their mean is seen, whatever the sampler.
+    Several texels in a pixel are averaged, whatever the sampler.
     """
 
     wrap_u: Wrap = "repeat"
@@ -171,8 +171,8 @@ class Sampler(NamedTuple):
 class MaterialMap(NamedTuple):
     """Texels (h, w, 3 or 4) uint8, row 0 at v = 1, and which layer of coordinates finds them.
 
-    Those of `COLOUR_MAPS` are sRGB-encoded. What each map multiplies: `specular` by its alpha,
-    `clearcoat` and `transmission` by red, the others as in glTF's core.
+    Those of `COLOUR_MAPS` are sRGB-encoded. Alpha multiplies `specular`, red multiplies
+    `clearcoat` and `transmission`; the others are as in glTF's core.
     """
 
     texels: NDArray[np.uint8]
@@ -212,7 +212,7 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         alpha_mode: (K,) uint8, by `ALPHA_MODES`.
         double_sided: (K,) bool.
         terms: (K, TERM_COLUMNS) float64, as `surface_terms.as_row` has them.
-        map_image: (K, M) int32, images by `MAP_NAMES`, -1 where there is none.
+        map_image: (K, M) int32, images by `MAP_NAMES`, -1 without an image.
         map_uv_layer: (K, M) uint8.
         map_sampler: (K, M, 3) uint8: along u and v by `WRAPS`, and 1 for the nearest texel.
         images: (I, 4) int64: first texel in bytes, height, width, channels.
@@ -274,7 +274,7 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         """Arrays of the types and shapes that are named above.
 
         Raises:
-            UserError: one is not.
+            UserError: an array is invalid.
         """
         factors = ("metallic", "roughness", "alpha_cutoff", "normal_scale", "occlusion_strength")
         checks.arrays(

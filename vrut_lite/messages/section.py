@@ -13,13 +13,13 @@ Side = Literal["below", "above"]
 
 
 class Section(NamedTuple):
-    """Points p with normal . p <= offset_m are seen; a unit normal in world axes."""
+    """Half space normal . p <= offset_m of visible points p; a unit normal in world axes."""
 
     normal: Vector
     offset_m: float
 
     def seen_part(self, eye_m: FloatArray, direction: FloatArray) -> tuple[float, float]:
-        """From where to where a ray is on the seen side, in metres; (inf, inf) if nowhere."""
+        """Interval of a ray on the visible side, in metres; (inf, inf) if empty."""
         normal = np.array(self.normal)
         height, slope = self.offset_m - float(normal @ eye_m), float(normal @ direction)
         if slope == 0.0:
@@ -31,7 +31,7 @@ class Section(NamedTuple):
 
 
 class SectionChanged(Derived, frozen=True, kw_only=True):
-    """The plane that now cuts what is seen, as `Section` has it; no normal: none does."""
+    """The present section plane, as `Section` has it; without a normal nothing is cut."""
 
     normal: Vector | None = None
     offset_m: float = 0.0
@@ -49,7 +49,7 @@ class SectionChanged(Derived, frozen=True, kw_only=True):
 
 
 def section_of(axis: Axis, at_m: float, keeps: Side) -> Section | None:
-    """The plane across an axis; `keeps` is the side of it that is seen."""
+    """The plane across an axis; `keeps` is its visible side."""
     if axis == "off":
         return None
     sign = 1.0 if keeps == "below" else -1.0

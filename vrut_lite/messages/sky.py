@@ -30,8 +30,8 @@ class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     of a unit vector in world axes, in linear sRGB: the second on a plane that faces the sun, behind
     the air, and zero where a planet hides it. Functions are called for every
     pixel alike, so that derivatives may be taken. All names that it declares begin with
-    `background_`. It reads `uniforms` by name, and `buffers`, pairs of a binding and what a
-    std430 storage buffer there holds: an `Array` of float32.
+    `background_`. It reads `uniforms` by name, and `buffers`: pairs of a binding and the content
+    of the std430 storage buffer there, an `Array` of float32.
     """
 
     source: str

@@ -17,7 +17,7 @@ class SkyGlowAdded(Derived, frozen=True, kw_only=True):
     Attributes:
         glow_rgb: radiance (rows, columns, 3) float32 of the upper hemisphere, laid out as
             `NightLightChanged.glow_rgb`; None to add no more.
-        of_slot: a slot that the module holds; the glow goes when nobody holds it.
+        of_slot: a slot that the module holds; the glow is dropped when the slot has no holder.
         source: the module.
     """
 

@@ -1,4 +1,4 @@
-"""Where the sun stands, and the key light: the light that casts shadows."""
+"""The sun's direction, and the key light: the light that casts shadows."""
 
 import math
 from typing import ClassVar, Literal, get_args
@@ -18,7 +18,7 @@ _MOST_LIMB_TERMS = 6
 
 
 class SunMoved(Derived, frozen=True, kw_only=True):
-    """Where the sun stands; the direction is apparent, in world axes, pointing to the sun."""
+    """The sun's direction, apparent, in world axes, pointing to the sun."""
 
     slot: ClassVar[str | None] = "sun"
 
@@ -44,7 +44,7 @@ def sun_moved(
     visible_disc_fraction: float,
     north_offset_rad: float,
 ) -> SunMoved:
-    """The message of a sun, azimuth from north, over a place whose -Z is so far from north."""
+    """The message of a sun, azimuth from north; `north_offset_rad` is the azimuth of -Z."""
     seen = direction_from_angles(azimuth_rad, apparent_elevation_rad)
     x, y, z = world_from_enu(seen, north_offset_rad).tolist()
     return SunMoved(
@@ -64,7 +64,8 @@ class KeyLightChanged(Derived, frozen=True, kw_only=True):
     `limb_darkening_rgb` holds, per channel, a polynomial in cos psi (constant first), of
     which the mean over the disc is 1: radiance = irradiance / solid angle * polynomial.
 
-    `haze` is what has dimmed it besides a clear air: aloft less of it is before the sun.
+    `haze` is the haze profile that dims it besides clear air, so that sunlight above the ground can
+    be computed.
     """
 
     slot: ClassVar[str | None] = "sky"

@@ -16,16 +16,16 @@ _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 
 
 class SurfaceTerms(NamedTuple):
-    """One surface's; colours are linear sRGB.
+    """Terms of one surface; colours are linear sRGB.
 
     `specular` and `specular_rgb` scale the reflectance that `ior` gives at normal incidence, the
     first at grazing angles too. `clearcoat` is the share of the surface under a second coat.
     Anisotropy stretches highlights across the direction that is turned counter-clockwise from the
     first texture coordinate. `transmission` is the share of the light below the coat that passes
-    through, not scattered by paint; a body of `thickness_m`, 0 for a pane, bends it, and takes
-    `extinction_per_m` of it away by Beer and Lambert. `iridescence` is the share under a thin film
-    of `film_ior`, as thick as its map says between both thicknesses. An `unlit` surface shows its
-    colour (1 or 0).
+    through, not scattered by paint; a body of `thickness_m`, 0 for a pane, refracts it and absorbs
+    by `extinction_per_m` (Beer and Lambert). `iridescence` is the share under a thin film of
+    `film_ior`, whose map interpolates between both thicknesses. An `unlit` surface shows its colour
+    (1 or 0).
     """
 
     ior: float = 1.5
@@ -53,7 +53,7 @@ class SurfaceTerms(NamedTuple):
 
     @property
     def f90(self) -> float:
-        """The same at grazing angles."""
+        """Reflectance of the dielectric at grazing angles."""
         return self.specular
 
     @property
@@ -63,7 +63,7 @@ class SurfaceTerms(NamedTuple):
 
     @property
     def is_pane(self) -> bool:
-        """Whether what passes through goes straight on: a thin wall, not the side of a body."""
+        """Whether transmitted light goes straight on: a thin wall, not the side of a body."""
         return self.thickness_m == 0.0
 
 

@@ -52,9 +52,9 @@ class Point(msgspec.Struct, Generic[C], frozen=True, forbid_unknown_fields=True)
 
     Attributes:
         choice: a size, or the name of several.
-        error: of 99 of 100 directions, in 99 of 100 pictures.
-        work: counted, of which less is better; only comparable within one front.
-        cpu_ms: what that took on one thread, where it was measured.
+        error: largest error of 99 of 100 directions, in 99 of 100 pictures.
+        work: counted work, comparable only within one front; less is better.
+        cpu_ms: measured time on one thread; None where not measured.
     """
 
     choice: C
@@ -89,10 +89,10 @@ def budget(tolerance: float, usual: float, share: float) -> float:
     """The share of a tolerance for one source of error.
 
     Args:
-        tolerance: of the whole picture.
-        usual: at the default tolerance. A looser one allows more in proportion; a tighter one as
-            much, until that is more than the share.
-        share: of a tight tolerance, for this source.
+        tolerance: tolerance of the whole picture.
+        usual: budget at the default tolerance. A looser tolerance allows more in proportion; a
+            tighter one as much, until that is more than the share.
+        share: share of a tight tolerance for this source.
     """
     if tolerance >= DEFAULT_TOLERANCE:
         return usual * (tolerance / DEFAULT_TOLERANCE)

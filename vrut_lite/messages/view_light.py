@@ -1,7 +1,7 @@
-"""Light on what one picture shows, finer than any map of the scene: for finished stills.
+"""Light at the surface points of one picture, finer than the light map: for finished stills.
 
-Whoever wants a still demands `ViewLightChanged`; the scene manager then says in `StillAsked` from
-where the scene is seen, and who lights surfaces answers when it has light for each pixel.
+A consumer of a still demands `ViewLightChanged`; the scene manager then posts the camera in
+`StillAsked`, and the holder of the slot `light_map` answers when it has light for each pixel.
 """
 
 from typing import ClassVar
@@ -36,20 +36,20 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
     """Light at points of surfaces that a picture shows, one in each square of pixels.
 
     Attributes:
-        layout_key: of the light map that it refines.
-        camera, size_px: of the picture.
-        edge_px: of the squares; a point is seen in the middle of its square, the first of which
-            begins at the picture's upper left corner.
+        layout_key: key of the light map that it refines.
+        camera, size_px: camera and size of the picture.
+        edge_px: edge of the squares; a point is seen in the middle of its square, the first of
+            which begins at the picture's upper left corner.
         light: (rows, columns, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in
             W m^-2, without the key light's direct part; alpha is the share of the open sky's.
         plane: (rows, columns, 4) float32, the triangle's unit normal towards the eye, world axes,
-            and the plane's distance from the eye along it, in metres, 0 or less; all 0 where
-            nothing is seen, or nothing known but by the map.
+            and the plane's distance from the eye along it, in metres, 0 or less; all 0 without a
+            surface, or where only the map has light.
         mirrored: (2, rows, columns, 4) float16. RGB times `radiance_scale` is the mean radiance
             that a coat or metal mirrors there, W m^-2 sr^-1, without the key light's own: by the
             part of Schlick's term that is the same from everywhere, and by that of grazing angles.
-            Alpha is 1; where nothing is known all are 0.
-        rays: of each point.
+            Alpha is 1; all are 0 where unknown.
+        rays: rays per point.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -69,7 +69,7 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
     def without_points(
         cls, asked: StillAsked, layout_key: str, rays: int, source: str
     ) -> "ViewLightChanged":
-        """No point of a picture, which is finished by the map's own light of so many rays."""
+        """The answer without points: the map's light of `rays` rays finishes the picture."""
         return cls(
             layout_key=layout_key,
             camera=asked.camera,
@@ -103,7 +103,7 @@ class ViewLightChanged(Derived, frozen=True, kw_only=True):
         """Light within its bounds, shares of the sky, and planes.
 
         Raises:
-            UserError: a value lies beyond.
+            UserError: a value lies outside its bounds.
         """
         for name in ("light", "mirrored"):
             checks.contents(self, name, 0.0, max(MOST_LIGHT / self.radiance_scale, 1.0))

@@ -16,7 +16,7 @@ _END_OF_FEBRUARY = 31 + 28
 
 
 class WeatherHour(NamedTuple):
-    """One hour's means; `cloud_cover` is a share of the sky, None where nothing is known."""
+    """One hour's means; `cloud_cover` is a share of the sky, None where unknown."""
 
     direct_normal_w_m2: float
     diffuse_horizontal_w_m2: float
@@ -29,10 +29,10 @@ class SetWeather(Input, frozen=True, kw_only=True):
 
     The values are means of hours in the file's standard time, `utc_offset_h` ahead of UTC, the
     first from midnight to one on the 1st of January: 8,760, or 8,784 with a 29th of February.
-    `path` names the file, which nobody reads again. Irradiances are broadband: watts of all
-    wavelengths. `cloud_cover` is a share of the sky, empty where the file does not tell. `lacks`
-    has a line for each thing that the file does not have, with its replacement, and for each
-    contradiction with the sun of its place or within the file.
+    `path` names the file, for display only. Irradiances are broadband: watts of all
+    wavelengths. `cloud_cover` is a share of the sky, empty where the file has none. `lacks` has a
+    line for each missing quantity, with its replacement, and for each contradiction with the sun of
+    its place or within the file.
     """
 
     path: str
@@ -74,7 +74,7 @@ class SetWeather(Input, frozen=True, kw_only=True):
 
     @property
     def place(self) -> SetPlace:
-        """Where it was measured."""
+        """Place of the measurement."""
         return SetPlace(
             latitude_deg=self.latitude_deg,
             longitude_deg=self.longitude_deg,

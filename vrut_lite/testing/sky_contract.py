@@ -70,7 +70,7 @@ class SkyContract:
         sky.sun(35.0, 120.0)
         return sky
 
-    # --- what is posted, and when --------------------------------------------------------
+    # --- posted messages and their time --------------------------------------------------
 
     def test_posts_only_what_is_wanted(self, sky: SkyOnBus) -> None:
         """Without demand the sky posts nothing; with one demand it posts that message alone."""
@@ -290,7 +290,7 @@ class SkyContract:
         assert ground.cube.shape == (6, SIZE, SIZE, 3)
 
     def test_the_cpu_serves_when_the_gpu_fails(self, on_gpu: SkyOnBus) -> None:
-        """One sentence tells the user what to set; this sky and the next are the CPU's."""
+        """One sentence names the setting to change; this sky and the next are the CPU's."""
         (job,) = on_gpu.taken()
         assert isinstance(job, GpuJob)
         on_gpu.answer(job, error="out of memory")
