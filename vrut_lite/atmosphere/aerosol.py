@@ -14,8 +14,8 @@ Hosek and Wilkie's model needs another turbidity for equal haze: `equal_haze`.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Of an aerosol with one phase function at all wavelengths, Cornette and Shanks': those of
-# Bruneton's 2017 demonstration.
+# Aerosol of Bruneton's 2017 demonstration: one phase function (Cornette and Shanks) at all
+# wavelengths.
 ANGSTROM_EXPONENT = 1.3
 SINGLE_SCATTERING_ALBEDO = 0.9
 ASYMMETRY = 0.8

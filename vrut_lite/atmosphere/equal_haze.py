@@ -1,4 +1,4 @@
-"""At which turbidity and level Hosek and Wilkie's sky shows the same haze as the solved sky.
+"""Turbidity and level at which Hosek and Wilkie's sky shows the same haze as the solved sky.
 
 Their turbidity is not Preetham's: at equal optical depth theirs is two to three times as high, and
 the sky then 1.1 to 2 times too bright. The table brings shape and level together. It was fitted to

@@ -27,7 +27,7 @@ def ozone_absorption(
 
     Args:
         wavelength_nm: in nm; outside 360 to 830 nm the nearest value serves.
-        dobson_units: of the whole column.
+        dobson_units: ozone of the whole column.
         layer_m: integral over altitude of the layer's relative density.
     """
     nodes_nm = _FIRST_NM + _STEP_NM * np.arange(_CROSS_SECTION_M2.size)

@@ -27,15 +27,15 @@ _FORMULA_GONE_AT_DEG = -6.0
 _INVERSION_STEPS = 24
 _FOOT_K, _FOOT_PA = 283.15, 101_000.0
 _LAPSE_K_PER_M, _TROPOPAUSE_M = 6.5e-3, 11_000.0
-# g M / R, K/m.
+# Hydrostatic constant g M / R, K/m.
 _HYDROSTATIC = 0.0341632
-# n - 1 per Pa/K at 570 nm: 2.777e-4 at 288.15 K and 101325 Pa.
+# Refractivity n - 1 per Pa/K at 570 nm: 2.777e-4 at 288.15 K and 101325 Pa.
 _REFRACTIVITY = 2.777e-4 * 288.15 / 101_325.0
 _TOP_M = 90_000.0
 _STEPS, _NEWTON_STEPS = 200, 4
-# Up to the first height the sun's own formula holds, from the second on an eye's own refraction.
+# Heights (m) between which the sun's formula for the ground gives way to refraction at the eye.
 _ON_GROUND_M, _ALOFT_M = 30.0, 130.0
-# Below the horizon the table goes on so far.
+# Lowest elevation (degrees) of the table, below the horizon.
 _LOWEST_DEG = -0.3
 # Dips, without refraction, of the altitudes for which tables are traced: within 0.1' of any other
 # altitude's. Spacing of their low elevations.
@@ -138,7 +138,7 @@ def eye_aloft_m(eye_height_m: float) -> float:
 
 
 def seen_from_aloft(direction: Vector, true_elevation_rad: float, eye_height_m: float) -> Vector:
-    """Where an eye aloft sees what has this direction from the ground: in less air, or more."""
+    """Apparent direction for an eye aloft of an object, from that seen on the ground."""
     share = min((eye_height_m - _ON_GROUND_M) / (_ALOFT_M - _ON_GROUND_M), 1.0)
     if share <= 0.0:
         return direction
@@ -151,7 +151,7 @@ def seen_from_aloft(direction: Vector, true_elevation_rad: float, eye_height_m: 
 
 
 class Flattening(NamedTuple):
-    """How much less high a disc looks than it is.
+    """Flattening of a disc by refraction.
 
     A place t radians above its apparent middle truly lies t - slope t - curvature t^2 above it.
     """
@@ -163,9 +163,9 @@ class Flattening(NamedTuple):
 def flattening(
     apparent_elevation_rad: float, angular_radius_rad: float, altitude_m: float = 0.0
 ) -> Flattening:
-    """That of a disc whose middle is seen at this elevation, through three places of it.
+    """Flattening of a disc with its middle at this elevation, a parabola through three points.
 
-    The disc's half that the horizon hides is flattened as the other one.
+    The half below the horizon is flattened like the other one.
     """
     middle = max(apparent_elevation_rad, -dip_rad(altitude_m))
     places = middle + angular_radius_rad * np.array([0.0, 0.5, 1.0])

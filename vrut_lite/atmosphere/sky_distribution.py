@@ -1,4 +1,4 @@
-"""How luminance is spread over the sky: the five-term form that CIE S 011 and Perez share."""
+"""Luminance distributions of the sky: the five-term form that CIE S 011 and Perez share."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from vrut_lite.numeric_types import FloatArray
 
 # Lowest cosine of the zenith angle at which the gradation is evaluated: 0.6 degrees up.
 _LOWEST = 0.01
-# Where Perez's b is above 0 the gradation would grow without bound; from 15 degrees down it stays.
+# The same where Perez's b is above 0 and the gradation would grow without bound: 15 degrees up.
 _LOWEST_RISING = float(np.sin(np.radians(15.0)))
 
 
@@ -27,7 +27,7 @@ class Distribution(NamedTuple):
     k: ArrayLike = 0.0
 
     def relative_luminance(self, cos_zenith: ArrayLike, cos_gamma: ArrayLike) -> FloatArray:
-        """Luminance (...,) in a unit of its own, 0 or more; the arguments' shapes broadcast."""
+        """Luminance (...,) in an arbitrary unit, 0 or more; the arguments' shapes broadcast."""
         return np.maximum(self.gradation(cos_zenith) * self.indicatrix(cos_gamma), 0.0)
 
     def gradation(self, cos_zenith: ArrayLike) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What particles in the air do to light: how much they dim and scatter, and in which directions.
+"""Optical properties of particles in the air: extinction, scattering and phase functions.
 
 `optics` is the result that skies take, `phase_table` its phase function. `types` makes it from
 OPAC's `components`, `mie` from a size distribution and a refractive index.

@@ -1,4 +1,4 @@
-"""OPAC's components: what a particle of each kind does to light (Hess, Koepke and Schult 1998).
+"""Optical properties of OPAC's components per particle (Hess, Koepke and Schult 1998).
 
 The data were computed by Mie's theory (data/NOTICE.opac_components). Names: waso water-soluble,
 inso insoluble, soot; ssam and sscm sea salt, fine and coarse; minm, miam and micm mineral dust,
@@ -20,7 +20,7 @@ COMPONENTS = (*HYGROSCOPIC, "inso", "soot", "minm", "miam", "micm")
 
 
 class Particles(NamedTuple):
-    """What particles do to light at `wavelength_nm` (C,), for one particle in a cubic centimetre.
+    """Optical properties of particles at `wavelength_nm` (C,), for one particle per cm^3.
 
     `extinction`, `scattering` (C,) in 1/km; `phase` (C, angles) in sr^-1 at `angle_rad` (angles,).
     """
@@ -32,11 +32,11 @@ class Particles(NamedTuple):
     phase: FloatArray
 
     def times(self, count: float) -> "Particles":
-        """So many particles."""
+        """The optical properties of `count` times as many particles."""
         return self._replace(extinction=self.extinction * count, scattering=self.scattering * count)
 
     def with_others(self, others: "Particles") -> "Particles":
-        """Both together: phase functions are averaged by what each scatters."""
+        """The sum of both; phase functions are averaged with scattering as the weight."""
         scattering = self.scattering + others.scattering
         own = np.divide(
             self.scattering, scattering, out=np.ones_like(scattering), where=scattering > 0.0

@@ -1,9 +1,9 @@
 """Fog's droplets: water spheres by Mie's theory, of Deirmendjian's distribution C1.
 
-Two fifths of their light are diffracted within 4 degrees. Light scattered again is carried by
-harmonics to degree 16, which cannot hold such a peak; and if it counted as not scattered, fog would
-hide less than its visibility says. So the peak is spread over 24 degrees. What lies beyond, the
-fogbow at 140 degrees with it, is Mie's, and so is the mean cosine but for 0.01.
+Two fifths of their light are diffracted within 4 degrees. Multiple scattering is represented by
+harmonics to degree 16, which cannot resolve such a peak; and with the peak counted as unscattered
+light, fog would hide less than its visibility states. So the peak is spread over 24 degrees. The
+values beyond, with the fogbow at 140 degrees, are Mie's; the mean cosine changes by 0.01.
 """
 
 from functools import lru_cache

@@ -37,7 +37,7 @@ def optics_of_sizes(
             between, none beyond.
         wavelength_nm: (C,) rising, two or more.
         refractive_index: (C,) complex; the imaginary part absorbs, whatever its sign.
-        scale_height_m: of the layer.
+        scale_height_m: scale height of the layer.
 
     Raises:
         ValueError: an argument is out of range, or lengths differ.
@@ -74,7 +74,7 @@ def _refraction(refractive_index: ArrayLike) -> NDArray[np.complex128]:
     fits = (index.real >= 0.1) & (index.real <= 10.0) & (absorption <= 10.0) & (index != 1.0)
     if not fits.all():
         raise ValueError(said)
-    # So the package wants it.
+    # The sign convention of miepython.
     return np.asarray(index.real - 1j * absorption)
 
 
@@ -93,7 +93,7 @@ def lognormal_volume(
 def spheres_together(
     radius_um: FloatArray, spheres: FloatArray, wavelength_nm: FloatArray, index: ArrayLike
 ) -> Particles:
-    """What spheres (n,) over a square um do to light; extinction and scattering are depths."""
+    """Optical properties of spheres (n,) over a square um; extinction and scattering are depths."""
     try:
         import miepython
     except ImportError as error:

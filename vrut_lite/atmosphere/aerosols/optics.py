@@ -1,4 +1,4 @@
-"""What all the aerosol above a place does to light, by wavelength: what skies take."""
+"""Optical properties of the whole aerosol above a place by wavelength, as skies use them."""
 
 from dataclasses import dataclass, replace
 
@@ -12,9 +12,9 @@ from vrut_lite.atmosphere.aerosols.phase_table import PhaseTable
 from vrut_lite.numeric_types import FloatArray
 
 _550_NM = 550.0
-# Of the free troposphere (Hess, Koepke and Schult 1998, table 5).
+# Scale height of aerosol in the free troposphere (Hess, Koepke and Schult 1998, table 5).
 ALOFT_HEIGHT_M = 8000.0
-# Depths at and beyond which Angstrom's law between two neighbours would divide by nothing.
+# Least optical depth in Angstrom's law between two neighbours, which divides by it.
 _LEAST_DEPTH = 1e-12
 
 
@@ -23,9 +23,9 @@ class AerosolLayer:
     """Aerosol above a place by wavelength (C,), rising: one exponential layer.
 
     Attributes:
-        wavelength_nm: at which the rest is known; beyond, the nearest holds.
-        optical_depth: (C,), vertical; 0 throughout where there is none.
-        albedo: (C,) of a single scattering.
+        wavelength_nm: wavelengths of the values; outside, the nearest value holds.
+        optical_depth: (C,), vertical; 0 throughout without aerosol.
+        albedo: (C,) single scattering albedo.
         phase: phase functions, a row for each wavelength.
         height_m: the scale height.
     """
@@ -73,7 +73,7 @@ class AerosolOptics(AerosolLayer):
 
     @property
     def angstrom_exponent(self) -> float:
-        """Between 445 and 635 nm."""
+        """Angstrom's exponent between 445 and 635 nm."""
         blue, red = self.depth_at([445.0, 635.0])
         return float(np.log(blue / red) / np.log(635.0 / 445.0))
 
@@ -103,11 +103,11 @@ def optics_of_aerosol(
     angstrom_exponent: float = ANGSTROM_EXPONENT,
     scale_height_m: float = SCALE_HEIGHT_M,
 ) -> AerosolOptics:
-    """Aerosol of one's own.
+    """Optical properties of an aerosol given by a few numbers.
 
     Args:
         optical_depth_550: vertical, at 550 nm, above 0.
-        albedo: of a single scattering, 0 to 1.
+        albedo: single scattering albedo, 0 to 1.
         phase: a table of one row, or g of Cornette and Shanks' phase function.
         angstrom_exponent: the depth falls as wavelength to minus that.
         scale_height_m: over which its extinction falls by a factor e.

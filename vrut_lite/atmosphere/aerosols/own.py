@@ -1,4 +1,4 @@
-"""An aerosol of one's own in a few numbers, as messages and project files carry it."""
+"""A user's aerosol in a few numbers, as messages and project files carry it."""
 
 from functools import lru_cache
 
@@ -9,15 +9,15 @@ from vrut_lite.atmosphere.aerosol import SCALE_HEIGHT_M
 from vrut_lite.atmosphere.aerosols.optics import AerosolOptics, optics_of_aerosol
 from vrut_lite.atmosphere.aerosols.phase_table import PhaseTable
 
-# Its depth is said elsewhere.
+# Reference optical depth at 550 nm; `SetHaze` has the actual one.
 _ANY_DEPTH = 1.0
 
 
 class OwnAerosol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """Aerosol by Angstrom's exponent, single scattering albedo, and a phase function.
 
-    The phase function is `phase`, values above 0 at `angle_deg` from 0 to 180, in any unit; where
-    there are none, Cornette and Shanks' lobe of `asymmetry`.
+    The phase function is `phase`, values above 0 at `angle_deg` from 0 to 180, in any unit; without
+    values it is Cornette and Shanks' lobe of `asymmetry`.
     """
 
     angstrom_exponent: float = 1.3
@@ -29,7 +29,7 @@ class OwnAerosol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_d
 
     @property
     def optics(self) -> AerosolOptics:
-        """What it does to light, at a depth of its own.
+        """Optical properties at the reference depth.
 
         Raises:
             ValueError: a number is out of range; the sentence names it.

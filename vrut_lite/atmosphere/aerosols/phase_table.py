@@ -20,7 +20,7 @@ PHASE_NODES = 1024
 class PhaseTable:
     """Phase functions (C, PHASE_NODES) in sr^-1; their integral over the sphere is 1.
 
-    Equal and hashable by content, so that it can stand in what keys a cache.
+    Equal and hashable by content, so that it can be a part of a cache's key.
 
     Args:
         values: (C, PHASE_NODES), at least 0; each row is scaled to the integral 1.
@@ -110,7 +110,7 @@ def _integral(table: FloatArray) -> FloatArray:
     s = node_places()
     low, high = table[:, :-1], table[:, 1:]
     step, start = np.diff(s), s[:-1]
-    # Of (low + t (high - low)) (start + t step), t from 0 to 1, times step.
+    # Integrals of (low + t (high - low)) (start + t step) over t from 0 to 1.
     parts = start * 0.5 * (low + high) + step * (low / 6.0 + high / 3.0)
     return np.asarray(8.0 * np.pi * (parts * step).sum(axis=1))
 

@@ -24,7 +24,7 @@ _ALOFT = MappingProxyType({"waso": 438.0, "inso": 0.0013, "soot": 294.0})
 _ALOFT_HUMIDITY, _STRATOSPHERE_DEPTH = 50.0, 0.005
 USUAL_HUMIDITY = 80.0
 MOST_HUMIDITY = 95.0
-# A thousand times urban air's.
+# Most particles per cm^3, a thousand times those of urban air.
 _MOST_PARTICLES = 1e8
 
 
@@ -70,7 +70,7 @@ def type_optics(name: str, humidity_percent: float = USUAL_HUMIDITY) -> AerosolO
 def mixture_optics(
     mixture: AerosolMixture, humidity_percent: float = USUAL_HUMIDITY
 ) -> AerosolOptics:
-    """The optics of a mixture of one's own, below OPAC's free troposphere.
+    """Optical properties of a user's mixture, below OPAC's free troposphere.
 
     Raises:
         ValueError: there is no component or an unknown one, or a number is out of range.
@@ -92,7 +92,7 @@ def mixture_optics(
 
 
 def particles_together(particles: Mapping[str, float], humidity_percent: float) -> Particles:
-    """All of a mixture, by particles per cm^3 of each component."""
+    """Optical properties of a mixture, by particles per cm^3 of each component."""
     parts = [component(name, humidity_percent).times(n) for name, n in particles.items()]
     total = parts[0]
     for part in parts[1:]:
