@@ -3,8 +3,8 @@
 numba unpickles cached machine code unchecked: a truncated file would end every sky in a traceback
 until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
 would lose each other's entries of the index; here a lock makes one wait for the other. And numba
-compiles anew when a kernel's own file changes, but not when another changes that it calls, inlines
-or has a constant of: here all files of its package that it imports count, directly or not.
+recompiles a kernel when its own file changes, but not when another changes whose functions or
+constants it uses: here all files of its package that it imports count, directly or not.
 """
 
 import fcntl
@@ -128,7 +128,7 @@ def _read(file: Path) -> tuple[bytes, tuple[str, ...]]:
 
 
 class _Teller(event.Listener):
-    """Counts compilations, and tells of those of kernels that python calls."""
+    """Counts compilations, and reports those of kernels that Python calls."""
 
     def on_start(self, event: event.Event) -> None:
         compiled_code.compilations += 1
@@ -136,17 +136,17 @@ class _Teller(event.Listener):
             compiled_code.ahead.note(event.data["dispatcher"], event.data["args"])
 
     def on_end(self, event: event.Event) -> None:
-        """Nothing to say."""
+        """Nothing to do."""
 
 
 class _Nested(threading.local):
-    """How many functions a thread is compiling, each called by the one before."""
+    """Depth of a thread's nested compilations."""
 
     depth = 0
 
 
 def _compile(dispatcher: Any, signature: Any) -> Any:
-    """Compile a function or find it on disk; the outermost ones are told before."""
+    """Compile a function or find it on disk; hooks are called before the outermost ones."""
     if _nested.depth == 0:
         arguments = sigutils.normalize_signature(signature)[0]
         for hook in compiled_code.before_kernel:

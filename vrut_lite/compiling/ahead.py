@@ -1,4 +1,4 @@
-"""From the first kernel that numba compiles to all that its user will need."""
+"""Compilation of all kernels that a user will need, started by the first one."""
 
 from functools import cached_property
 from typing import Any, Protocol
@@ -14,14 +14,14 @@ from vrut_lite.compiling.kernel_list import (
 )
 from vrut_lite.compiling.pool import KernelPool, Progress, is_first_use
 
-# Less is compiled sooner than processes start.
+# Least work (CPU s) for which processes are started; less is compiled before they are ready.
 LEAST_SECONDS = 4.0
-# A window draws while kernels are compiled.
+# Niceness of the processes behind a window, which draws meanwhile.
 _BEHIND_A_WINDOW = 5
 
 
 class Follower(Protocol):
-    """Who shows that numba compiles; called on any thread."""
+    """Shows the progress of compilation; called on any thread."""
 
     def begin(self) -> None:
         """The first kernel is compiled."""
@@ -36,9 +36,9 @@ class CompileAhead:
     On a first start the pool works from the beginning, before a kernel is called.
 
     Args:
-        follow: hears of the progress.
-        scene: a scene is drawn: what its picture needs by the default settings is compiled too.
-        window: in a window, which has kernels of its own.
+        follow: receives the progress.
+        scene: a scene is drawn: kernels for its picture by the default settings are compiled too.
+        window: a window is used: its kernels are compiled too.
     """
 
     def __init__(self, follow: Follower, scene: bool, window: bool = False):
@@ -54,7 +54,7 @@ class CompileAhead:
             self._start(groups)
 
     def note(self, dispatcher: Any, arguments: Any) -> None:
-        """numba compiles a kernel, on any thread: compile what will be needed besides."""
+        """Called when numba compiles a kernel, on any thread: compile the others ahead."""
         kernel = kernel_of(dispatcher, arguments)
         package = dispatcher.py_func.__module__.partition(".")[0]
         groups = self.groups(package)

@@ -1,7 +1,7 @@
-"""Lists of kernels: what a package compiles when it is first used, in order of need.
+"""Lists of the kernels that a package compiles at its first use, in order of need.
 
 A package's `data/kernels.json` holds groups of kernels; `tools/list_kernels.py` writes it. Numba
-compiles a kernel anew for other types of arguments, so that these belong to its name.
+compiles a kernel once for each set of argument types, so that these belong to its name.
 """
 
 import importlib
@@ -59,7 +59,7 @@ class KernelGroup(msgspec.Struct, frozen=True):
     """Kernels that belong together.
 
     Attributes:
-        title: what they compute.
+        title: a description of their result.
         kernels: in order of need.
         on_default_way: every picture of a scene needs them, by the default settings.
         window_alone: no command needs them.
@@ -130,12 +130,12 @@ def is_on_disk(kernel: Kernel) -> bool:
 
 
 def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> Kernel | None:
-    """The kernel that numba compiles, None where its types have no text or it is not to be found.
+    """The kernel that numba compiles, None where its types have no text or it is not found.
 
     Args:
         dispatcher: numba's object of a compiled function.
         arguments: numba types.
-        seconds: of the compilation.
+        seconds: CPU time of the compilation.
     """
     function = dispatcher.py_func
     if "." in function.__qualname__:
@@ -148,10 +148,10 @@ def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> Kernel |
 
 
 def compile_kernel(module: str, function: str, arguments: str) -> None:
-    """Compile a kernel and save it in numba's cache; what is there already stays.
+    """Compile a kernel and save it in numba's cache, unless it is there already.
 
     Raises:
-        Exception: anything that importing and compiling raise.
+        Exception: any exception of importing and compiling.
     """
     dispatcher = getattr(importlib.import_module(module), function)
     dispatcher.compile(tuple(decoded(each) for each in json.loads(arguments)))
@@ -161,7 +161,7 @@ def encoded(kind: Any) -> Any:
     """A numba type as JSON: text for numbers and arrays, lists for tuples.
 
     Raises:
-        ValueError: it is of another kind.
+        ValueError: the type is of another kind.
     """
     types = _types()
     if isinstance(kind, types.Array):
@@ -183,7 +183,7 @@ def decoded(text: Any) -> Any:
     """The numba type that `encoded` wrote.
 
     Raises:
-        ValueError, ImportError, AttributeError: there is none.
+        ValueError, ImportError, AttributeError: the text names no type.
     """
     types = _types()
     if isinstance(text, list):

@@ -1,7 +1,7 @@
 """Processes that compile announced kernels side by side while their user goes on.
 
-Within a process numba compiles one kernel at a time. What a process compiles lands in numba's
-cache on disk, where this process finds it: it waits for the kernels that it needs. Kernels with the
+Within a process numba compiles one kernel at a time. A process saves its kernels in numba's cache
+on disk, where this process finds them: it waits for the kernels that it needs. Kernels with the
 same named tuples call the same inner functions, which each process compiles for itself: they go to
 one process, which saves a seventh of the CPU time on two.
 """
@@ -24,19 +24,19 @@ import platformdirs
 
 from vrut_lite.compiling.kernel_list import Kernel, KernelGroup, kernel_of
 
-# Each process takes 0.25 GB and a second to import what it compiles.
+# Each process takes 0.25 GB, and a second for its imports.
 MOST_PROCESSES = 4
 _WORKER = "import sys; sys.path[0:1] = []; from vrut_lite.compiling.worker import main; main()"
 
 
 class Progress(NamedTuple):
-    """How far a compilation is.
+    """Progress of a compilation.
 
     Attributes:
-        title: of the kernel that is compiled; empty at the end.
-        done: number of kernels that are there.
+        title: title of the kernel being compiled; empty at the end.
+        done: number of compiled kernels.
         total: number of kernels.
-        left_s: seconds still to go at the present pace.
+        left_s: remaining seconds at the present pace.
     """
 
     title: str
@@ -63,7 +63,7 @@ class KernelPool:
         self._queue: deque[tuple[str, Kernel]] = deque()
         # Number of the process that compiles the kernels of a family.
         self._owners: dict[str, int] = {}
-        # Kernels under way by key, with what they are called.
+        # Titles of the kernels being compiled, by key.
         self._running: dict[Key, str] = {}
         self._known: set[Key] = set()
         self._done = 0
@@ -83,7 +83,7 @@ class KernelPool:
             return bool(self._queue or self._running)
 
     def add(self, groups: Iterable[KernelGroup], but: Kernel | None = None) -> None:
-        """Compile also these; `but` is compiled by the caller."""
+        """Add groups to compile, except the kernel `but`, which the caller compiles."""
         with self._changed:
             for group in groups:
                 for kernel in group.kernels:
@@ -146,7 +146,7 @@ class KernelPool:
             return
         atexit.register(self.close)
         count = self._serving = min(self.processes, len(self._queue))
-        # The process of the largest family begins with it, while others compile what is first.
+        # The process of the largest family begins with it, while others begin with the first group.
         family_s: dict[str, float] = defaultdict(float)
         for _, kernel in self._queue:
             family_s[kernel.family] += kernel.seconds
@@ -201,7 +201,7 @@ class KernelPool:
             self._end()
 
     def _feed(self, child: "subprocess.Popen[str]", number: int) -> bool:
-        """Compile the next kernel; False where there is none or the process has ended."""
+        """Compile the next kernel; False without one, or if the process has ended."""
         with self._changed:
             if not self._queue:
                 return False
@@ -228,7 +228,7 @@ class KernelPool:
         return taken
 
     def _end(self) -> None:
-        """After the last process: nothing is waited for any more."""
+        """Release all waiting threads, after the last process has ended."""
         with self._changed:
             self._serving -= 1
             if self._serving:
