@@ -14,7 +14,7 @@ from vrut_lite.write_atomic import atomic_output
 
 MP4, WEBP = ".mp4", ".webp"
 FILM_FORMATS = (MP4, WEBP)
-# H.264: better than its own default, since skies band; WebP of 100.
+# Quality of H.264, above its default because skies band, and of WebP (100 is best).
 _CRF, _WEBP_QUALITY = "17", 85
 
 Pixels = NDArray[np.uint8]

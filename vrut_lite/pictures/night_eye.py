@@ -1,13 +1,13 @@
-"""What the dark-adapted eye makes of night: rods see brightness without colour, and blue as bright.
+"""Vision of the dark-adapted eye: rods see no colour, are sensitive to blue and resolve less.
 
-Ward Larson, Rushmeier and Piatko (1997, IEEE Trans. Vis. Comp. Graph. 3, 291) have the scotopic
-luminance by XYZ, and the limits between which rods and cones both see; between them the share goes
-by the logarithm here. Rods' grey has the blue of moonlit scenes as painters and observers have it,
-x = y = 0.25 (Jensen et al. 2000, "Night Rendering").
+Ward Larson, Rushmeier and Piatko (1997, IEEE Trans. Vis. Comp. Graph. 3, 291) give the scotopic
+luminance from XYZ, and the range of luminance in which both rods and cones see; here the share
+changes linearly with the logarithm within it. Rods' grey is bluish as in paintings of moonlit
+scenes, x = y = 0.25 (Jensen et al. 2000, "Night Rendering").
 
-The dimmer, the less detail: Ward Larson and others fit Shlaer's acuity (1937), here the frequency
-of which a Gaussian around each pixel leaves half the contrast. Its width is by the mean light of
-the pixel and its neighbours. The twin is in shaders/tone_map.frag.
+Acuity falls with luminance: Ward Larson and others fit Shlaer's data (1937), here the frequency at
+which a Gaussian around each pixel halves the contrast. Its width follows the mean light of the
+pixel and its neighbours. The twin is in shaders/tone_map.frag.
 """
 
 import math
@@ -21,24 +21,25 @@ from vrut_lite.numeric_types import FloatArray
 XYZ_FROM_SRGB = np.linalg.inv(SRGB_FROM_XYZ)
 # Luminance (cd m^-2) below which rods see alone, and above which cones do.
 RODS_ALONE_CD, CONES_ALONE_CD = 5.6e-3, 5.6
-# Scotopic luminance of daylight's white over its luminance: so white stays as bright.
+# Scotopic luminance of daylight's white over its luminance; divided by it, white stays as bright.
 _OF_WHITE = 2.57
 # Linear sRGB of x = y = 0.25, for a scotopic luminance of 1.
 RODS_RGB = SRGB_FROM_XYZ @ np.array([1.0, 1.0, 2.0]) / _OF_WHITE
-# Less than any light.
+# Luminance (cd m^-2) below any light, for logarithms.
 _DARK = 1e-20
-# Cycles a degree by the logarithm of luminance in cd m^-2, and the least.
+# Coefficients of acuity (cycles a degree) by log luminance (cd m^-2), and the least acuity.
 ACUITY, LEAST_CYCLES = (17.25, 1.4, 0.35, 25.72), 0.7
 # Standard deviation in degrees, times cycles a degree, of the Gaussian that halves the contrast.
 _HALVES = math.sqrt(0.5 * math.log(2.0)) / math.pi
-# Deviations that are summed, and pixels at most; below so many pixels nothing is blurred.
+# Radius of the sum in deviations, its limit in pixels, and the deviation (px) below which no blur
+# is done.
 _DEVIATIONS, _MOST_PX, SHARP_PX = 2.0, 6, 0.2
 
 
 def blur_px(pixel_rad: float) -> tuple[float, int]:
-    """Deviation in pixels times cycles a degree, and how many pixels around one are summed.
+    """Deviation in pixels times cycles a degree, and the radius of the sum in pixels.
 
-    `pixel_rad`: the angle that a pixel sees; 0 blurs nothing.
+    `pixel_rad`: the angle that a pixel sees; 0 for no blur.
     """
     if pixel_rad <= 0.0:
         return 0.0, 0
@@ -50,7 +51,7 @@ def blur_px(pixel_rad: float) -> tuple[float, int]:
 
 
 def as_sharp_as_seen(radiance_rgb: NDArray[np.floating], pixel_rad: float) -> FloatArray:
-    """A picture (h, w, 3) in W m^-2 sr^-1 with the detail that the eye makes out in its light."""
+    """A picture (h, w, 3) in W m^-2 sr^-1, blurred to the eye's acuity in its light."""
     rgb = np.asarray(radiance_rgb, dtype=float)
     per_cycle, reach = blur_px(pixel_rad)
     if reach == 0:

@@ -15,9 +15,9 @@ class Picture:
     """A drawn frame.
 
     radiance (h, w, 3) float32 is linear sRGB in W m^-2 sr^-1, display (h, w, 3) uint8 is
-    sRGB-encoded, row 0 at the top; `ev100` is the exposure that was used. Of a picture in false
-    colours `values` are what it shows, and `radiance` holds them in each channel, 0 for none.
-    `pixel_rad` is the angle that a pixel in the middle sees, 0 where it is not known.
+    sRGB-encoded, row 0 at the top; `ev100` is the exposure used. A picture in false colours has
+    `values`, and `radiance` holds them in each channel, 0 without a value. `pixel_rad` is the angle
+    that a pixel in the middle sees, 0 where unknown.
     """
 
     radiance: NDArray[np.float32]
@@ -27,7 +27,7 @@ class Picture:
     pixel_rad: float = 0.0
 
     def _repr_png_(self) -> bytes:
-        """What a notebook shows."""
+        """The picture as PNG, for notebooks."""
         return png(self.display)
 
     def luminance_cd_m2(self, x: int, y: int) -> float:

@@ -1,6 +1,6 @@
 """From picture values to a display, in numpy; shaders/tone_map.frag is the twin.
 
-A picture value of 1 is the brightest that the exposure was made for.
+A picture value of 1 is the brightest within the exposure's range.
 
 AgX (Troy Sobotka, 2022): rotate and compress the primaries, take the logarithm, apply a
 sigmoid, rotate back. It lets bright colours go to white as film does, so that a red sun
@@ -40,8 +40,8 @@ SIGMOID = (-0.00232, 0.1191, 0.4298, -6.868, 31.96, -40.14, 15.5)
 def tone_mapped(picture: ArrayLike, curve: ToneMap = "agx") -> NDArray[np.float64]:
     """Display-encoded sRGB (..., 3) in [0, 1] of linear picture values (..., 3).
 
-    "agx"; "exponential", 1 - exp(-k L); "none", which cuts off at 1; "eye" is AgX, of what
-    `night_eye.py` has made of the radiance before.
+    "agx"; "exponential", 1 - exp(-k L); "none", which clamps at 1; "eye" is AgX of radiance that
+    `night_eye.py` has changed before.
     """
     if curve in ("agx", "eye"):
         return agx(picture)

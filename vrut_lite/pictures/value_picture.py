@@ -18,7 +18,7 @@ from vrut_lite.numeric_types import Float32Array
 
 
 class Quantity(NamedTuple):
-    """What a picture shows instead of radiance, and how its values are written."""
+    """Quantity that a picture shows instead of radiance, with the format of its values."""
 
     title: str
     unit: str
@@ -40,7 +40,7 @@ _TICKS = 5
 _MARGIN_PX, _BAR_PX, _FONT_PX = 8, 10, 11
 _NARROWEST_PX = 160
 _INK = (235, 235, 235)
-# From pixel to pixel; more is the edge of a thing or of a shadow.
+# Largest ratio of neighbouring pixels across an iso-line; more is an edge of an object or a shadow.
 _STEEPEST = 1.15
 
 
@@ -52,13 +52,13 @@ class Values(NamedTuple):
     scale: Scale
 
     def said_at(self, x: int, y: int) -> str:
-        """The value of a pixel; empty where there is none."""
+        """Text of a pixel's value; empty without one."""
         value = float(self.values[y, x])
         return self.quantity.said(value) if np.isfinite(value) else ""
 
 
 def values_of(values: Float32Array, shown: str) -> Values:
-    """Values (h, w) with a scale of their own."""
+    """Values (h, w) with a scale for their range."""
     return Values(values, QUANTITIES[shown], scale_of(values))
 
 

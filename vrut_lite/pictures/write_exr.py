@@ -42,7 +42,7 @@ def write_exr(path: str | os.PathLike[str], rgb_linear: NDArray, metadata: Metad
         try:
             picture.write(os.fspath(beside))
         except RuntimeError as error:
-            # The library's sentence names the file beside, in quotes; what follows is the reason.
+            # The library's sentence names the temporary file in quotes, followed by the reason.
             raise OSError(str(error).rpartition('". ')[2].rstrip(".").lower()) from error
 
 

@@ -73,7 +73,7 @@ def rgbe_from_rgb(rgb: NDArray[np.floating]) -> NDArray[np.uint8]:
     exponent = np.frexp(largest)[1]
     # A largest mantissa that rounds up to 256 needs the next exponent.
     exponent += np.rint(np.ldexp(largest, 8 - exponent)) > 255
-    # A zero exponent byte means black: what is smaller than the format's least is.
+    # A zero exponent byte means black, for values below the format's least.
     dark = (exponent <= -_EXPONENT_BIAS) | (largest == 0)
     mantissa = np.rint(np.ldexp(value, 8 - exponent[..., None]))
     rgbe = np.concatenate([mantissa, exponent[..., None] + _EXPONENT_BIAS], axis=-1)
