@@ -9,7 +9,7 @@ from vrut_lite.numeric_types import FloatArray
 
 AnyFloats = NDArray[np.floating]
 
-# From dark violet over green to yellow.
+# Colours from dark violet over green to yellow.
 _STOPS = np.array(
     [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], float
 )
@@ -24,7 +24,7 @@ _LEAST = 1e-12
 
 
 class Scale(NamedTuple):
-    """The values of the darkest and of the brightest colour; 0 where there is nothing to show."""
+    """Values of the darkest and of the brightest colour; 0 without values."""
 
     low: float
     high: float
@@ -44,7 +44,7 @@ def scale_of(values: AnyFloats) -> Scale:
 
 
 def coloured(values: AnyFloats, scale: Scale) -> NDArray[np.uint8]:
-    """sRGB pixels (..., 3) of values (...,); what is no positive number has the colour UNUSED."""
+    """sRGB pixels (..., 3) of values (...,); UNUSED where a value is not a positive number."""
     pixels = np.empty((*values.shape, 3), np.uint8)
     pixels[:] = UNUSED
     used = np.isfinite(values) & (values > 0.0)
@@ -66,10 +66,10 @@ def round_levels(scale: Scale) -> FloatArray:
 
 
 def iso_lines(values: AnyFloats, levels: FloatArray, steepest: float = np.inf) -> NDArray[np.int64]:
-    """Pixels (h, w) at which values (h, w) pass a level from the left or from above: its number.
+    """Number of the level that values (h, w) pass at each pixel from the left or from above.
 
-    Elsewhere -1, also beside nan and where values of neighbours are further apart than by the
-    factor `steepest`: there are two things beside each other.
+    -1 elsewhere, also beside nan and where the ratio of neighbours exceeds `steepest`, at the edge
+    of an object.
     """
     found = np.full(values.shape, -1)
     level = np.searchsorted(levels, values)

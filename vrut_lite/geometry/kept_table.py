@@ -13,7 +13,7 @@ _LIMIT_BYTES = 1 << 24
 
 
 def kept_table(name: str, make: Callable[[], NDArray[Any]], *sources: str) -> NDArray[Any]:
-    """What `make` makes, or made in another session by the same source files; read-only."""
+    """The table of `make`, or its copy of another session with the same source files; read-only."""
     digests = [hashlib.blake2b(Path(source).read_bytes()).hexdigest() for source in sources]
     tables = ArrayCache.of_user("tables_of_formulas", _LIMIT_BYTES, warns=False)
     recipe = name, digests

@@ -12,7 +12,7 @@ from vrut_lite.geometry.colour import luminance, srgb_encode
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
 
 _SIZE, _GAP = 240, 8
-# Of white, before the curve: what the sky's mean luminance becomes.
+# Linear value of the mean sky luminance before the tone curve (1 = white).
 _MEAN = 0.5
 
 

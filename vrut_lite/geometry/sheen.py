@@ -1,4 +1,4 @@
-"""What fibres send back of an even sky: KHR_materials_sheen.
+"""Reflectance of fibres under an even sky: KHR_materials_sheen.
 
 Charlie's distribution (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF") with
 Neubelt's visibility (Neubelt and Pettineo 2013): shares of light that shaders look up.
@@ -19,7 +19,7 @@ _LEAST_ALPHA = 1e-3
 
 @lru_cache(maxsize=1)
 def sheen_table() -> NDArray[np.float32]:
-    """Shares (TABLE_SIZE, TABLE_SIZE) that white fibres send back: rows are roughness.
+    """Reflectance (TABLE_SIZE, TABLE_SIZE) of white fibres: rows are roughness.
 
     Both axes run as those of `reflection.reflectance_table`.
     """

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.geometry.sky_map import SkyMap
 from vrut_lite.numeric_types import FloatArray
 
-# Finer than the pixels of the largest maps, in which the disc is some twelve across.
+# Samples of the disc, finer than the largest maps, in which it is some twelve pixels across.
 _RINGS, _SPOKES = 96, 384
 
 

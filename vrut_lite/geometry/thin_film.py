@@ -1,4 +1,4 @@
-"""Thin films: what soap, oil or oxide on a surface reflects of sunlight, in linear sRGB.
+"""Thin films: reflectance of soap, oil or oxide on a surface in sunlight, in linear sRGB.
 
 KHR_materials_iridescence, after Belcour and Barla 2017 ("A Practical Extension to Microfacet Theory
 for the Modeling of Varying Iridescence"). The interference of all reflections within the film is
@@ -16,10 +16,10 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 FILM_SHAPE = (48, 24, 32)
 _NM = tuple(np.arange(390.0, 731.0, 10.0))
-# What is so thick shows no colours any more, for they lie side by side.
+# Film thickness (nm) above which interference colours average out.
 MOST_NM = 4000.0
 _LEAST_MU = 1e-3
-# A perfect mirror has no index.
+# Largest reflectance at normal incidence: a perfect mirror has no index.
 _MOST_F0 = 0.9999
 
 
@@ -28,7 +28,7 @@ def film_reflectance(
 ) -> FloatArray:
     """Reflectance (..., 3) at view cosines of surfaces that without film have `f0` (all (...,)).
 
-    The film's index is `ior`; what it lies on reflects as a dielectric of `f0` to air would.
+    The film's index is `ior`; the surface below reflects like a dielectric of `f0` to air.
     """
     mu, f0, thickness = np.broadcast_arrays(
         *(np.asarray(value, float)[..., None] for value in (mu, f0, thickness_nm))
@@ -56,7 +56,7 @@ def _ratio(one: FloatArray, other: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _weights() -> FloatArray:
-    """What each wavelength (n,) adds to the sun's red, green and blue: (n, 3) of sums 1."""
+    """Weights (n, 3) of wavelengths in the sun's red, green and blue; columns sum to 1."""
     colours = integration_matrix(_NM) * solar_irradiance(_NM)[:, None]
     return np.asarray(colours / colours.sum(axis=0))
 
@@ -66,8 +66,8 @@ def film_table(ior: float, least_nm: float, most_nm: float) -> Float32Array:
     """Schlick's f0 (thicknesses, 24, 32, 3) that gives the film's reflectance with an f90 of 1.
 
     Thicknesses run in equal steps, the surface's own reflectance as the square of equal steps from
-    0 to 1, view cosines in equal steps from 0 to 1. Each channel is that of a surface whose own
-    channel reflects so much. Of one thickness there is one layer.
+    0 to 1, view cosines in equal steps from 0 to 1. Each channel belongs to a surface with that
+    reflectance in the same channel. One thickness gives one layer.
     """
     layers = 1 if least_nm == most_nm else FILM_SHAPE[0]
     thickness_nm = np.linspace(min(least_nm, MOST_NM), min(most_nm, MOST_NM), layers)
