@@ -1,9 +1,9 @@
 """The light of a clear sky and of the clouds before it, summed.
 
-Radiance along a ray: the air up to each layer sends its share of the clear sky's light, as far as
-it is lit, the layer its own through that air, and what is behind either passes by the layer's
-transmittance. The air is that of molecules and of the haze that the key light names. Importing
-this module imports numba.
+Radiance along a ray is a sum: the lit air before each layer adds its share of the clear sky's
+light, the layer adds its own light through that air, and light from behind is multiplied by the
+layer's transmittance. The air holds molecules and the key light's haze. Importing this module
+imports numba.
 """
 
 from typing import NamedTuple
@@ -31,7 +31,7 @@ from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import FloatArray, Vector, vector
 from vrut_lite.sky.sky_layer import Viewpoint
 
-# Where linear sRGB has its weight, and Rayleigh scattering at sea level there.
+# Centroid wavelengths (nm) of linear sRGB, and Rayleigh scattering at sea level there.
 _RGB_NM = np.array([635.0, 550.0, 465.0])
 _RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
 _SCALE_HEIGHT_M = 8000.0
@@ -58,9 +58,9 @@ def light_under_clouds(
     Args:
         layers: the clouds.
         clear: the clear sky, with its radiance.
-        view: from where it is seen, and what it lights.
+        view: the eye, and the square to light.
         size: approximate edge of the background in texels.
-        source: of the sum.
+        source: the module that posts the sum.
 
     Raises:
         ValueError: the clear sky's background has never left the GPU.
@@ -159,7 +159,7 @@ def _seen(
     """Radiance (n, 3) of a clear sky (6, size, size, 3) behind clouds, of those texels."""
     size = clear.shape[1]
     directions = texel_directions(size)[part]
-    # What is not hidden by nearer layers, and the share of the clear sky's light of the air so far.
+    # Transmittance of the nearer layers, and the share of the clear sky's light of the air so far.
     passed = np.ones((len(directions), 1))
     kept, own, air_so_far = np.zeros((3, len(directions), 3))
     lit_layers = zip(layers, lights_on(layers, light), strict=True)

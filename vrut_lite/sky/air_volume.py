@@ -23,19 +23,19 @@ from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.sky.air_rows import BELOW_LEVEL_M, Grid, grid_of, row_heights, rows_of
 
-# At this altitude slices are uniform.
+# Altitude (m) of the eye at which slices are uniform.
 _EVEN_ALTITUDE_M = 5000.0
 # Lower bound of spans, which would be zero for rays that graze the edge of the air or start on it.
 SHORTEST_SPAN_M = 1.0
-# Stands for zero extinction, whose logarithm is infinite.
+# Least extinction, because the logarithm of zero is infinite.
 _LEAST_EXTINCTION_PER_M = 1e-15
 
 
 class AirLight(NamedTuple):
     """Air between eye and points (...,): transmittance (..., 3) and added radiance (..., 3).
 
-    `shaded` is the radiance that remains in the shadow of the scene, `sunlit` what the body that
-    casts it adds.
+    `shaded` is the radiance that remains in the shadow of the scene, `sunlit` the rest, from the
+    body that casts it.
     """
 
     transmittance: FloatArray
@@ -62,7 +62,7 @@ def light_of(volume: AirVolume) -> NDArray[np.floating]:
     """The light (3, slices, rows, columns, 3) of a volume.
 
     Raises:
-        ValueError: it stays on the GPU.
+        ValueError: the light stays on the GPU.
     """
     if isinstance(volume.light, GpuTexture):
         raise ValueError("the light of this air stays on the GPU: ask for air made on the CPU")

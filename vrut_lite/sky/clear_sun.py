@@ -1,6 +1,6 @@
 """Sunlight behind a cloudless air, in closed form at 95 wavelengths.
 
-The air is that of Bruneton's 2017 demonstration with the haze asked for: molecules, 300 Dobson
+The air is that of Bruneton's 2017 demonstration with the given haze: molecules, 300 Dobson
 units of ozone, aerosol. Slant paths are those of exponential layers on a sphere, by the leading
 term of Chapman's function: sqrt(pi x / 2) erfcx(sqrt(x / 2) sin h) with x the planet's radius in
 scale heights.
@@ -66,7 +66,7 @@ def extinction_per_m(
 def extinctions_per_m(
     haze: SetHaze, altitude_m: FloatArray, wavelength_nm: FloatArray
 ) -> FloatArray:
-    """The same by ozone, molecules and each layer of aerosol, (2 + layers, ..., n)."""
+    """Extinction by ozone, molecules and each layer of aerosol, (2 + layers, ..., n), 1/m."""
     altitude = np.asarray(altitude_m, dtype=float)[..., None]
     optics = haze.optics
     share = haze.optical_depth_550 / optics.optical_depth_550

@@ -1,4 +1,4 @@
-"""How high the eye is."""
+"""Height of the eye."""
 
 from vrut_lite.kernel.module import Link
 from vrut_lite.messages.camera import MoveCamera

@@ -1,8 +1,8 @@
-"""Values that replace settings of none, and named values that a module proposes.
+"""Effective values of unset settings, and presets that a module offers.
 
-A settings class may say both, for panels that show them: a method `left_open(haze)` gives a value
-for each setting by its name, as the present preset and the place's haze have it; a class variable
-`presets` holds a `Preset` by its name. A sky's unset `turbidity` is the place's.
+A settings class may define both, for panels that show them: a method `left_open(haze)` gives the
+effective value of each unset setting by its name, from the present preset and the place's haze; a
+class variable `presets` holds a `Preset` by its name. A sky's unset `turbidity` is the place's.
 """
 
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ Values = dict[str, Any]
 
 
 class Preset(NamedTuple):
-    """Settings that a module proposes, and in one line what they are for."""
+    """Settings that a module offers together, with their purpose in one line."""
 
     line: str
     values: Values

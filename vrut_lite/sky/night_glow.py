@@ -35,9 +35,9 @@ def glow_cube(
     """Radiance (6, size, size, 3), read-only: the map above the horizon, the ground's below it.
 
     Between the level and the horizon of an eye aloft, at the elevation `horizon_rad`, the map's
-    lowest row goes on.
+    lowest row continues.
 
-    A map serves for minutes: the cubes of the last ones are kept.
+    A map is used for minutes: the cubes of the last ones are cached.
     """
     values = glow.values
     found = _look_up(size, *values.shape[:2], horizon_rad)

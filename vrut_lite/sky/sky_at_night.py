@@ -1,4 +1,4 @@
-"""The sum of one hour's light: by the sun, by the moon, and of the sky that glows by itself.
+"""The sum of one hour's light: sunlight, moonlight and the sky's own glow.
 
 Scattering is linear in its source: the sky that the moon lights is that of a sun in the moon's
 place, times moonlight over sunlight. So every sky module has moonlit nights, by its own model.
@@ -27,15 +27,14 @@ from vrut_lite.sky.air_volume import light_of
 from vrut_lite.sky.night_glow import glow_cube
 from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
 
-# Edge of the cube that the glow's light on the scene is integrated from.
+# Edge (texels) of the cube from which the glow's irradiance on the scene is integrated.
 _LIGHT_SIZE = 32
-# Of evenly lit air, the light that it sends on over that which falls on it from all sides, where
-# the ground is dark.
+# Radiance of evenly lit air over dark ground, relative to the mean radiance that falls on it.
 _AIR_GLOWS = 0.5
-# From this elevation of the sun down the night is added, fully a degree lower: it is 3e-4 of the
-# light then. The last of the sun's light fades over a degree, to the elevation where it is gone.
+# Elevations of the sun (degrees): the night fades in from the first over the second, where it is
+# 3e-4 of the light; the sun's light is gone at the third, after fading over the fourth.
 _NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG, _FADES_OUT_DEG = 0.5, 1.0, -19.0, 1.0
-# Dandekar and Turtle (1971): the zenith in totality over that of day.
+# Zenith luminance in totality relative to day (Dandekar and Turtle 1971).
 _LEFT_IN_TOTALITY = 1e-4
 # Share of the key light's air below which the other body's is left out. Near the moon its air is a
 # hundred times as bright as on average: a thousandth of all at most.
@@ -72,13 +71,13 @@ class SkyAtNight(Sky):
 
     Attributes:
         by_sun: the sky of the sun alone; it also knows the ground and the air.
-        by_moon: that of a sun in the moon's place; None where it gives no light.
-        moon: where there is `by_moon`.
-        glow: the map of `NightLightChanged`; None where it is not known.
-        share: of the night's light, from 0 by day to 1.
+        by_moon: the sky of a sun in the moon's place; None where it gives no light.
+        moon: the moon's light, with `by_moon`.
+        glow: the map of `NightLightChanged`; None where unknown.
+        share: share of the night's light, from 0 by day to 1.
         key: the body that casts shadows.
-        sun_share: of the sun's light that is shown; see the function.
-        sun_left_rgb: of the sun's light, below 1 in its eclipses.
+        sun_share: share of the sun's light that is shown; see the function.
+        sun_left_rgb: share of the sun's light in an eclipse.
         horizon_rad: elevation of the eye's horizon, below 0 aloft.
         lamps: radiance of the lands around by their lamps.
     """
@@ -117,7 +116,7 @@ class SkyAtNight(Sky):
         return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * _on_level(self.glow))
 
     def _dark_cube(self, like: Background, horizon_rad: float) -> Float32Array:
-        """The glow's share over lit ground, one's own to change."""
+        """The glow's share over lit ground, a copy that may be changed."""
         assert not isinstance(like.cube, GpuTexture)
         if self.glow is None or self.share == 0.0:
             return np.zeros(like.cube.shape, np.float32)
@@ -136,13 +135,13 @@ class SkyAtNight(Sky):
         return self._sum(lambda sky: sky.background(size), self.horizon_rad)
 
     def background_on_ground(self, size: int) -> Background:
-        """The same for an observer on the ground."""
+        """The sum of the cubes for an observer on the ground."""
         return self._sum(lambda sky: sky.background_on_ground(size))
 
     def _sum(
         self, background_of: Callable[[Sky], Background], horizon_rad: float = 0.0
     ) -> Background:
-        # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
+        # After the sun's light is gone, the moon's sky states whether the ground is behind air.
         base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
         first = background_of(base)
         share = self._moon_share if base is self.by_moon else self._sun_left
@@ -183,12 +182,12 @@ class SkyAtNight(Sky):
         return harmonics
 
     def lamps_rgb(self) -> Vector:
-        """The night's share of them."""
+        """The night's share of the lamps' radiance."""
         red, green, blue = self.lamps
         return self.share * red, self.share * green, self.share * blue
 
     def ground_albedo_rgb(self) -> FloatArray:
-        """The same ground by night."""
+        """Albedo of the ground, from the sun's sky."""
         return self.by_sun.ground_albedo_rgb()
 
     def on_scene(self) -> object:
@@ -200,11 +199,11 @@ class SkyAtNight(Sky):
         )
 
     def unseen(self, hour: Hour, quality: object) -> Unseen:
-        """The sun's own; the moon's are counted apart."""
+        """Limits of the sun's sky; the moon's are checked separately."""
         return self.by_sun.unseen(hour, quality)
 
     def spectrum(self, direction: tuple[float, float, float]) -> Spectrum:
-        """Of the sun's light alone."""
+        """Spectrum of the sun's light alone."""
         return self.by_sun.spectrum(direction)
 
     # --- the air ---------------------------------------------------------------------------
@@ -241,7 +240,7 @@ class SkyAtNight(Sky):
 
     @property
     def _glow_of_air(self) -> Float32Array:
-        """Radiance (3 kinds, 1, 1, 1, 3) of air in the glow: of no direction, and in no shadow."""
+        """Radiance (3 kinds, 1, 1, 1, 3) of air in the glow, isotropic and unshadowed."""
         kinds = np.zeros((3, 1, 1, 1, 3), np.float32)
         if self.glow is not None:
             kinds[0] = _AIR_GLOWS / np.pi * self.share * _on_level(self.glow)
@@ -266,7 +265,7 @@ def _on_level(glow: Array) -> FloatArray:
 
 @lru_cache(maxsize=2)
 def _harmonics(glow: Array, ground_rgb: Vector) -> FloatArray:
-    """Those (25, 3) of the irradiance by all of the glow over ground."""
+    """Harmonics (25, 3) of the irradiance by all of the glow over ground."""
     return irradiance_coefficients(glow_cube(glow, _LIGHT_SIZE, ground_rgb))
 
 

@@ -34,7 +34,7 @@ def with_glow(clear: SkyLightChanged, glow: Array, source: str) -> SkyLightChang
     Args:
         clear: the sky; its background is an array.
         glow: radiance (rows, columns, 3) of the upper hemisphere; see `SkyGlowAdded`.
-        source: of the sum.
+        source: the module that posts the sum.
     """
     added = np.asarray(glow_cube(glow, _LIGHT_SIZE, _DARK), float)
     key, harmonics = clear.key_light, clear.ambient.irradiance_sh_rgb.values

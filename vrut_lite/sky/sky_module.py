@@ -1,15 +1,15 @@
 """`SkyModule`: the common part of all skies, between the bus and the light of an hour.
 
-It listens to the inputs of light, asks the sky for what is demanded, and posts what is new:
-background, key light, ambient light, radiance on the ground and air, in this order. Sizes follow
-demand, else the tolerance; invisible moves of sun and eye cost nothing; when the slot returns, all
-is posted again; a long computation runs as a background job, and the previous sky stays until it
-ends. With a setting `cube_device` on "gpu" the GPU makes cube
-map and air; the CPU does where a demand names the cube's encoding, where the host runs no GPU jobs,
-after one has failed, and where the sky asks for it.
+It handles the inputs of light, calls the sky for the demanded results, and posts those that have
+changed: background, key light, ambient light, radiance on the ground and air, in this order. Sizes
+follow demand, else the tolerance; invisible moves of sun and eye cost nothing; when the slot
+returns, all is posted again; a long computation runs as a background job, and the previous sky
+stays until it ends. With the setting `cube_device` on "gpu" the GPU makes cube map and air; the CPU
+does where a demand names the cube's encoding, where the host runs no GPU jobs, after one has
+failed, and where the sky requires it.
 
-The ledger counts, by the messages' type names, what was posted ("BackgroundChanged") and what was
-not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
+The ledger counts messages by type name, posted ("BackgroundChanged") or skipped ("BackgroundChanged
+unwanted", "BackgroundChanged unchanged").
 """
 
 from collections.abc import Callable
@@ -59,14 +59,14 @@ PRODUCTS: Kinds = (
 )
 # Edge of the cube that lights the scene, used when the consumer gives no size.
 LIGHT_SIZE = 64
-# Share by which moonlight may differ while the moon is drawn where it was: a phase's in an hour.
+# Change of moonlight, as a share, that keeps the moon where it was: that of the phase in an hour.
 _UNSEEN_MOONLIGHT = 0.005
 # Messages that depend on the eye's place.
 SEEN: Kinds = (BackgroundChanged, AirChanged)
 
 
 class SkyModule(Module):
-    """Base of the modules that provide the slot "sky": override `light` and what else differs."""
+    """Base of the modules that provide the slot "sky": override `light` and other methods."""
 
     # Whether a spectrum takes so long that it needs a background job.
     spectrum_is_slow: ClassVar[bool] = False
@@ -75,33 +75,33 @@ class SkyModule(Module):
 
     def __init__(self, link: Link, settings: Any):
         super().__init__(link, settings)
-        # What the sun was made from that was posted last, by a sky that is the sun too.
+        # Sources of the last posted sun, of a sky that provides the sun too.
         self._sun_of: tuple[object, ...] | None = None
         # The sources of each message that was posted last.
         self._posted: dict[type[Derived], tuple[object, ...]] = {}
         # The latest sky, and the hour that it shows.
         self._sky: Sky | None = None
         self._hour: Hour | None = None
-        # The moon that lights it, and its hour.
+        # The moon that lights the sky, and its hour.
         self._moon: tuple[MoonLight, Hour] | None = None
         self._has_night = False
-        # Height of the eye, and how far from it air is made.
+        # Height of the eye (m) and reach of its air (m).
         self._view = (0.0, 0.0)
         self._preparation = Preparation(link, self.ledger)
         self._refused: tuple[object, ...] = ()
         self._textures = AwaitedTextures()
         self._gpu_failed = False
 
-    # --- what a sky is -------------------------------------------------------------------
+    # --- the sky -------------------------------------------------------------------------
 
     def quality(self, tolerance: float) -> Quality:
         """Sizes and thresholds for a tolerance of radiance, a share above 0."""
         raise NotImplementedError
 
     def prepare(self, ground_altitude_m: float, quality: Any) -> Work | None:
-        """The computation that the settings need before there is light; None if there is none.
+        """The computation that the settings need before light can be made, or None.
 
-        It is run as a background job, once for equal work.
+        It runs as a background job, once for equal work.
 
         Raises:
             ValueError: the settings describe no atmosphere above that ground.
@@ -109,9 +109,9 @@ class SkyModule(Module):
         return None
 
     def light(self, hour: Hour, quality: Any, prepared: Any) -> Sky:
-        """The sky of an hour, by `self.settings` and by what was `prepared` last (`Prepared`).
+        """The sky of an hour, by `self.settings` and the last preparation (`Prepared`).
 
-        Called often, also when nothing changed: leave the computing to the sky's methods.
+        Called often, also without a change: the sky's methods must do the computing.
         """
         raise NotImplementedError
 
@@ -120,7 +120,7 @@ class SkyModule(Module):
         """The place's haze, for a sky whose settings do not override it."""
         return haze_of(self.link)
 
-    # --- what changes it -----------------------------------------------------------------
+    # --- changes -------------------------------------------------------------------------
 
     @handles(SunMoved)
     @handles(SetPlace)
@@ -132,7 +132,7 @@ class SkyModule(Module):
         self,
         message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze | NightLightChanged,
     ) -> None:
-        """Post what is wanted and new."""
+        """Post the demanded messages that have changed."""
         if isinstance(message, SunMoved) and self._night_will_follow():
             self.ledger.skip("sky: the night of this hour follows")
             return
@@ -159,7 +159,7 @@ class SkyModule(Module):
             self.move_sun()
 
     def move_sun(self) -> None:
-        """Tell where the sun stands, by `_post_sun`: of a sky that provides the slot "sun" too."""
+        """Post the sun's direction by `_post_sun`, in a sky that provides the slot "sun" too."""
 
     def _post_sun(self, made_from: tuple[object, ...], made: Callable[[], SunMoved]) -> None:
         """Post the sun, made if it is from other sources than the last one."""
@@ -218,7 +218,7 @@ class SkyModule(Module):
         else:
             self._post(message)
 
-    # --- what is to be posted ------------------------------------------------------------
+    # --- posting -------------------------------------------------------------------------
 
     def _update(self, kinds: Kinds = PRODUCTS) -> None:
         if self.link.last(SunMoved) is None or not self.link.holds("sky"):
@@ -263,7 +263,7 @@ class SkyModule(Module):
         return self._sky
 
     def _night_will_follow(self) -> bool:
-        """Whether the night that is known is of another hour: a sum of both would be made twice."""
+        """Whether the known night is of another hour: a sum with it would be made twice."""
         night, clock = self.link.last(NightLightChanged), self.link.last(ClockMoved)
         if not self._has_night or night is None or clock is None:
             return False
@@ -271,7 +271,7 @@ class SkyModule(Module):
         return tells and night.instant != clock.instant
 
     def _present_night(self, sun: SunMoved) -> NightLightChanged | None:
-        """What another module says of the night; None by day."""
+        """The night's light from another module; None by day."""
         night = self.link.last(NightLightChanged) if self._has_night else None
         if night is None or (night.moon is None and night.glow_rgb is None):
             return None
@@ -326,7 +326,7 @@ class SkyModule(Module):
         """Start the sky's preparation.
 
         Raises:
-            UserError: there is no such atmosphere; told once for the same settings.
+            UserError: the settings describe no atmosphere; posted once for the same settings.
         """
         asked = self.settings, self.haze, ground_altitude_m, quality
         try:
@@ -414,7 +414,7 @@ class SkyModule(Module):
 
 
 def _as_bright(before: MoonLight, now: MoonLight) -> bool:
-    """Whether the moon's light differs unseen."""
+    """Whether the difference of two moonlights is invisible."""
     one, other = np.array(before.of_sunlight_rgb), np.array(now.of_sunlight_rgb)
     return bool(np.all(np.abs(other - one) <= _UNSEEN_MOONLIGHT * one))
 

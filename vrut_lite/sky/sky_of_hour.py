@@ -1,6 +1,6 @@
 """The interface for a sky's author: the light of one hour, in plain values.
 
-`SkyModule` (`sky_module.py`) asks for them and makes messages of them. Radiance is W m^-2 sr^-1 in
+`SkyModule` (`sky_module.py`) calls for them and makes messages of them. Radiance is W m^-2 sr^-1 in
 linear sRGB, irradiance W m^-2; directions are unit vectors in world axes (east +X, up +Y, north
 -Z).
 """
@@ -39,9 +39,9 @@ class Hour(msgspec.Struct, frozen=True):
     """The inputs of a sky's light besides its settings.
 
     `ground_altitude_m` is the place's above sea level, `eye_height_m` the eye's above that ground.
-    `body` is what stands where `sun` says: a sky lit by the moon is that of a sun in its place,
-    dimmed (`sky_at_night.py`). `night_apart`: another module tells the light of the moonless night,
-    so that the sky must not add its own.
+    `body` is the body in the direction of `sun`: a moonlit sky is that of a sun in the moon's
+    place, dimmed (`sky_at_night.py`). `night_apart`: another module posts the light of the moonless
+    night, so that the sky must not add its own.
     """
 
     sun: SunMoved
@@ -59,7 +59,7 @@ class Hour(msgspec.Struct, frozen=True):
     def unless_unseen(self, later: "Hour", unseen: Unseen) -> "Hour":
         """A later hour, with this one's sun and eye where their moves are invisible.
 
-        While the disc crosses the horizon, its visible share tells every move apart.
+        While the disc crosses the horizon, every move changes its visible share and counts.
         """
         chord = math.dist(later.sun.direction, self.sun.direction)
         disc_stays = later.sun.visible_disc_fraction == self.sun.visible_disc_fraction
@@ -82,8 +82,8 @@ class Quality(Protocol):
 class Work(NamedTuple):
     """A plain function and its arguments, for a background job; equal work is not done twice.
 
-    `of` is handed on with the result: settings that the light needs too, say. What `first` makes
-    stands in, where a sky is shown already: the same to the eye, and sooner.
+    `of` is passed on with the result, for settings that the light needs too. `first` computes a
+    quick preview, shown until `function` finishes; used only when a sky is already visible.
     """
 
     function: Callable[..., Any]
@@ -120,7 +120,7 @@ class Background(NamedTuple):
     seen_sun_rgb: FloatArray | None = None
 
     def message(self, source: str) -> BackgroundChanged:
-        """The same as the sky's holder posts it."""
+        """The background as a message."""
         cube, scale = self._encoded()
         return BackgroundChanged(
             cube=cube,
@@ -135,7 +135,7 @@ class Background(NamedTuple):
         )
 
     def light_message(self, source: str) -> SkyRadianceChanged:
-        """The same as light on the scene; the cube must be on the CPU."""
+        """The radiance on the scene as a message; the cube must be on the CPU."""
         cube, scale = self._encoded()
         assert isinstance(cube, Array)
         return SkyRadianceChanged(
@@ -158,8 +158,8 @@ class Background(NamedTuple):
 class SunDisc(NamedTuple):
     """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`.
 
-    `direction`: of what does not stand where `SunMoved` says: a photograph's sun, the moon. `haze`:
-    as in `KeyLightChanged`.
+    `direction`: of a body elsewhere than in `SunMoved`: a photograph's sun, or the moon. `haze`: as
+    in `KeyLightChanged`.
     """
 
     irradiance_rgb: FloatArray
@@ -224,7 +224,7 @@ class Sky:
         return self
 
     def unseen(self, hour: Hour, quality: Any) -> Unseen:
-        """How far sun and eye may move from this sky's hour before it must be made anew."""
+        """Moves of sun and eye from this sky's hour that do not need a new sky."""
         return Unseen()
 
     def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:

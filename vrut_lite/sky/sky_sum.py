@@ -33,7 +33,7 @@ class SumOutdated(Derived, frozen=True, kw_only=True):
 
 
 class SkySum(Module):
-    """Posts `SkyLightChanged` where it is wanted.
+    """Posts `SkyLightChanged` where it is demanded.
 
     Without layers its parts are the clear sky's own messages, in the same transaction; with a
     layer (`SkyLayer`) or a glow (`SkyGlowAdded`) a background job sums. The ledger counts "sum"
@@ -55,7 +55,7 @@ class SkySum(Module):
         self._glows: dict[str, SkyGlowAdded] = {}
         self._height_m = 0.0
 
-    # --- what it is made from ------------------------------------------------------------
+    # --- sources -------------------------------------------------------------------------
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
@@ -76,7 +76,7 @@ class SkySum(Module):
 
     @handles(SkyGlowAdded)
     def on_glow(self, message: SkyGlowAdded) -> None:
-        """A module's glow is another, or gone."""
+        """A module's glow has changed or ended."""
         self._glows[message.source] = message
         self._keep_glows(lambda glow: glow.glow_rgb is not None)
 

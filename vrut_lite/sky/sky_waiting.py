@@ -1,4 +1,4 @@
-"""What a sky module waits for: its preparation by a background job, and GPU textures."""
+"""Results that a sky module awaits: its preparation by a background job, and GPU textures."""
 
 from collections import deque
 
@@ -26,7 +26,7 @@ class Preparation:
 
     Attributes:
         latest: the last result; None before the first, and for a sky without preparation.
-        ready: whether there is light to be made.
+        ready: whether light can be made.
     """
 
     def __init__(self, link: Link, ledger: Ledger):
@@ -34,7 +34,7 @@ class Preparation:
         self.latest: Prepared | None = None
         self.ready = False
         self._done: Work | None = None
-        # The work that is wanted in the end, and the work that runs and waits for it.
+        # The latest requested work, and the work that is running.
         self._asked: Work | None = None
         self._started: deque[Work] = deque()
         # Whether the draft of the running work is shown.
@@ -72,7 +72,7 @@ class Preparation:
         self._link.start_job(SOLVE, work.function, *work.arguments, role=role)
 
     def drop(self) -> None:
-        """Give up the work that is being done."""
+        """Cancel the running work."""
         if self._asked is not None:
             self._ledger.skip("preparation overtaken by a newer one")
             self._asked = None
@@ -81,7 +81,7 @@ class Preparation:
             self._link.cancel_job(SOLVE)
 
     def take(self, result: JobResult) -> bool:
-        """Take in a job's result; whether there is something new."""
+        """Store a job's result; whether it is new."""
         asked = self._asked
         if asked is None or not self._started:
             return False
@@ -107,9 +107,9 @@ class AwaitedTextures:
         self._messages: dict[str, dict[str, Awaiting]] = {}
 
     def first(self, name: str, job: GpuJob | None, message: Awaiting) -> Derived:
-        """What to post now: the job that the message waits for, or without one the message.
+        """The message to post now: the job that it needs, or without a job the message itself.
 
-        A message without a job is newer than all that wait under the name.
+        A message without a job is newer than all messages waiting under the name.
         """
         waiting = self._messages.setdefault(name, {})
         if job is None:

@@ -1,4 +1,4 @@
-"""Where the sun stands, for many instants at once: the Astronomical Almanac's short formula.
+"""The sun's direction at many instants at once: the Astronomical Almanac's short formula.
 
 Within 0.02 degrees from 1950 to 2050 (J. J. Michalsky 1988, Solar Energy 40, 227).
 """
@@ -78,7 +78,7 @@ def middle_of_sunlit(
 ) -> FloatArray:
     """Seconds (...,) of the middle of the sunlit part of the hours that begin at `start_s`.
 
-    Of an hour in which the sun does not cross the horizon, its middle.
+    The middle of the hour where the sun does not cross the horizon.
     """
     start = np.asarray(start_s, dtype=float)
 
