@@ -18,13 +18,12 @@ from vrut_lite.numeric_types import FloatArray
 # Rotation of the second weather map, and of shape and detail, so that no axes of noise coincide.
 WEATHER_TURN_RAD = 0.65
 NOISE_TURN_RAD = 0.3
-# The billows are shifted across each other by this share of their period, along waves so many of
-# which make a period: a volume that repeats would show as rows of the same cloud.
+# Amplitude, as a share of the period, of waves that shift the billows across each other, and waves
+# per period along both axes: without them the repeated volume shows as rows of the same cloud.
 WARP = 0.3
 WARP_WAVES = (0.306, 0.414)
-# Both views of the weather are shifted too, along waves that run across both axes: one period away
-# lies another part of the map, or clouds would stand in rows from space. In periods of the first;
-# waves a period along x and z, for each axis of the shift.
+# The same for both copies of the weather map, so that clouds do not stand in rows from space:
+# amplitude in periods of the first copy; waves per period along x and z for each axis of the shift.
 WEATHER_WARP = 0.216
 WEATHER_WAVES = ((0.184, 0.205), (-0.214, 0.411))
 # An anvil grows out of towers, from where their sides are so deep: from which share of the layer's

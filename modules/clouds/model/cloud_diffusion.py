@@ -1,14 +1,14 @@
 """Sunlight that clouds scatter again and again, by diffusion on the grid of the light volume.
 
 The P1 approximation of transport after delta-M (Ishimaru 1978, "Wave propagation and scattering in
-random media", chapter 9), without loss. With F the flux and G the fluence of scattered light, s the
-extinction that diffuses, E what is left of the sun and d the way it goes,
+random media", chapter 9), without absorption. With F the flux and G the fluence of scattered light,
+s the diffusing extinction, E the remaining sunlight and d its direction,
 
     div F = s E,    grad G = 3 g s E d - 3 (1 - g) s F.
 
-Cells exchange flux as resistors do, along lines between their middles. At base and top nothing
-comes in: G = 2 F (Marshak), and the surface of a cloud has the same resistance. Between clouds
-light goes straight, which is no diffusion: on level ways some extinction is added, as much as suits
+Cells exchange flux as resistors do, along lines between their middles. At base and top no diffuse
+light enters: G = 2 F (Marshak), and the surface of a cloud has the same resistance. Between clouds
+light goes straight, which is no diffusion: level paths there get an extinction that was fitted to
 the Monte Carlo. A plane layer has neither. Importing this module imports numba.
 """
 
@@ -23,16 +23,16 @@ from vrut_lite.numeric_types import FloatArray
 
 # Mean cosine of droplets' phase function after delta-M.
 MEAN_COSINE = 0.74
-# Resistance of a cloud's surface; free paths in a layer's thickness, on level ways.
+# Resistance of a cloud's surface; free paths in a layer's thickness, on level paths between clouds.
 _SURFACE, _FREE_PATHS = 2.0, 3.0
-# Depths of cells: of what counts as solid, and the weight of clear air.
+# Optical depth from which a cell counts as solid cloud, and the weight of clear air.
 _SOLID, _CLEAR = 4.0, 1e-3
 _LEAST_RESISTANCE = 1e-3
-# Within the range of exp.
+# Largest optical depth, within the range of exp.
 _DEEP = 60.0
-# Resistance of what is seen of a cloud, a depth of 1.
+# Resistance of a cloud's visible rim, an optical depth of 1.
 _SEEN = 3.0 * (1.0 - MEAN_COSINE)
-# Of multigrid; sweeps, and over-relaxation, by columns.
+# Multigrid: cycles, sweeps, and over-relaxation by columns.
 _CYCLES, _SWEEPS, _AHEAD = 3, 2, 1.5
 # 3/2 (1 - g) and 3/2 g: halves, of half a cell on each side of a face.
 _HINDERS, _DRIVES = 1.5 * (1.0 - MEAN_COSINE), 1.5 * MEAN_COSINE
@@ -108,10 +108,11 @@ def _moment(a, b):  # type: ignore[no-untyped-def]
 
 @compiled
 def _light(density, depths, scattered, sine, step_m, per_m, diffused, lit, drives):  # type: ignore[no-untyped-def]
-    """Extinction, light scattered from the sun per length, and what drives flux upwards.
+    """Extinction, sunlight scattered per length, and the source of upward flux.
 
-    The latter from the lower face to the middle of a cell, and on to the upper face. Of the light a
-    share `aside` comes in through sides: what is more than the depths in the column's middle say.
+    The source is given from the lower face to the middle of a cell, and from there to the upper
+    face. The share `aside` of the light enters through sides: its excess over the depths in the
+    column's middle.
     """
     extinction, clear, sunlit, aside = lit
     heights, columns = density.shape[0], density.shape[1]
@@ -130,7 +131,7 @@ def _light(density, depths, scattered, sine, step_m, per_m, diffused, lit, drive
                 down = min(whole / max(upper + lower, 1e-30), 1.0)
                 even = whole - down * (upper + lower)
                 aside[j, i, k] = even / max(whole, 1e-30)
-                # The flux changes on its way, by what is scattered there: exact in plane layers.
+                # Scattering within the cell changes the flux: exact in plane layers.
                 within, ahead = 2.0 * _HINDERS * half, 2.0 * _DRIVES * sine
                 lower, upper = down * lower + 0.5 * even, down * upper + 0.5 * even
                 at_low = down * half * _moment(middle, low) + 0.25 * even
@@ -141,10 +142,10 @@ def _light(density, depths, scattered, sine, step_m, per_m, diffused, lit, drive
 
 @compiled
 def _halves(sunlit, sideways, depth):  # type: ignore[no-untyped-def]
-    """Of the light that a cell scatters: what its halves do, first the sun's, each with its moment.
+    """Light scattered by the halves of a cell, the sunward one first, each with its moment.
 
-    `sideways`: the share that comes in through this side, `depth`: of the way through half a cell.
-    Moments count from the middle, 1 at the face, and are of the half's depth.
+    `sideways`: the share that enters through this side, `depth`: optical depth through half a cell.
+    Moments count from the middle, 1 at the face, and belong to the half's depth.
     """
     even = 0.5 * (1.0 - sideways)
     if depth * sideways < 1e-4:
@@ -168,8 +169,8 @@ def _side(lit, j, i, k, share, width_m):  # type: ignore[no-untyped-def]
 def _across(cell, beside, free_per_m, slope):  # type: ignore[no-untyped-def]
     """Resistance and drive from one column to the next; `slope`: the sun's direction that way.
 
-    Cells: extinction, what is clear of their height, light, its share that comes in through this
-    side, width.
+    Cells: extinction, clear share of their height, light, its share that enters through this side,
+    width.
     """
     a, clear_a, light_a, side_a, width_a = cell
     b, clear_b, light_b, side_b, width_b = beside
@@ -387,11 +388,11 @@ def _at_edges(edges_m, step_m, extinction, drives, links, fluence, out):  # type
 
 @compiled
 def _reach_out(depths, light, out):  # type: ignore[no-untyped-def]
-    """Let the light of clouds reach into the clear air beside them.
+    """Extend the light of clouds into the clear air beside them.
 
-    What is seen of a cloud is its rim, which the grid does not resolve: there the light is that
-    of the cloud a depth of 1 inside, not of the air before it: on the straight line, by resistance,
-    from the air to the middle of the cloud's cell. `depths`: of cells, (columns, columns, heights).
+    The visible part of a cloud is its rim, which the grid does not resolve: there the light is that
+    at an optical depth of 1 inside, not that of the air before it, interpolated by resistance from
+    the air to the middle of the cloud's cell. `depths`: of cells, (columns, columns, heights).
     """
     columns, heights = depths.shape[0], depths.shape[2]
     total, cloudy = np.empty(4), np.zeros((columns, columns), np.bool_)

@@ -99,7 +99,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
     by_sky = light.by_sky * even + max(passed - share, 0.0) * by_sun
     dimmed = share * np.asarray(light.sun_irradiance)
     on_ground = dimmed * max(sine, 0.0) + by_sky
-    # The ground reflects the same share of what falls on it.
+    # The ground reflects the same share of its light.
     from_ground = evaluate_irradiance(light.irradiance_sh, _DOWN) * on_ground / light.on_ground
     return ClearLight(
         clear.sun_direction,

@@ -22,11 +22,11 @@ _DARKEST_IRRADIANCE = 1e-12
 
 
 class ClearLight(NamedTuple):
-    """The light on a layer: that of a sky without clouds, as in the frame's `Light`, or of what is
-    above the layer (`cloud_layers.py`).
+    """The light on a layer: that of a sky without clouds, as in the frame's `Light`, or that of sky
+    and layers above (`cloud_layers.py`).
 
-    `sun_passed` is the share of the sun aloft that layers above let through, `haze` the air's,
-    `lamps_rgb` the radiance of the lands around by their lamps, as the layer sees it.
+    `sun_passed` is the transmittance of the layers above for sunlight, `haze` the air's,
+    `lamps_rgb` the radiance of the lands around by their lamps, at the layer.
     """
 
     sun_direction: Vector

@@ -88,7 +88,7 @@ def _even_outside(
     """Give the outermost columns their mean: beyond the grid they would show as streaks."""
     ring = np.ones(depths.shape[1:3], bool)
     ring[1:-1, 1:-1] = False
-    # Of what the sun sends, not of the depth.
+    # The mean of transmitted sunlight, not of the depth.
     lit = np.exp(-diffused * depths[:, ring, 0]).mean(axis=1, dtype=float)
     depths[:, ring] = depths[:, ring].mean(axis=1, keepdims=True)
     depths[:, ring, 0] = (-np.log(np.maximum(lit, np.exp(-DARKEST))) / diffused)[:, None]

@@ -314,7 +314,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
     """Clouds along rays (n, 3) from the eye, unit vectors in world axes.
 
     `out` (n, 5) takes radiance, transmittance, and the mean distance (m) of the visible clouds, 0
-    where there are none. `pixel_rad`: the angle that a ray stands for.
+    without clouds. `pixel_rad`: the angular width of a ray's pixel.
     """
     eye_radius_m = GROUND_RADIUS_M + field.eye_altitude_m
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)

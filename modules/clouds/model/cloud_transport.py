@@ -28,11 +28,12 @@ from vrut_lite.numeric_types import FloatArray
 
 FILE = Path(__file__).parent / "data" / "cloud_transport.npz"
 _CRYSTALS = Path(__file__).parent / "data" / "ice_crystals.npz"
-# Of the fluxes: scaled depths, and sines of the sun's elevation.
+# Nodes of the flux tables: scaled optical depths, and sines of the sun's elevation.
 FLUX_DEPTHS = np.geomspace(0.01, 400.0, 48)
 FLUX_SINES = np.linspace(0.02, 1.0, 50)
-# Of the source: scaled depths above and below, sines of the sun's elevations, denser near the
-# horizon, and of the view's, evenly spaced: an azimuth's part is linear in the angle to the normal.
+# Nodes of the source table: scaled optical depths above and below, sines of the sun's elevations,
+# denser near the horizon, and of the view's, evenly spaced: an azimuth's part is linear in the
+# angle to the normal.
 DEPTH_SCALE, MOST_DEPTH, LOWEST_RAD = 0.3, 60.0, 0.04
 _DEPTHS, _SINES, _VIEWS = 20, 12, 16
 NODE_DEPTHS = DEPTH_SCALE * np.expm1(np.linspace(0.0, np.log1p(MOST_DEPTH / DEPTH_SCALE), _DEPTHS))
@@ -108,7 +109,7 @@ def ice_crystals() -> PhaseTable:
 
 
 class Scatterer(NamedTuple):
-    """What a layer's particles do to light.
+    """Optical properties of a layer's particles.
 
     Attributes:
         phase: (3, PHASE_NODES, 3) in sr^-1, red first: the wide part, the forward peak, log P2.

@@ -40,9 +40,9 @@ class SeenClouds(NamedTuple):
     """Clouds along rays (...).
 
     Attributes:
-        radiance: (..., 3) of their own, W m^-2 sr^-1, without the air before them.
-        transmittance: (...,) of what is behind them.
-        distance_m: (...,) their mean distance; 0 where there are none.
+        radiance: (..., 3) radiance of the clouds, W m^-2 sr^-1, without the air before them.
+        transmittance: (...,) for light from behind.
+        distance_m: (...,) their mean distance; 0 without clouds.
     """
 
     radiance: FloatArray
