@@ -54,7 +54,7 @@ class Point(msgspec.Struct, Generic[C], frozen=True, forbid_unknown_fields=True)
         choice: a size, or the name of several.
         error: largest error of 99 of 100 directions, in 99 of 100 pictures.
         work: counted work, comparable only within one front; less is better.
-        cpu_ms: measured time on one thread; None where not measured.
+        cpu_ms: CPU time of that work on one thread, where it was measured.
     """
 
     choice: C
