@@ -1,6 +1,6 @@
 """Guesses the vertical axis and the unit of a file that names neither, such as OBJ.
 
-Both are guesses from what things look like; whoever opens the file is told, and can say better.
+Both are guesses from the shape of the meshes; they are reported as import warnings and can be set.
 """
 
 import numpy as np
@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 from vrut_lite.messages.placement import UpAxis
 from vrut_lite.scene.placed import PlacedMesh, box_of
 
-# Faces within so much of the extent above the lowest point are what the scene stands on.
+# Height above the lowest point, as a share of the extent, of faces that count as the scene's base.
 _BOTTOM = 0.03
 _LEVEL_COSINE = 0.95
-# The share of its footprint that a floor covers, and at most that of a wall taken for one.
+# Least share of the footprint that a floor covers; largest share of a wall across the other axis.
 _FLOOR, _NO_FLOOR = 0.5, 0.1
 _FLAT = 0.03
-# Land is a sheet so low beside its width, that covers so much of its footprint and faces one way.
+# Land is a sheet: largest height over width, least share of its footprint, least share of its area
+# that faces one way.
 _LOW, _LAND, _ONE_WAY = 0.5, 0.8, 0.98
 _SAMPLED_FACES = 20_000
-# Nothing on Earth stands so high: the tallest building has 830 m. What is higher than this, than
-# the first share of the width of all that stands on the ground, and than the second one of the
-# ground's, is no terrain and no town.
+# Limits that no terrain or town exceeds together: height in m (the tallest building has 830),
+# height over the width of the objects on the ground, and height over the ground's width.
 _TOO_HIGH, _STEEP, _WIDE = 250.0, 0.2, 0.1
 _CENTIMETRES_HIGH = 5000.0
 
@@ -85,7 +85,7 @@ def guess_metres_per_unit(
 ) -> float:
     """The unit's length by the extent (3,) in units, +Y up: metres, centimetres or millimetres.
 
-    `standing` (3,) is the extent of what stands higher than a ground, where that is known.
+    `standing` (3,) is the extent of the objects above a ground, where known.
     """
     height, width = extent[1], max(extent[0], extent[2])
     stands = width if standing is None else max(standing[0], standing[2])

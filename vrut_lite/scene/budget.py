@@ -30,7 +30,7 @@ class SceneBudget:
 
     @property
     def peak_bytes(self) -> float:
-        """The most memory that loading takes with what was counted so far."""
+        """The most memory that loading takes, by the sizes counted so far."""
         return PEAK_PER_BYTE * self._counted_bytes + BASE_BYTES
 
     def check(self, size_bytes: int, what: str) -> None:

@@ -1,4 +1,4 @@
-"""What a user chooses of a scene's files, by name or counted from 1."""
+"""A user's choices among the parts of a scene's files, by name or counted from 1."""
 
 from collections.abc import Sequence
 

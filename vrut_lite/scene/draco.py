@@ -38,7 +38,7 @@ def decode_draco(
     try:
         mesh = DracoPy.decode(packed)
     except Exception as fault:
-        # The decoder raises various exceptions of its own for damaged bytes.
+        # The decoder raises various exceptions for damaged bytes.
         raise SceneFileError(f"its Draco data cannot be unpacked ({fault})") from fault
     if not isinstance(mesh, DracoPy.DracoMesh):
         raise SceneFileError("its Draco data hold no triangles; export it again")

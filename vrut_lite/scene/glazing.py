@@ -16,7 +16,7 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 def glazed(
     placed: tuple[PlacedMesh, ...], glazing: Mapping[str, Glazing]
 ) -> tuple[PlacedMesh, ...]:
-    """Placed meshes whose materials of these names are smooth glass; what is shared stays so.
+    """Placed meshes whose materials of these names are smooth glass; shared meshes stay shared.
 
     Raises:
         SceneFileError: no mesh has a material of a name.

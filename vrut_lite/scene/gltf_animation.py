@@ -14,7 +14,7 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 _WIDTHS = {"translation": 3, "rotation": 4, "scale": 3}
 # Numbers are kept in 64 bits, stored ones may have 8.
 _KEY_BYTES = 8
-# Of two quaternions that are this near, the arc between them is a line.
+# Cosine of two quaternions above which they are interpolated linearly.
 _NEARLY_ONE = 1.0 - 1e-9
 
 

@@ -1,4 +1,4 @@
-"""What bends a mesh where a node places it: weights of morph targets, and a skin."""
+"""Deformation of a mesh instance: morph-target weights and skin."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""Which glTF extensions are read, and what is shown in place of those that are not."""
+"""Supported glTF extensions, and the replacements of others."""
 
 import re
 from collections.abc import Iterable
@@ -25,11 +25,11 @@ HONOURED = frozenset(
         *DRAWN_EXTENSIONS,
     }
 )
-# They say nothing of what a picture shows.
+# Extensions without an effect on pictures.
 _UNSEEN = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "EXT_structural_metadata", "EXT_mesh_features"})
-# gltf_notices.py tells more of it.
+# Extensions about which gltf_notices.py gives a more detailed warning.
 _TOLD_BY_NAME = frozenset({"KHR_materials_variants"})
-# Without them the file still has a plain reading, so that one that requires them is opened too.
+# Replacements of extensions without which a file has a plain reading, even if it requires them.
 _INSTEAD = {
     "EXT_lights_image_based": "the sky lights instead",
     "KHR_animation_pointer": "what it moves rests",

@@ -195,7 +195,7 @@ def item_at(items: Sequence[Item], index: int, what: str) -> Item:
     """`items[index]`.
 
     Raises:
-        SceneFileError: naming what is missing.
+        SceneFileError: the item is missing; the sentence names it.
     """
     if not 0 <= index < len(items):
         raise SceneFileError(f"it refers to {what} {index}, which is missing; export it again")

@@ -39,7 +39,7 @@ class GltfMeshes:
         self._bent_bytes = 0
 
     def begin(self, palettes: Mapping[int, NDArray[np.float64]]) -> None:
-        """Begin a pose with these joints' matrices (J, 4, 4) by skin: forget what was bent."""
+        """Begin a pose with these joints' matrices (J, 4, 4) by skin: drop deformed meshes."""
         self._palettes = palettes
         self._geometries = {key: one for key, one in self._geometries.items() if not key.bent}
         self._made = {key: made for key, made in self._made.items() if key[1] == UNBENT}

@@ -20,7 +20,7 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pose:
-    """What an animation has moved: by node, its translation, rotation and scale, and its weights.
+    """State of an animation by node: translation, rotation and scale, and weights.
 
     `moved` maps a node's number to names and values of `Node`'s fields; an empty pose is the rest.
     """

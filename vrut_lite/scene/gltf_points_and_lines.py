@@ -40,12 +40,12 @@ class GltfStrokes:
         self._placed_bytes = 0
 
     def begin(self) -> None:
-        """Begin a pose: forget what was placed."""
+        """Begin a pose: drop placed points and lines."""
         self._file.folder.budget.release(self._placed_bytes)
         self._placed_bytes = 0
 
     def get(self, index: int) -> list[Strokes]:
-        """Those of a mesh, in its axes.
+        """Points and lines of a mesh, in its axes.
 
         Raises:
             SceneFileError: its arrays do not hold, or are too large.

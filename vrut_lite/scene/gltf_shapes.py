@@ -60,7 +60,7 @@ class Shape(NamedTuple):
         )
 
     def _bending_layers(self) -> int:
-        """What bending takes for each vertex, in sets of texture coordinates."""
+        """Memory of deformation for each vertex, in sets of texture coordinates."""
         return (_MATRIX_LAYERS if self.skin is not None else 0) + 4 * len(self.targets)
 
 
@@ -132,7 +132,7 @@ class Sizes:
             if index is not None and index not in self._asked:
                 self._asked.add(index)
                 budget.ask(file.accessor_bytes(index), f"accessor {index}")
-        # Another pose of a shape makes its triangles anew in place of the last.
+        # Another pose of a shape replaces its triangles.
         unposed = shape._replace(targets=())
         if unposed not in self._asked:
             self._asked.add(unposed)

@@ -32,7 +32,7 @@ DRAWN_EXTENSIONS = (
     "KHR_materials_volume",
 )
 _MOST_IOR = 1e6
-# What black leaves: a logarithm needs some.
+# Least transmittance of a black absorber, for the logarithm.
 _LEAST_LEFT = 1e-4
 _WHITE: Vector = (1.0, 1.0, 1.0)
 _BLACK: Vector = (0.0, 0.0, 0.0)
@@ -112,7 +112,7 @@ ImageOf = Callable[[TextureInfo], Image.Image | None]
 
 
 def emissive_strength(source: Material) -> float:
-    """What multiplies a material's emission."""
+    """Factor of a material's emission."""
     return max(_finite(_extensions(source).strength.emissive_strength, 1.0), 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Whether a scene has a ground of its own that reaches (nearly) to the horizon."""
+"""Test whether a scene contains a ground that reaches (nearly) to the horizon."""
 
 import numpy as np
 
@@ -7,9 +7,9 @@ from vrut_lite.scene.placed import PlacedMesh
 
 # From an eye at 1.7 m an edge at 500 m lies 0.2 degrees below the horizon: a few pixels.
 FAR_M = 500.0
-# A wider scene is a planet of its own, whose sides a level ground would cut.
+# Width (m) from which a scene is a planet, whose sides a level ground would cut.
 PLANETARY_M = 2e5
-# A scene that floats higher than mountains, as a satellite does, has no ground.
+# Height (m) above which a scene floats, as a satellite does, and has no ground.
 FLOATING_M = 1e4
 _LEAST_COVER = 0.5
 _LEAST_UP = np.cos(np.radians(45.0))

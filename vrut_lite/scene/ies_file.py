@@ -109,10 +109,10 @@ def _table(vertical: FloatArray, horizontal: FloatArray, candela: FloatArray) ->
 def _aimed_table(
     vertical: FloatArray, horizontal: FloatArray, candela: FloatArray, *, around_vertical: bool
 ) -> FloatArray:
-    """The same of types A and B, whose angles (0, 0) are where the lamp is aimed.
+    """The table of types A and B, whose angles (0, 0) point where the lamp is aimed.
 
     In type A planes turn around the vertical axis, in type B around the horizontal one (IES LM-75).
-    What begins at 0 is symmetric; dark beyond the file's angles.
+    Angles that begin at 0 are symmetric; the lamp is dark beyond the file's angles.
     """
     theta, phi = np.meshgrid(
         *(

@@ -42,10 +42,10 @@ class LoadedScene:
     """A scene in world axes: metres, +Y up, east +X, north -Z.
 
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
-    once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
-    files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
-    asked for, with what was guessed filled in, and so are `luminaires`, `glazing` and `variant`,
-    one of `variants`. `animation_s`: how long the animations last.
+    once for each place. `camera` is the chosen one of `cameras`. `notices` are import warnings on
+    unsupported parts and guesses; `placement` and `beside` are the requested ones with guesses
+    filled in; `luminaires`, `glazing` and `variant`, one of `variants`, are the requested ones.
+    `animation_s` is the length of the animations.
     """
 
     path: Path
@@ -292,7 +292,7 @@ def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.f
 def _extents(
     placed: list[PlacedMesh], matrix: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The size (3,) of meshes under a further matrix, and that of what stands on their ground."""
+    """Extents (3,) of meshes under a further matrix, and of the objects on their ground."""
     with np.errstate(over="ignore", invalid="ignore"):
         moved = [_moved(place, matrix @ place.world_from_model) for place in placed]
         lower, upper = _box_of_all(moved)

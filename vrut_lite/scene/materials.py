@@ -249,7 +249,7 @@ def tell_mtl(statements: Mapping[str, Sequence[str]], notices: Notices) -> None:
 
 
 def _numbers(words: Sequence[str], size: int, default: float) -> list[float]:
-    """`size` finite numbers of an MTL statement, one repeated; the default if there are none."""
+    """`size` finite numbers of an MTL statement, one repeated; the default without numbers."""
     numbers = _stated(words, size)
     return [default] * size if numbers is None else [max(number, 0.0) for number in numbers]
 

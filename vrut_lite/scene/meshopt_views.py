@@ -26,7 +26,7 @@ def admit_meshopt(view: MeshoptView, budget: SceneBudget) -> None:
             f"{_MOST_BYTES_PER_BYTE} for each; export it again"
         )
     budget.take(size, "a packed buffer view")
-    # What is unpacked may be asked for as what stands in the file.
+    # Unpacked bytes count as bytes of the file, so that as many may be read.
     budget.find(size)
 
 

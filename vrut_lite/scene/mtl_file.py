@@ -25,7 +25,7 @@ _OPTION_WORDS = {
 }
 _MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
 _DRIVE = re.compile(r"[A-Za-z]:/")
-# Of a full path, folders that may stand beside the scene.
+# Number of trailing folders of a full path that are sought beside the scene.
 _MOST_FOLDERS = 8
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 # Memory of a statement and of each of its words, as Python objects.
@@ -64,7 +64,7 @@ class MtlMaterials:
         return self._made(name, coloured)
 
     def colour_rgba(self, name: str | None, coloured: bool = False) -> NDArray[np.float64]:
-        """The colour (4,) of the material of this name; tells nothing."""
+        """The colour (4,) of the material of this name; adds no warning."""
         return self._made(name, coloured).baseColorFactor
 
     def _made(self, name: str | None, coloured: bool) -> SurfaceMaterial:
@@ -83,7 +83,7 @@ class MtlMaterials:
                     self._notices.tell(f"map_kd's option {word.lower()}", "left out")
 
     def _picture(self, name: str) -> Image.Image | None:
-        """The decoded picture; None, which is told, if it is missing or outside the folder."""
+        """The decoded picture; None, with a warning, if it is missing or outside the folder."""
         try:
             data = self._folder.get(name)
         except UnreadFile as fault:

@@ -1,4 +1,4 @@
-"""What a view needs: the cube faces of the sky in view, and the reach of its air."""
+"""Computes what a view requires: visible sky cube faces and air range."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,10 +1,10 @@
-"""Collects what a scene's files contain and the picture does not show.
+"""Import warnings: parts of a scene's files that the picture does not show.
 
-A reader that leaves something out, guesses, or shows a plain reading instead, tells it here. The
-lines go with `SceneOpened` to the window and to the command line.
+A reader that leaves a part out, guesses, or shows a replacement adds a warning. The lines go with
+`SceneOpened` to the window and to the command line.
 """
 
-# A file may name any number of unknown things.
+# Most kinds of warnings: a file may name any number of unknown parts.
 MOST_KINDS = 32
 _LONGEST = 160
 
@@ -16,7 +16,7 @@ class Notices:
         self._counts: dict[tuple[str, str], int] = {}
 
     def tell(self, what: str, instead: str, count: int = 1) -> None:
-        """Say that `what` occurs `count` times more, and what is shown `instead`.
+        """Add a warning: `what` occurs `count` times more, and `instead` is its replacement.
 
         Both are parts of a sentence, as ("primitives of points or lines", "not drawn"). Text of the
         file itself is escaped and cut off.

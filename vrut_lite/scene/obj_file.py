@@ -23,7 +23,7 @@ _KINDS = (b"v", b"vt", b"vn")
 _UNREAD = {word.encode(): word for word in ("curv", "curv2", "surf")}
 _STROKES = (b"p", b"l")
 _DIGITS = b"0123456789"
-# Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 is none.
+# Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 if missing.
 _CORNER = 3
 # Numbers of a vertex with a colour.
 _COLOURED = 6
@@ -145,7 +145,7 @@ def _read_block(block: bytes, reading: _Reading) -> None:
     before = tuple(reading.counts[kind] for kind in _KINDS)
     plain = read_plain_block(block, (before[0], before[1], before[2]))
     others = [] if plain is None else plain.lines.tolist()
-    # What counts back needs the number of vertices before its own line.
+    # Negative indices need the number of vertices before their line.
     counts_back = any(
         block[start : start + 1] in _STROKES and b"-" in block[start:end]
         for start, end, _ in others
@@ -172,9 +172,9 @@ def _read_block(block: bytes, reading: _Reading) -> None:
 
 
 def _read_statement(kind: bytes, rest: bytes, reading: _Reading, vertices: int) -> None:
-    """Note a material, the library, points and lines, or what is not drawn.
+    """Record a material, the library, points and lines, or an unsupported statement.
 
-    `vertices` are those before it; only what counts back asks for them.
+    `vertices` is the number of vertices before it; only negative indices need it.
     """
     if kind == b"usemtl":
         reading.use_material(_text(rest))
@@ -187,7 +187,7 @@ def _read_statement(kind: bytes, rest: bytes, reading: _Reading, vertices: int) 
 
 
 def _read_words(block: bytes, reading: _Reading) -> None:
-    """Read word by word what is short or not plain; refuse what is damaged."""
+    """Read a short or not plain block word by word; refuse damaged lines."""
     rows: dict[bytes, list[bytes]] = {kind: [] for kind in _KINDS}
     faces: list[bytes] = []
     groups: list[int] = []

@@ -1,8 +1,8 @@
 """Reads blocks of plain OBJ text, compiled: vertices, and faces as fans of triangles.
 
-What is not plain (numbers that are words, rows of differing length, indices out of range) ends the
-reading: the block is then read again word by word (obj_file.py), which names the fault. Importing
-this module imports numba.
+A line that is not plain (words for numbers, rows of differing length, indices out of range) ends
+the reading: obj_file.py then reads the block word by word and names the fault. Importing this
+module imports numba.
 """
 
 from typing import NamedTuple
@@ -232,7 +232,7 @@ def _face(
 
 @njit(cache=True, nogil=True)
 def _number(text: NDArray[np.uint8], at: int, end: int) -> tuple[int, float]:
-    """The end of a decimal number and its value; -1 if it is none.
+    """The end of a decimal number and its value; the end is -1 for another text.
 
     Exact up to 15 digits and 22 decimals, else within a few units in the last place.
     """

@@ -33,7 +33,7 @@ def read_obj_scene(
 ) -> tuple[list[PlacedMesh], list[Strokes]]:
     """The meshes of an OBJ file, one for each material, and its points and lines.
 
-    `notices` takes what is left out.
+    `notices` takes the warnings.
 
     Raises:
         SceneFileError: if it is damaged or does not fit the budget.

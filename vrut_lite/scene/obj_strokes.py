@@ -10,7 +10,7 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_points_and_lines import Strokes
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-# Of a point's number and material in a list, and of an end's place and colour.
+# Memory (bytes) of a point's number and material in a list, and of an end's place and colour.
 _STATED_BYTES, _PLACED_BYTES = 128, 80
 
 

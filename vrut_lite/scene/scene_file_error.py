@@ -2,13 +2,13 @@
 
 
 class SceneFileError(ValueError):
-    """What is wrong with a scene file and what to do; the path is added by `load_scene`."""
+    """A fault of a scene file, with its remedy; `load_scene` adds the path."""
 
 
 class UnreadFile(SceneFileError):
     """A file that a scene names is missing or not one that may be read.
 
-    A scene is whole without its pictures: those are left out, and told with the reason in `why`
+    A scene is usable without its pictures: they are left out, with a warning by the reason in `why`
     (such as "missing").
     """
 

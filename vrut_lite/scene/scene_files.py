@@ -17,16 +17,16 @@ from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 SUFFIXES = (".glb", ".gltf", ".obj", *usd_scene.SUFFIXES)
-# Blender imports them as it comes, or is their home.
+# Formats that Blender imports or writes.
 _OF_BLENDER = (".abc", ".blend", ".fbx", ".ply", ".stl")
 _EXPORT = "export it as one of these"
-# What a glTF file is by its standard.
+# Placement of a glTF file by its standard.
 _GLTF = Placement(up="y", metres_per_unit=1.0)
 
 
 @dataclass
 class SceneFile:
-    """What one file holds, in its own axes and units; `says` is what it says of these.
+    """Content of one file, in its own axes and units; `says` is the placement that it states.
 
     `placed` are its meshes, `resting_cameras` its cameras at rest, `resting_strokes` the points and
     lines of a file that is no glTF.
@@ -45,7 +45,7 @@ class SceneFile:
         return 0.0 if self.gltf is None else self.gltf.duration_s
 
     def posed(self, time_s: float | None) -> list[PlacedMesh]:
-        """Its meshes at a time of its animations, which begin anew when they end."""
+        """Its meshes at a time of its animations, which repeat."""
         time_s = self._wrapped_s(time_s)
         if time_s is None or self.gltf is None:
             return self.placed
@@ -89,10 +89,10 @@ class SceneFiles:
     _read: dict[Path, SceneFile] = field(default_factory=dict)
 
     def get(self, path: Path) -> SceneFile:
-        """What a file holds.
+        """The content of a file.
 
         Raises:
-            UserError: naming the file, if it cannot be read.
+            UserError: the file cannot be read; the sentence names it.
         """
         try:
             _check_path(path)

@@ -24,20 +24,20 @@ from vrut_lite.sky.ground_albedo import ground_albedo
 D = TypeVar("D", bound=Derived)
 NO_PARTS: Mapping[type[Derived], Derived] = MappingProxyType({})
 Shown = Literal["picture", "illuminance", "texels", "noise"]
-# Of the ground disc before there is light to derive it from.
+# Albedo of the ground disc before the first light, from which it is derived.
 _UNLIT_GROUND_ALBEDO = (0.1, 0.1, 0.1)
 
 
 @dataclass(frozen=True)
 class FrameSkips:
-    """Which work a frame leaves out, True for each; the picture is the same without.
+    """Work that a frame skips where True; the picture does not change.
 
     Attributes:
         meshes: meshes outside the view.
         sky: samples of the sky that meshes cover.
         shadow: the shadow map when the sun is down, or neither scene nor sun have changed.
-        unlit: filtering a sky that reaches none of what is seen, by the light map.
-        reflection: filtering a sky that is not seen to differ, or that nothing in view mirrors.
+        unlit: filtering a sky that reaches no visible surface, by the light map.
+        reflection: filtering a sky without a visible change, or that no visible surface mirrors.
     """
 
     meshes: bool = True

@@ -56,7 +56,7 @@ def spec_gloss_of(source: Material) -> SpecGloss | None:
 
 
 def as_metallic_roughness(source: Material) -> Material:
-    """The material itself, or what stands for its specular-glossiness."""
+    """The material itself, or the replacement of its specular-glossiness."""
     found = spec_gloss_of(source)
     if found is None:
         return source

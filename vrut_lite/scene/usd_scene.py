@@ -42,7 +42,7 @@ _MISSING = (
     "it is USD, and the Python package usd-core is not installed: `pip install 'vrut-lite[usd]'`, "
     "or import it into Blender and export it as glTF"
 )
-# What an open stage takes for each byte of its files, measured on text and crate files.
+# Memory of an open stage for each byte of its files, measured on text and crate files.
 _STAGE_BYTES = 16
 Matrix = NDArray[np.float64]
 
@@ -226,7 +226,7 @@ class _Reader:
             arrays = {"POSITION": points}
             triangles, arrays = used_vertices(name, indices[part], arrays)
             if normals is not None or uv is not None or colours is not None:
-                # Values at corners: each corner is a vertex of its own.
+                # Values at corners: each corner becomes a vertex.
                 arrays = {"POSITION": arrays["POSITION"][triangles.reshape(-1)]}
                 triangles = np.arange(triangles.size).reshape(-1, 3)
             geometry = make_geometry(
