@@ -59,7 +59,7 @@ def _sealed(values: NDArray[Any], alone: bool) -> bool:
     """Make the memory of these values read-only; False if others could still write to it.
 
     `alone`: no other array shares memory that the values own. All views of an array refer to it,
-    so its reference count tells whether there are others.
+    so its reference count shows whether others exist.
     """
     if type(values) is not np.ndarray:  # Such as a mapped file.
         return False

@@ -1,9 +1,9 @@
 """Arrays kept on disk, found by their recipe.
 
 A file's name is the digest of its recipe; inside, a digest of the contents stands before them.
-A file whose digest does not match is ignored, and the arrays are made again. Files are written
-under another name and renamed, so that neither a crash nor a second process leaves a half-written
-one. If the folder cannot be written, a log line says so and nothing is kept.
+A file whose digest does not match is ignored, and its arrays are computed. Files are written under
+another name and renamed, so that neither a crash nor a second process leaves a half-written one. If
+the folder cannot be written, a log line says so and nothing is cached.
 """
 
 import hashlib
@@ -36,7 +36,7 @@ Arrays = Mapping[str, NDArray[Any]]
 class ArrayCache:
     """Arrays by recipe in a folder, the least recently used dropped above `limit_bytes`.
 
-    `warns`: a folder that cannot be written is told; for what is quickly made again it is not.
+    `warns`: log a folder that cannot be written; off for arrays that are computed quickly.
     """
 
     def __init__(self, folder: Path, limit_bytes: int = 1 << 30, warns: bool = True):

@@ -1,4 +1,4 @@
-"""Gives numba a writable folder for compiled code, and says who is told that it compiles.
+"""A writable folder for numba's compiled code, and hooks that numba calls when it compiles.
 
 numba tries NUMBA_CACHE_DIR, the package's own folder and the user's cache. If none is writable (a
 system-wide installation, an unreadable home) it refuses to compile. A temporary folder for this
@@ -30,7 +30,7 @@ class Ahead(Protocol):
 
 # Set here, numba need not be imported for that.
 ahead: Ahead | None = None
-# Called before a function is looked for on disk, for those who list what is called.
+# Hooks called before a function is looked for on disk, for lists of called kernels.
 before_kernel: list[Callable[[Any, Any], None]] = []
 # Number of kernels that this process has compiled; those found on disk do not count.
 compilations = 0

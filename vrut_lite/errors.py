@@ -11,7 +11,7 @@ class _OneLine(Exception):
 
 
 class UserError(_OneLine):
-    """Bad input: what is wrong, where, and what to do, in one sentence; exit code 2."""
+    """Bad input: fault, place and remedy in one sentence; exit code 2."""
 
 
 class ModuleFailed(_OneLine):

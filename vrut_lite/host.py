@@ -27,7 +27,7 @@ class Host:
 
     Without a `cube_size` (texels) the sky's module chooses one by the tolerance; `gl` is the host's
     from now on. `frame_skips` selects the work that frames leave out. Callers that pump the kernel
-    on a thread of their own use `draw_now` and `light_at_pixel`, on that thread.
+    on a separate thread use `draw_now` and `light_at_pixel`, on that thread.
 
     Raises:
         UserError: there is no OpenGL here.

@@ -61,7 +61,7 @@ def pass_interrupt(error: BaseException, during: str = "") -> None:
     """Raise Ctrl-C and SIGTERM again; return for any other exception, which is a module's.
 
     Python raises Ctrl-C and `Terminated` only in the main thread: on another thread the code that
-    ran raised such an exception itself. `during` names what was interrupted, for
+    ran raised such an exception itself. `during` names the interrupted work, for
     `interrupted_during`.
     """
     asked = isinstance(error, KeyboardInterrupt | Terminated)

@@ -95,5 +95,5 @@ class LitScene:
         return png(self._last().picture.display)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the same, and below it the hour, the sun and the exposure."""
+        """The picture for notebooks, with a caption of hour, sun and exposure."""
         return captioned_html(self._repr_png_(), self._last().caption)

@@ -1,6 +1,6 @@
 """Shortcuts through numba's compiler: the same machine code for a tenth less CPU time.
 
-At each use of an operator numba tries up to a hundred typings anew, describes why they do not fit,
+At each use of an operator numba tries up to a hundred typings, describes why they do not fit,
 and compares sets of compiler options name by name. `install` replaces these methods.
 """
 

@@ -1,4 +1,4 @@
-"""Engines that draw instead of OpenGL: modules that bring a scene backend of their own.
+"""Engines that draw instead of OpenGL: modules that bring a scene backend.
 
 Such a module names its `engine` in its manifest, for `--engine`, and has a static method
 `open_engine(settings, traced)` that makes the backend; its settings have `spp`, the samples
@@ -27,7 +27,7 @@ from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.scene_state import SceneState
 
-# Edge of the cube maps of what lights, and of what has clouds in it.
+# Edge (texels) of the cube maps of skylight and of clouds.
 _SKY_SIZE = 256
 
 GL = "gl"

@@ -1,4 +1,4 @@
-"""`vrut-lite modules`: what is installed, which slots it can hold, and its settings."""
+"""`vrut-lite modules`: the installed modules, their slots and settings."""
 
 import click
 

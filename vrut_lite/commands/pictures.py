@@ -72,8 +72,8 @@ class Made(NamedTuple):
 def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None) -> list[str]:
     """Make and write pictures, here or by workers; their captions.
 
-    What they lack is told once, on the error stream.
-    Those that are finished when anything fails, Ctrl-C included, stay.
+    Missing parts are reported once, on the error stream. Finished pictures stay after a failure,
+    Ctrl-C included.
     """
     captions: Iterable[str] = _elsewhere(plan, wanted, workers) if workers else _here(plan, wanted)
     if len(wanted) > 1:
@@ -124,7 +124,7 @@ def tell_notices(notices: Sequence[str]) -> None:
 
 
 def said_of(wanted: Sequence[Wanted], captions: Sequence[str]) -> str:
-    """One line on what was made."""
+    """One line on the written pictures."""
     if len(wanted) == 1:
         return f"{wanted[0].path}: {captions[0]}"
     files = f"{wanted[0].path} to {wanted[-1].path.name}"
@@ -166,7 +166,7 @@ def picture_bits(text: str | None, suffix: str) -> Bits:
     """The value of --bits.
 
     Raises:
-        UserError: another format has a precision of its own.
+        UserError: the format has a fixed precision.
     """
     if text is not None and suffix != ".png":
         raise UserError(f"--bits is for .png: {suffix} has a precision of its own")

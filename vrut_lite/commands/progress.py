@@ -42,7 +42,7 @@ def advancing_bar(name: str, total: int) -> Iterator[Callable[[int], None]]:
 
 
 def busy_with(name: str, trace: Trace | None = None) -> AbstractContextManager[object]:
-    """Shows, while entered, what is being done; with a kernel's trace, how far its jobs are."""
+    """Shows the present work while entered; with a kernel's trace, the progress of its jobs."""
     return _following(name, trace) if _on_terminal() else nullcontext()
 
 

@@ -54,7 +54,7 @@ class ScenePlan:
         host = self._open_host(gl)
         try:
             if self.engine == GL and self.project.shows != "noise":
-                # Nobody sees the light of fewer rays; noise is told by that of half as many.
+                # Light of fewer rays is not shown, except to estimate noise from half as many.
                 host.inject(_of_surfaces(LARGEST_DEMAND))
             host.inject(*setting_inputs(self.project, host.kernel), *of_view)
             with busy_with(f"opening and lighting {self.project.scene}", host.kernel.trace):
@@ -86,7 +86,7 @@ class SceneStudio:
 
     def shoot(self, instant: datetime) -> "SceneShot":
         """The scene's picture at an instant."""
-        # Of this hour alone: a light that no picture shows would cost seconds.
+        # Rays for visible points at this hour only: light that no picture shows costs seconds.
         self._host.inject(_finer_light(wanted=False))
         if instant != self._hour:
             # Small moves are skipped as invisible, so that the sun moves far away first.

@@ -14,7 +14,7 @@ _WORDS = msgspec.json.Decoder(list[str])
 
 @click.command(name="serve")
 def serve() -> None:
-    """Run commands that come as lines of JSON, without starting anew for each.
+    """Run commands given as lines of JSON, all in one process.
 
     A line of standard input is a list of a command's words. The answer is a line too: an object
     with the exit `code`, and `said` or `error`. Ends with standard input.

@@ -171,7 +171,7 @@ class SkyStudio:
         return SkyShot(radiance, facts, plan)
 
     def _points(self) -> NDArray[np.float32]:
-        """Radiance of stars, planets and the moon; black where no module tells of them."""
+        """Radiance of stars, planets and the moon; black where no module posts them."""
         sky_map = self._plan.sky_map
         stars, moon = self._kernel.last(StarsChanged), self._kernel.last(MoonDiscChanged)
         nothing = np.zeros((0, 3))

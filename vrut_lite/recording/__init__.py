@@ -1,1 +1,1 @@
-"""Journals: what was said to the kernel, what it answered, and whether it still does."""
+"""Journals: recorded inputs and messages of a kernel, their replay and comparison."""

@@ -8,10 +8,10 @@ from vrut_lite.errors import one_line
 from vrut_lite.recording.earlier_names import UNKNOWN
 from vrut_lite.recording.entry import Entry
 
-# Seventeen times what was measured between processors: a number that went through float32 moves
-# by its last bit, 1.2e-7, and one that float32 kernels summed by a few of them.
+# Relative tolerance of numbers, seventeen times the largest difference measured between processors:
+# a number in float32 differs by its last bit, 1.2e-7, and a sum of float32 kernels by a few bits.
 SCALAR_TOLERANCE = 1e-5
-# Forty times what was measured.
+# Relative tolerance of samples, forty times the largest measured difference.
 SAMPLE_TOLERANCE = 1e-3
 # A number this small is the rounding of a difference of larger numbers in float64.
 _ZERO = 1e-12
@@ -128,7 +128,7 @@ def _worst(there: list[Any], here: list[Any]) -> float:
 
 
 def _numbers(handle: dict[str, Any]) -> list[float]:
-    """The sampled values of an array's handle; nan for what is no number."""
+    """The sampled values of an array's handle; nan for a value that is not a number."""
     sample = handle.get("sample")
     return [_number(value) for value in sample] if isinstance(sample, list) else []
 

@@ -8,12 +8,12 @@ Plain = dict[str, Any]
 UNKNOWN = {"$unknown": True}
 
 _RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
-# What journals of earlier versions lack of SceneOpened.
+# Fields of SceneOpened that journals of earlier versions lack.
 _LATER_OF_SCENES = (
     "geometry", "materials", "ground", "camera", "lamps", "notices", "opened", "cameras",
     "animation_s", "variants", "points_and_lines",
 )  # fmt: skip
-# Fields that earlier messages lack, by today's type names, and what they meant without them.
+# Fields that earlier messages lack, by today's type names, with their values at that time.
 _ADDED: dict[str, Plain] = {
     "AmbientChanged": {"lamps_rgb": [0.0, 0.0, 0.0]},
     "KeyLightChanged": {"body": "sun", "haze": UNKNOWN},
@@ -22,7 +22,7 @@ _ADDED: dict[str, Plain] = {
 }
 
 
-# What a solved atmosphere lacked: a tabulated phase function, aerosol aloft, more than one
+# Fields that earlier atmospheres lack: a tabulated phase function, aerosol aloft, more than one
 # exponential of molecules.
 _LATER_OF_AIR: Plain = {
     "mie_table": None,

@@ -1,4 +1,4 @@
-"""What a journal is made of."""
+"""The entries of a journal."""
 
 from typing import Annotated, Any, Literal
 

@@ -25,7 +25,7 @@ class HeldRunner:
         self._held[job.key] = (job, finish)
 
     def release(self, module: str, job: str) -> bool:
-        """Do the work of a job that is kept and inject its result; False if there is none."""
+        """Do the work of a held job and inject its result; False without such a job."""
         if (module, job) not in self.held:
             return False
         held, finish = self._held.pop((module, job))

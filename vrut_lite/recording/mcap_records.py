@@ -42,11 +42,11 @@ class Fields:
         return int.from_bytes(self.part(width), "little")
 
     def text(self) -> str:
-        """A text; UnicodeDecodeError if it is none."""
+        """A text; UnicodeDecodeError if it is not UTF-8."""
         return str(self.part(self.number(4)), "utf-8")
 
     def part(self, size: int) -> memoryview:
-        """So many bytes."""
+        """The next `size` bytes."""
         if size > len(self.left):
             raise UserError("it is damaged: a record ends before its fields do")
         part, self.left = self.left[:size], self.left[size:]

@@ -51,7 +51,7 @@ class Recorder:
         try:
             self._observer.check_modules()
             self._write(entry_of(kind, message, sender), message)
-        # Whatever it is (a full disk, a message that nests without end): the session goes on.
+        # After any fault (a full disk, a message that nests without end) the session goes on.
         except Exception as error:
             self._observer.close()
             name = type(message).__name__
@@ -87,7 +87,7 @@ def _check_readable(entry: Entry, message: Message) -> None:
 def _check_heard(value: Any, read: Any) -> None:
     """Raise UserError unless a replay would deliver an equal message with equal types.
 
-    Textures are told from their fields by `GpuTexture.of`.
+    Textures are distinguished from their fields by `GpuTexture.of`.
     """
     if isinstance(value, GpuTexture):
         return

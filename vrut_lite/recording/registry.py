@@ -29,7 +29,7 @@ class Registry:
         """The type of this name.
 
         Raises:
-            UserError: there is none.
+            UserError: the type is unknown.
         """
         if name not in self._types:
             raise UserError(
@@ -39,7 +39,7 @@ class Registry:
         return self._types[name]
 
     def find_input(self, name: str) -> type[Input]:
-        """The type of input of this name; UserError if there is none or it is derived."""
+        """The type of input of this name; UserError if it is unknown or derived."""
         kind = self.find(name)
         if not issubclass(kind, Input):
             raise UserError(f"{name} is no input: only a handler may say it")

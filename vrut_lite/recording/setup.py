@@ -25,7 +25,7 @@ from vrut_lite.recording.entry import ModuleSetup, Setup, SetupStep
 from vrut_lite.recording.registry import Registry
 
 Services = Mapping[str, Mapping[str, Any]]
-# Runs the job of this module and name and injects its result; false if there is none.
+# Runs the job of this module and name and injects its result; false without such a job.
 Release = Callable[[str, str], bool]
 
 
@@ -159,7 +159,7 @@ def _setting_up(kernel: Kernel, setup: Setup) -> list[Any]:
 
 
 def _unlike(kernel: Kernel, module: ModuleSetup) -> list[SetSetting]:
-    """The inputs that set what stands otherwise than recorded; defaults may have changed since."""
+    """Inputs for settings that differ from the recorded ones, as after a change of defaults."""
     here = to_plain(kernel.seats[module.name].settings)
     unlike: list[SetSetting] = []
     for name, value in settings_in_todays_words(module.settings).items():

@@ -46,16 +46,17 @@ def differences(recorded: Signature, here: Signature) -> list[str]:
 
 
 def _without(words: str, others: str) -> str:
-    """The words that are not among the others too; "no more" if there are none."""
+    """The words that are not among the others too; "no more" without any."""
     known = others.split()
     return " ".join(word for word in words.split() if word not in known) or "no more"
 
 
 def _cpu_features() -> str:
-    # What numpy uses, after NPY_DISABLE_CPU_FEATURES: exp and pow differ in their last bit by it.
+    # Features that numpy uses, after NPY_DISABLE_CPU_FEATURES: the last bit of exp and pow depends
+    # on them.
     groups = np.show_config(mode="dicts")["SIMD Extensions"]
     words = [*groups.get("baseline", ()), *groups.get("found", ())]
-    # Which kernels of matrix products OpenBLAS is made to take.
+    # Matrix kernels that OpenBLAS is forced to use.
     if core := os.environ.get("OPENBLAS_CORETYPE"):
         words.append(f"OpenBLAS:{core}")
     return " ".join(words)

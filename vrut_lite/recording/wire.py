@@ -45,7 +45,7 @@ def _unions_of(kind: type[msgspec.Struct]) -> dict[str, tuple[type, ...]]:
 
 @cache
 def _structures_of(kind: type[msgspec.Struct]) -> dict[str, type[msgspec.Struct]]:
-    """The fields that hold None or a structure with such fields of its own, and its type."""
+    """Fields that hold None or a structure with such fields itself, and the structure's type."""
     hints = get_type_hints(kind)
     return {
         name: part

@@ -31,7 +31,7 @@ _MONTH_DAYS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 # Older files leave out the last of a row's columns.
 _HEAD_LINES, _COLUMNS, _LAST_NEEDED = 8, 35, 24
 _MOST_OFFSET_H = 14.0
-# What EPW writes where nothing was measured, or more.
+# Values from which EPW marks a missing measurement.
 _MISSING_IRRADIANCE, _MISSING_DEW_POINT, _MISSING_TENTHS = 9999.0, 99.9, 99.0
 # 2 cm of water vapour by Perez 1990.
 _USUAL_DEW_POINT_C = 11.0
@@ -189,7 +189,7 @@ def _check_hours(file: Path, table: Any) -> None:
 
 
 def _numbers(table: Any, name: str) -> FloatArray:
-    """A column; what is no number is NaN."""
+    """A column; NaN for other texts than numbers."""
     from pandas import to_numeric
 
     return np.asarray(to_numeric(table[name], errors="coerce"), dtype=float)
