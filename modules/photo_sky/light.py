@@ -49,7 +49,7 @@ class PhotoLight(Sky):
         above = directions[..., 1] > 0.0
         fine[above] = self._seen(directions[above])
         cube = reduce_cube(fine, size)
-        # A texel that the horizon cuts would be half dark; by evenness of sizes there is none.
+        # Sizes are even, so that the horizon cuts no texel, which would be half dark.
         cube[texel_directions(size)[..., 1] <= 0.0] = 0.0
         return cube * self._scale
 

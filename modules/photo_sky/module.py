@@ -1,7 +1,7 @@
 """The module `photo_sky`: a photograph of the sky lights the scene.
 
-Its sun does not follow the clock. Where it holds the slot `sun` too, it tells everyone where the
-photograph's sun stands, so that all who ask see the one that casts the shadows.
+Its sun does not follow the clock. Where it holds the slot `sun` too, it posts the direction of the
+photograph's sun, so that all consumers have the sun that casts the shadows.
 """
 
 from pathlib import Path

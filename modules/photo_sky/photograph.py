@@ -44,7 +44,7 @@ class Photograph:
 
     @cached_property
     def level_irradiance(self) -> FloatArray:
-        """Of sky and sun together on level ground (3,)."""
+        """Irradiance (3,) of sky and sun on level ground."""
         total = horizontal_irradiance(self.sky)
         if self.sun_direction is not None:
             total = total + self.sun_irradiance * max(float(self.sun_direction[1]), 0.0)
@@ -66,8 +66,8 @@ def photograph_of(pixels: FloatArray) -> Photograph:
     none = Photograph(np.maximum(picture, 0.0), None, np.zeros(3))
     if not ring.any():
         return none
-    # What stays is as bright as the glow's edge, so that no hole is seen. Values below 0 beside the
-    # sun are of a sharpened edge: with the sun's they sum to its light.
+    # The rest is as bright as the glow's edge, so that no hole shows. Values below 0 beside the sun
+    # come from sharpening: with the sun's values they sum to its light.
     edge = _ABOVE_RING * np.maximum(np.median(picture[ring], axis=0), 0.0)
     spoiled = near & ((picture <= 0.0) | (picture > edge)).any(axis=-1)
     excess = np.where(spoiled[..., None], picture - edge, 0.0)
@@ -77,7 +77,7 @@ def photograph_of(pixels: FloatArray) -> Photograph:
     if length == 0.0:
         return none
     direction = moment / length
-    # What reaches a plane that faces the sun: a wide glow counts by its cosine.
+    # Irradiance of a plane that faces the sun: a wide glow counts by its cosine.
     faced = weight * np.maximum(directions @ direction, 0.0)
     facing = np.einsum("ijc,ij->c", excess, faced)
     level = float(luminance(facing)) * direction[1]
@@ -97,7 +97,7 @@ def _as_a_sun(irradiance: FloatArray) -> FloatArray:
 
 
 def solid_angles(height: int) -> FloatArray:
-    """Of a pixel of each row (height,) of a panorama, in sr."""
+    """Solid angle (height,) of a pixel in each row of a panorama, in sr."""
     edges = np.cos(np.linspace(0.0, np.pi, height + 1))
     return (edges[:-1] - edges[1:]) * np.pi / height
 

@@ -70,7 +70,7 @@ def _read_exr(path: Path) -> Panorama:
     # Imported when used: whoever lists modules needs none of it.
     import OpenEXR
 
-    # The header tells what memory the pixels will take; the library would take it at once.
+    # The header states the memory of the pixels, which the library would take at once.
     with OpenEXR.File(str(path), header_only=True) as head:
         low, high = head.header()["dataWindow"]
     width, height = (int(side) for side in np.subtract(high, low, dtype=np.int64) + 1)
