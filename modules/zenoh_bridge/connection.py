@@ -169,7 +169,7 @@ class Connection:
         for key in self._tokens.keys() - keys:
             session.hide(self._tokens.pop(key))
 
-    # --- on Zenoh's threads: only record what has arrived ----------------------------
+    # --- on Zenoh's threads: only record arrivals ------------------------------------
 
     def _heard(self, key: str, data: bytes) -> None:
         name = key.rpartition("/")[2]

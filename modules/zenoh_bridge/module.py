@@ -1,7 +1,7 @@
 """The module `zenoh_bridge`: sends messages to other processes and posts what they send.
 
-It may hold the slots `sun` and `sky`. Then it posts another process's messages here and demands
-there what is demanded here. Without a slot it keeps the latest message of each type.
+It may hold the slots `sun` and `sky`. Then it posts another process's messages here and forwards
+the demands of this process. Without a slot it keeps the latest message of each type.
 
 All that it receives enters as an input, so that a replay of a journal with these inputs posts the
 same messages without a connection.

@@ -26,7 +26,7 @@ class Paced:
             self._flush()
 
     def heard(self) -> None:
-        """The last input was handled: inject what has arrived since."""
+        """The last input was handled: inject the inputs that have arrived since."""
         with self._lock:
             self._waiting = False
             self._flush()
