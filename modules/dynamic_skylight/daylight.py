@@ -20,7 +20,7 @@ from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
 
-# Light from the sky needs a small cube of its own, for every size of the picture.
+# Edge (texels) of the cube for light from the sky, whatever the picture's size.
 LIGHT_SIZE = 64
 
 

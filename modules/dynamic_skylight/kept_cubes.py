@@ -1,7 +1,7 @@
-"""Cube maps of a process's first sky, kept on disk: their kernels take 0.3 s to load, and run 2 ms.
+"""Cube maps of a process's first sky, cached on disk: kernels take 0.3 s to load, and run 2 ms.
 
-So a scene that is drawn again, or a window that opens where it was closed, needs no kernel for its
-sky. Later skies are not kept: a hand on the slider would fill the disk.
+So a repeated picture, or a window that opens with the last scene, needs no kernel for its sky.
+Later skies are not cached: a dragged slider would fill the disk.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.array_cache import ArrayCache
 from vrut_lite.geometry import cube_map
 
-# What a scene's first picture asks for: its background, and small ones for light and for its sum.
+# Number of cubes of a scene's first picture: its background, and small ones for light and its sum.
 _FIRST = 3
 _LIMIT_BYTES = 1 << 27
 _MODEL = Path(__file__).parent / "hosek_wilkie"
@@ -31,7 +31,7 @@ _asked = count()
 def kept_cube(
     make: Callable[[], NDArray[Any]], kind: str, size: int, *inputs: ArrayLike
 ) -> NDArray[Any]:
-    """What `make` makes of a size and numbers, or made of them in another session."""
+    """The cube that `make` computes from a size and numbers, or its copy of another session."""
     if next(_asked) >= _FIRST:
         return make()
     cubes = ArrayCache.of_user("first_skies", _LIMIT_BYTES, warns=False)

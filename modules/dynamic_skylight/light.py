@@ -55,7 +55,7 @@ class HosekWilkieLight(Sky):
         return job, Background(texture, light.ground_rgb, light.half_scale)
 
     def sun(self) -> SunDisc:
-        """Of the radius that the sun has on average over the year."""
+        """The sun's light, with the mean radius of the year."""
         sun = self.daylight.sun
         haze = self.daylight.air_haze.layers
         radius_rad = MEAN_ANGULAR_RADIUS_RAD

@@ -91,7 +91,7 @@ def disc_irradiance(turbidity: float, apparent_elevation_rad: float) -> FloatArr
     """Irradiance (11,) of the whole disc facing the sun, W m^-2 nm^-1, at `WAVELENGTHS_NM`.
 
     The integral of radiance times cosine, whose weight is constant in sin^2 gamma: Gauss-Legendre
-    along it, uniform around the disc, each point with the air path of its own elevation. Points
+    along it, uniform around the disc, each point with the air path at its elevation. Points
     below the horizon count as on it; the caller applies the visible share of the disc.
     """
     rings, spokes = _DISC_NODES

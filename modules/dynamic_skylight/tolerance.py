@@ -18,8 +18,8 @@ from typing import NamedTuple
 from vrut_lite.messages.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
-# Of cube map and light at the default tolerance, about half a step of 8 bits at the display's
-# white; and the share of each in a tight tolerance.
+# Budget of cube map and light at the default tolerance, about half a step of 8 bits at the
+# display's white; and the share of each in a tight tolerance.
 _USUAL, _CUBE_SHARE, _LIGHT_SHARE = 0.006, 0.5, 0.45
 
 

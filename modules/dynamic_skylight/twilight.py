@@ -120,9 +120,9 @@ def sky_of_hour(
 ) -> HourSky:
     """The sky for a sun at any apparent elevation from -pi/2 to pi/2.
 
-    `level` multiplies the model's sky; late twilight is the published one whatever that is.
-    `twilight_turbidity` is the haze on Preetham's scale, on which twilight was solved; the model's
-    own number where there is none. Without `starlight` it is dark from -18 deg.
+    `level` multiplies the model's sky; late twilight has its published level regardless.
+    `twilight_turbidity` is the haze on Preetham's scale, on which twilight was solved; by default
+    the model's turbidity. Without `starlight` the sky is dark from -18 deg.
 
     Raises:
         ValueError: for a value out of range, in one sentence (see `HosekWilkieSky`).

@@ -28,8 +28,8 @@ Convert = Callable[[Float32Array, NDArray[Any]], None]
 LARGEST_HALF = np.float32(65504.0)
 _ROWS_AT_ONCE = 8
 _HALF_ONE, _LARGEST_BYTE = np.float32(0.5), np.float32(255.0)
-# Of the bits of a float32: half an ulp of a half less one, the change of the exponent's bias,
-# and the smallest float whose half is a normal number.
+# In bits of a float32: half an ulp of a half less one, the change of the exponent's bias, and the
+# smallest float whose half is a normal number.
 _ROUND, _REBIAS, _NORMAL = np.int32(0x0FFF), np.int32(112 << 23), np.int32(113 << 23)
 _BITS_OF_HALF_ONE, _SHIFT, _ONE_BIT = np.int32(126 << 23), np.int32(13), np.int32(1)
 

@@ -59,7 +59,7 @@ class HosekWilkieSky:
         )
 
     def _repr_png_(self) -> bytes:
-        """What a notebook shows: a fisheye, the sun in the south."""
+        """A fisheye with the sun in the south, for notebooks."""
         return fisheyes_png([self.cube_map(128, np.pi)])
 
     @cached_property

@@ -2,7 +2,7 @@
 
 They are roots of `sun_position`, by the conventions of almanacs:
 
-* Sunrise and sunset: the upper limb, with the refraction of its own elevation, is on a level
+* Sunrise and sunset: the upper limb, with the refraction at its elevation, is on a level
   horizon. (Refraction grows downwards, so a round disc about the refracted centre appears some
   seconds earlier.) For an observer at a height the thinner air counts, the dip of the horizon
   does not.
