@@ -18,9 +18,10 @@ from vrut_lite.sky.suns import suns_of_year
 from weather_sky.perez import LOWEST_SUN_RAD, SOLAR_CONSTANT_W_M2, air_mass, distance_factor
 
 _HALF_SEASON_DAYS, _CLEAREST = 15, 0.9
-# Below these elevations an hour tells nothing of the air, and nothing of its clouds.
+# Least elevations of the sun at which an hour's light is used to estimate the air, and clouds.
 _LEAST_FOR_AIR_RAD, _LEAST_FOR_CLOUDS_RAD = np.radians(10.0), np.radians(5.0)
-# A sun behind no air at all; what a cloud's bright side adds to a clear sky's light.
+# Most direct light relative to the sun above the air; most light relative to a clear sky, with the
+# bright sides of clouds.
 _MOST_DIRECT, _MOST_SHARE = 0.95, 1.5
 
 
@@ -31,15 +32,15 @@ class Irradiances(NamedTuple):
     diffuse_horizontal_w_m2: FloatArray
 
     def on_level(self, elevation_rad: ArrayLike) -> FloatArray:
-        """Of both on level ground."""
+        """Irradiance of sun and sky on level ground."""
         return self.direct_normal_w_m2 * np.sin(elevation_rad) + self.diffuse_horizontal_w_m2
 
 
 def meinel(elevation_rad: ArrayLike, day_of_year: ArrayLike) -> Irradiances:
     """A clear sky (Meinel 1976); no diffuse light where the sun is down.
 
-    The sun is 0.7 to the power of air mass^0.678 of what arrives above the air, the sky's light on
-    level ground a tenth of that.
+    The sun's share of its irradiance above the air is 0.7 to the power of air mass^0.678; the sky's
+    light on level ground is a tenth of it.
     """
     elevation = np.asarray(elevation_rad, dtype=float)
     above = SOLAR_CONSTANT_W_M2 * distance_factor(day_of_year)
@@ -65,7 +66,7 @@ class ClearYear:
         self._shares: dict[int, tuple[float, float]] = {}
 
     def irradiances(self, row: int, elevation_rad: float) -> Irradiances:
-        """Of the cloudless sky, with the sun at an apparent elevation."""
+        """Irradiances of the cloudless sky, with the sun at an apparent elevation."""
         day = int(self._day[row])
         direct_share, diffuse_share = self._shares_of(day)
         usual = meinel(elevation_rad, day + 1)
@@ -73,9 +74,9 @@ class ClearYear:
         return Irradiances(np.minimum(direct_share * usual[0], most), diffuse_share * usual[1])
 
     def cloudiness(self, row: int, source: str) -> CloudinessChanged:
-        """Of an hour; where the file tells no cover, that of Kasten and Czeplak's relation (1980).
+        """Cloudiness of an hour; without a measured cover by Kasten and Czeplak's relation (1980).
 
-        By night such a file tells nothing: the sky counts as cloudless.
+        By night, without a measured cover, the sky counts as cloudless.
         """
         elevation = float(self._elevation_rad[row])
         share, direct = None, 0.0

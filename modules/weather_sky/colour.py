@@ -16,7 +16,7 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ
 from vrut_lite.numeric_types import FloatArray
 
 CLOUD_K, BLUEST_K = 6514.0, 25_000.0
-# Of the deep twilight, which is given as one constant.
+# Colour temperature (K) of deep twilight, one constant.
 TWILIGHT_K = 10_000.0
 _OVERCAST_UP_TO, _CLEAR_FROM = 1.065, 6.2
 

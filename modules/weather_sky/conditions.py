@@ -1,4 +1,4 @@
-"""What shines on an hour: illuminances of sun and sky, and how the sky's is spread."""
+"""Light of an hour: illuminances of sun and sky, and the sky's luminance distribution."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -66,7 +66,7 @@ class Conditions:
 
     @cached_property
     def state(self) -> AllWeather:
-        """Perez's clearness and brightness; of the faintest sky where there is none."""
+        """Perez's clearness and brightness; those of the faintest sky where it is dark."""
         direct, diffuse = self.irradiances_w_m2
         faint = max(diffuse, 1e-3)
         return all_weather(direct, faint, self.sun_zenith_rad, self.day_of_year)
@@ -85,7 +85,7 @@ class Conditions:
 
     @cached_property
     def direct_lux(self) -> float:
-        """Of the sun on a plane that faces it, as far as its disc is up."""
+        """Illuminance (lx) by the visible part of the sun on a plane that faces it."""
         direct = self.irradiances_w_m2[0] if self.visible_disc_fraction > 0.0 else 0.0
         efficacy = float(self.state.direct_efficacy(self._water_cm))
         shown = 1.0 if self._measured else self.visible_disc_fraction
@@ -93,7 +93,7 @@ class Conditions:
 
     @cached_property
     def diffuse_lux(self) -> float:
-        """Of the sky on level ground."""
+        """Diffuse horizontal illuminance (lx)."""
         if self.at_night:
             return float(twilight_lux(self.apparent_elevation_rad))
         if self.hides_sun and not self._measured:

@@ -21,9 +21,9 @@ from weather_sky.tolerance import Quality
 
 # Edge of the cube that lights ground and scene.
 _LIGHT_SIZE = 64
-# Over this angle the light beside the sun falls to a third where it falls most steeply.
+# Least angle (rad) over which light beside the sun falls to a third.
 _STEEPEST_RAD = 0.12
-# Of a search: an optical depth to 0.001.
+# Halvings of the search for an optical depth, to 0.001.
 _HALVINGS = 12
 
 
@@ -103,7 +103,7 @@ class WeatherLight(Sky):
         return self.albedo / np.pi * falls
 
     def sun(self) -> SunDisc:
-        """Of the colour that clear air leaves it, of the illuminance that the weather does."""
+        """The sun's light: colour by clear air, illuminance by the weather."""
         lux = self.conditions.direct_lux
         if lux <= 0.0:
             return SunDisc(np.zeros(3), RADIUS_RAD)

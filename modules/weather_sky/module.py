@@ -4,8 +4,7 @@ With a file an hour has one sky and one sun, that of the middle of its sunlit pa
 changes from hour to hour as the file does. Without one the sun follows the clock.
 
 The file's light has its clouds in it. Where layers of clouds are shown, the sky behind them is the
-cloudless one of the season (`clear_year.py`). How cloudy an hour is, is told to all
-(`CloudinessChanged`).
+cloudless one of the season (`clear_year.py`). `CloudinessChanged` carries the hour's cloudiness.
 """
 
 import logging
@@ -46,10 +45,10 @@ class WeatherSky(SkyModule):
 
     def __init__(self, link: Link, settings: WeatherSettings):
         super().__init__(link, settings)
-        # A file and its clear skies; the cloudiness that was told last.
+        # A file and its clear skies; the cloudiness posted last.
         self._clear: tuple[SetWeather, ClearYear] | None = None
         self._told: CloudinessChanged | None = None
-        # The file, if any, of which it was said that an hour lies outside Perez's model.
+        # The file, or None for settings, whose hour outside Perez's model was reported.
         self._told_outside: tuple[SetWeather | None] | None = None
 
     # --- the sky -------------------------------------------------------------------------
@@ -59,7 +58,7 @@ class WeatherSky(SkyModule):
         return quality_for(tolerance)
 
     def light(self, hour: Hour, quality: Quality, prepared: None) -> WeatherLight:
-        """Of the settings, the file's hour, or a clear sky, in this order."""
+        """The sky of the settings, of the file's hour, or a clear one, in this order."""
         clock, weather, own = self.link.last(ClockMoved), self._weather, self.settings
         direct, diffuse = own.direct_normal_w_m2, own.diffuse_horizontal_w_m2
         dew_point, day = own.dew_point_deg_c, 150

@@ -21,7 +21,7 @@ LOWEST_SUN_RAD = float(np.radians(89.0))
 _CLEARNESS_BINS = np.array([1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2])
 _MOST_CLEARNESS = 12.0
 _BRIGHTNESS = (0.01, 0.6)
-# Of bins 2 to 5 the fit needs at least this brightness, says the erratum.
+# Least brightness of the fit in bins 2 to 5, by the erratum.
 _LEAST_BRIGHTNESS = 0.2
 # Least value of either factor of a luminance distribution inside the model's domain. Nearer to 0
 # single directions outshine the mean 25 times; at 0 no light is left to scale.
