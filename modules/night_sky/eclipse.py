@@ -22,7 +22,7 @@ def sun_left(at: Watch) -> FloatArray:
     """Share (3,) of the sun's light that reaches a place past the moon: 1 outside eclipses."""
     sun, moon = body_km(astronomy.Body.Sun, at), body_km(astronomy.Body.Moon, at)
     sun_km, moon_km = float(np.linalg.norm(sun)), float(np.linalg.norm(moon))
-    # Of small angles, which the arc cosine would lose.
+    # By the sine: an arc cosine would lose small angles.
     apart = float(np.linalg.norm(np.cross(sun / sun_km, moon / moon_km)))
     if sun @ moon < 0.0:
         return np.ones(3)

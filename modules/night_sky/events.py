@@ -21,7 +21,7 @@ class SolarEclipse(NamedTuple):
 
 
 def next_rise_and_set(at: Watch) -> tuple[datetime | None, datetime | None]:
-    """The moon's next rise and set, None where there is none within two days."""
+    """The moon's next rise and set, None without one within two days."""
     found = (
         astronomy.SearchRiseSet(
             astronomy.Body.Moon, at.observer, direction, at.time, _SEARCHED_DAYS

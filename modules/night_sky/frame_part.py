@@ -18,9 +18,9 @@ from vrut_lite.messages.night import (
 )
 
 _SHADERS = Path(__file__).parent / "shaders"
-# Around the disc, for the pixels that it touches.
+# Margin around the disc, for the pixels that it touches.
 _MARGIN_PX = 3.0
-# Of the disc, at least.
+# Least number of samples across the disc.
 _SAMPLES_ACROSS = 24
 
 

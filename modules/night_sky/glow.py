@@ -34,13 +34,13 @@ _LAYER_S10, _LEAST_SINE, _BRIGHTEST_S10 = 20.0, 0.2, 400.0
 # Right ascension and declination of the galactic pole.
 _GALACTIC_POLE_DEG = 192.85948, 27.12825
 _MILKY_WAY_B_MINUS_V, _SUN_B_MINUS_V = 0.75, 0.65
-# Of a zenith without lamps, mag per square arc second; lamps of 3000 K.
+# Magnitude per square arc second of a zenith without lamps; colour temperature of lamps.
 NATURAL_MAGNITUDE, _LAMP_K = 22.0, 3000.0
 _ZENITH_CD = 1.12e5
 
 
 class Sources(NamedTuple):
-    """What glows: the sun's radio flux, and the darkness of the zenith by lamps."""
+    """Parameters of the glow: the sun's radio flux, and the zenith's magnitude by lamps."""
 
     solar_flux_sfu: float = 130.0
     zenith_magnitude: float = NATURAL_MAGNITUDE

@@ -61,7 +61,7 @@ def _depth_below(haze: SetHaze, altitude: FloatArray) -> FloatArray:
 
 
 def _albedo(haze: SetHaze, kind: int) -> FloatArray:
-    """Of molecules, which are the kind 0, or of a layer of aerosol (3,)."""
+    """Single scattering albedo (3,) of molecules (kind 0) or of a layer of aerosol."""
     return np.ones(3) if kind == 0 else haze.optics.layers[kind - 1].albedo_at(RGB_NM)
 
 

@@ -113,7 +113,7 @@ class NightSky(Module):
             self._update()
 
     def settings_changed(self, name: str) -> None:
-        """Tell the night anew."""
+        """Post the night of the new settings."""
         self._update()
 
     def _update(self) -> None:

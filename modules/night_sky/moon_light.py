@@ -20,7 +20,7 @@ _LIBRATION = 0.00034115, -0.0013425, 0.00095906, 0.00066229
 _DECAY_DEG = 4.06054, 12.8802
 _WAVE_DEG = -30.5858, 16.7498
 _LEAST_PHASE_DEG, _MOST_PHASE_DEG = 1.55, 97.0
-# Of the disc at the standard distance, sr.
+# Solid angle (sr) of the disc at the standard distance, and that distance (km).
 _SOLID_ANGLE, _STANDARD_KM = 6.4177e-5, 384_400.0
 # Full Earth at the moon's distance: 133 klx of sun, its geometric albedo 0.434, its radius.
 _EARTH_ALBEDO, _EARTH_KM = 0.434, EARTH_RADIUS_M / 1000.0

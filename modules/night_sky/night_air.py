@@ -1,10 +1,10 @@
-"""What the air does to light from above it: dims it, and sends half of what it takes down again.
+"""Transmission of light from above the air: the air dims it and scatters half of the loss down.
 
-Of an even sky the share T + s (1 - T) arrives, T the air's transmittance: within 0.03 of all orders
-by Bruneton's solved field from the zenith to 85 deg, with s = 0.45 and aerosol of depth 0.05. So
-the air glows like the mean of what is above it.
+The share T + s (1 - T) of an even sky arrives, T the air's transmittance: within 0.03 of all orders
+by Bruneton's solved field from the zenith to 85 deg, with s = 0.45 and aerosol of depth 0.05. The
+air's own radiance is that of the mean light above it.
 
-Rays are straight, from any height: the air before a star is what lies on the line towards it.
+Rays are straight, from any height: the air before a star lies on the line towards it.
 """
 
 from typing import NamedTuple

@@ -9,7 +9,7 @@ from vrut_lite.sky.left_open import Preset
 
 
 class NightSkySettings(msgspec.Struct, frozen=True):
-    """What is in the sky when the sun is down."""
+    """Settings of the night sky's lights."""
 
     presets: ClassVar[dict[str, Preset]] = {
         "Natural": Preset("far from all towns, the Milky Way in full", {"zenith_magnitude": 22.0}),

@@ -1,4 +1,4 @@
-"""What an eye above a place sees of the moon, and the sun beside it."""
+"""The moon, and the sun beside it, as seen by an eye above a place."""
 
 import math
 from datetime import datetime
@@ -37,7 +37,7 @@ class Sight(NamedTuple):
 
 
 def sight(instant: datetime, place: SetPlace, danjon: float, eye_height_m: float = 0.0) -> Sight:
-    """Of an aware instant; `danjon` is how bright an eclipsed moon is."""
+    """The sight at an aware instant; `danjon` is the brightness of an eclipsed moon, 0 to 4."""
     where = place.latitude_deg, place.longitude_deg, place.altitude_m + eye_height_m
     at = watch(instant, *where, place.north_offset_rad)
     moon = moon_at(at, eye_height_m)
