@@ -13,12 +13,12 @@ from path_tracer.plugins import register
 from vrut_lite.messages.scene_content import Material
 
 PLUGIN = "vrut_lite_body"
-# What is smoother than this lets light straight on, as in the GL frame.
+# Roughness below which light passes straight on, as in the GL frame.
 SMOOTH, _LEAST_IOR = 0.05, 1.0001
 
 
 def body(mitsuba: Any, material: Material, units_per_m: float) -> Plugin:
-    """The BSDF of a closed body; its base colour tints what has passed two of its sides once."""
+    """The BSDF of a closed body; its base colour tints light through two of its sides once."""
     register(mitsuba, PLUGIN, "bsdf", _body)
     terms, roughness = material.terms, material.roughness
     tint = np.sqrt(np.clip(material.base_colour_rgba[:3], 0.0, 1.0))
@@ -44,7 +44,7 @@ def _body(mi: Any) -> Any:
     dr: Any = drjit
 
     class Body(mi.BSDF):
-        """What the inner BSDF scatters, less what the way to here has taken."""
+        """The inner BSDF's scattered light, less the absorption of the way through the body."""
 
         def __init__(self, properties: Any):
             super().__init__(properties)

@@ -1,4 +1,4 @@
-"""What coats reflect and let through, looked up as mesh.frag looks it up."""
+"""Reflectance and transmittance of coats, looked up as in mesh.frag."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.geometry.thin_film import film_table
 
-# What is darker than 2 % at normal incidence reflects less at grazing angles too.
+# Slope of the reflectance at grazing angles for surfaces darker than 2 % at normal incidence.
 GRAZING_SLOPE = 50.0
 COAT_F90 = min(1.0, GRAZING_SLOPE * DIELECTRIC_F0)
 
@@ -37,11 +37,11 @@ class Shares:
         self._fibres = mi.Texture2f(mi.TensorXf(np.asarray(sheen_table())[..., None]))
 
     def facets(self, mu: Any, roughness: Any) -> Any:
-        """Of a uniform white sky, and a dielectric's mean: `reflectance_table`."""
+        """Reflectance under a uniform white sky, and a dielectric's mean: `reflectance_table`."""
         return self._facets.eval(self._at(mu, roughness))
 
     def fibres(self, mu: Any, roughness: float) -> Any:
-        """Of a uniform white sky, what white fibres send back."""
+        """Reflectance of white fibres under a uniform white sky."""
         return self._fibres.eval(self._at(mu, roughness))[0]
 
     def _at(self, mu: Any, roughness: Any) -> Any:

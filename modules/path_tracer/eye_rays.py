@@ -1,10 +1,10 @@
-"""What the eye's rays pass: backs of single-sided surfaces, and what a section plane takes away.
+"""Surfaces that the eye's rays pass: backs of single-sided ones, and those that a section cuts off.
 
-The frame leaves both out and lets them cast shadows all the same. Here rays from the eye go on
-behind what they pass until they meet what is seen; all that follows is another integrator's. Where
-a section opens a body, whose inside no light reaches, its wall has the light of its outside, as in
-the frame: such a ray is turned round behind the wall. In scalar variants Python is called for each
-ray, so that backs are passed in llvm alone; what is cut off is passed in both.
+The frame does not draw them but lets them cast shadows. Here rays from the eye continue behind them
+to the first visible surface; another integrator computes the rest of the path. Where a section
+opens a body, whose inside no light reaches, its wall has the light of its outside, as in the frame:
+such a ray is reversed behind the wall. Scalar variants call Python for each ray, so that backs are
+passed in llvm alone; cut-off surfaces are passed in both.
 """
 
 from typing import Any, NamedTuple

@@ -15,21 +15,21 @@ from path_tracer.pane import pane
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 
 PLUGIN, PANE = "vrut_lite_layered", "vrut_lite_pane"
-# As in mesh.frag: the sun's own radius blurs a mirror image about so much.
+# Least alpha, as in mesh.frag: the sun's radius blurs a mirror image about as much.
 _SMALLEST_ALPHA = 0.005
 _SMALLEST_COSINE, _SMALLEST_DENSITY = 1e-4, 1e-20
-# Of the samples, for the coat as for the paint: neither's light is left to few that weigh much.
+# Least share of samples for the coat, and for the paint: few samples would have large weights.
 _LEAST_SHARE = 0.1
-# Of the samples, for a second coat.
+# Share of samples for a second coat.
 _CLEARCOAT_SAMPLES = 0.25
 
 
 class _Seen(NamedTuple):
-    """What of a surface the view alone decides; `paint` is without the light's way in.
+    """Properties of a surface that depend on the view alone; `paint` excludes the light's way in.
 
-    `more` is the factor for bounces between facets, `glossy_share` that of samples for the coat,
-    `peak` and `edge` its reflectance at normal incidence and at grazing angles. `tint` is what of
-    the light passes through, where some does.
+    `more` is the factor for bounces between facets, `glossy_share` the share of samples for the
+    coat, `peak` and `edge` its reflectance at normal incidence and at grazing angles. `tint` is the
+    transmittance, if light passes.
     """
 
     wi: Any
@@ -118,7 +118,7 @@ def _layered(mi: Any) -> Any:
             return value, density, *self.sampled(si, seen, sample1, sample2, active)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            # What guides a denoiser: of metals their colour too.
+            # Guide of a denoiser: it includes the colour of metals.
             return self._colour(si, active)
 
         def _colour(self, si: Any, active: Any) -> Any:

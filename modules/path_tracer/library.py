@@ -1,7 +1,7 @@
 """mitsuba itself: imported when first needed, in a variant that is known to run here.
 
-llvm_ad_rgb aborts the whole process with an LLVM that it does not like, so it is tried in a
-process of its own first.
+llvm_ad_rgb aborts the whole process with an unsupported LLVM, so it is tried in a separate process
+first.
 """
 
 import os
@@ -16,7 +16,7 @@ from vrut_lite.errors import UserError
 
 Variant = Literal["auto", "scalar", "llvm"]
 EXTRA = "ref"
-# What mitsuba's wheel loads and does not bring.
+# System package with a library that mitsuba's wheel loads and does not contain.
 SYSTEM_PACKAGE = "libatomic1"
 LIBRARY_VARIABLE = "DRJIT_LIBLLVM_PATH"
 _PROBE_S = 60.0
@@ -65,10 +65,10 @@ def _library_for(variant: Variant) -> str:
 
 @lru_cache(maxsize=1)
 def safe_library() -> str:
-    """An LLVM with which a process of its own could trace a picture.
+    """An LLVM with which a separate process could trace a picture.
 
     Raises:
-        UserError: there is none; why the last one would not do.
+        UserError: no LLVM works; the sentence has the last one's fault.
     """
     reason = "no LLVM 16 or newer was found"
     for library in candidates():

@@ -38,7 +38,7 @@ class Lobes:
         root_v = dr.sqrt(nv * nv * (1.0 - a2) + a2)
         root_l = dr.sqrt(nl * nl * (1.0 - a2) + a2)
         visibility = 0.5 / (nl * root_v + nv * root_l)
-        # Of visible facets: G1 D / (4 n.v).
+        # Density of visible facets: G1 D / (4 n.v).
         density = 0.5 * distribution / (nv + root_v)
         return _schlick(of, vh) * (distribution * visibility), density
 

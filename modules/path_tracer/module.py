@@ -92,7 +92,7 @@ class PathTracer(Module):
         else:
             self._end()
 
-    # --- what is to be seen -------------------------------------------------------------
+    # --- the scene and its light --------------------------------------------------------
 
     @handles(SceneOpened)
     def on_scene(self, message: SceneOpened) -> None:
@@ -146,7 +146,7 @@ class PathTracer(Module):
         self._see(replace(self._state, sky_light=message))
 
     def settings_changed(self, name: str) -> None:
-        """Begin anew as they say now."""
+        """Restart the picture with the new settings."""
         self._outdated()
 
     def _see(self, state: SceneState) -> None:

@@ -8,8 +8,8 @@ from vrut_lite.numeric_types import BoolArray
 
 # The attribute of a mesh's triangles, as mitsuba wants it named.
 IS_BODY = "face_is_body"
-# Of a shape's edges that have a triangle on one side alone: a dome that stands on something has
-# some, a house with windows more.
+# Largest share of open edges (with one triangle) of a closed shape: a dome on a floor has some, a
+# house with windows more.
 _MOST_OPEN = 0.05
 
 

@@ -56,7 +56,7 @@ def pane(mi: Any, layered: Any) -> Any:
             return self._on_its_side(si, active)[0].tint if self.smooth else mi.Color3f(0.0)
 
         def _on_its_side(self, si: Any, active: Any) -> tuple[Any, Any]:
-            """What is seen, the side of the view taken for the front, and that side, 1 or -1."""
+            """Properties for the view, its side taken for the front, and that side, 1 or -1."""
             side = dr.select(mi.Frame3f.cos_theta(si.wi) < 0.0, mi.Float(-1.0), mi.Float(1.0))
             seen = self.seen(si, _turned(si.wi, side), active)
             share = self.transmission.eval_1(si, active)
@@ -66,11 +66,11 @@ def pane(mi: Any, layered: Any) -> Any:
             return left, side
 
         def _share(self, seen: Any) -> Any:
-            """Of the samples, for what passes through."""
+            """Share of samples for transmitted light."""
             return dr.clip(mi.luminance(seen.tint), _LEAST_SHARE, 1.0 - _LEAST_SHARE)
 
         def _both(self, si: Any, wo: Any, seen: Any, side: Any, active: Any) -> tuple[Any, Any]:
-            """Value and density, of reflection and of what a rough pane scatters onwards."""
+            """Value and density of reflection and of a rough pane's transmission."""
             share, turned = self._share(seen), _turned(wo, side)
             value, density = self.value_and_density(si, turned, seen, active)
             density *= 1.0 - share

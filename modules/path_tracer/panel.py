@@ -105,7 +105,7 @@ class TracedPanel(QWidget):
             self._demand(0)
 
     def save(self, path: str) -> None:
-        """Write the picture that is shown; a sentence tells what does not go."""
+        """Write the shown picture; a fault is shown in a sentence."""
         if self.shown is None:
             return
         said: dict[str, str | float] = {

@@ -2,19 +2,19 @@
 
 from collections import deque
 
-# Of the latest pictures; a machine that does other things changes its pace.
+# Number of latest pictures that count: other work on the machine changes its speed.
 _KEPT = 8
 _SECONDS_A_MINUTE, _COARSE_FROM_S = 60.0, 10.0
 
 
 class Remaining:
-    """Learns from the times at which pictures with so many samples came."""
+    """Estimates the remaining time from the arrival of pictures and their samples."""
 
     def __init__(self) -> None:
         self._seen: deque[tuple[float, int]] = deque(maxlen=_KEPT)
 
     def came(self, now_s: float, samples: int) -> None:
-        """A picture came; one with fewer samples than the last began anew."""
+        """Count a picture; one with fewer samples than the last is a restart."""
         if self._seen and samples <= self._seen[-1][1]:
             self._seen.clear()
         self._seen.append((now_s, samples))

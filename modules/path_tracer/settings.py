@@ -6,12 +6,12 @@ import msgspec
 
 from vrut_lite.kernel.settings import setting
 
-# What stands for a material: see `PathTracerSettings.surfaces`.
+# Model of a material's surface: see `PathTracerSettings.surfaces`.
 SurfaceModel = Literal["layered", "gltf", "bare", "principled"]
 
 
 class PathTracerSettings(msgspec.Struct, frozen=True):
-    """The settings of the module; a change begins the picture anew."""
+    """The settings of the module; a change restarts the picture."""
 
     spp: Annotated[int, setting("Samples per pixel of a finished picture", 1, 65536)] = 64
     max_bounces: Annotated[

@@ -246,7 +246,8 @@ def _new_mesh(
 def _moved_normals(normals: NDArray[Any], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit normals (V, 3) by the matrix of cofactors, which a flat matrix has too.
 
-    Its sign is that of the determinant; a mirrored mesh was wound anew, and keeps its outside.
+    Its sign is that of the determinant; a mirrored mesh's winding is reversed and keeps its
+    outside.
     """
     a, b, c = matrix[:3, :3].T
     cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)

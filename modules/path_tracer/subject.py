@@ -70,7 +70,7 @@ class Subject:
     def units_from_world(self) -> NDArray[np.float64]:
         """Matrix (4, 4) from world axes to the tracer's units, counted from the eye.
 
-        In double precision: what is left for the tracer's single precision is small near the
+        In double precision: coordinates left for the tracer's single precision are small near the
         eye, wherever the scene lies.
         """
         matrix = np.eye(4) * self.units_per_m

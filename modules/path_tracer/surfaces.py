@@ -28,11 +28,11 @@ from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.messages.scene_content import Material, Sampler
 
 Plugin = dict[str, Any]
-# Of a vertex's colour, as mitsuba wants attributes named.
+# Attribute of vertices' colours, by mitsuba's rule for names.
 VERTEX_COLOUR = "vertex_color"
-# 4 % at normal incidence, as Burley counts it.
+# Burley's `specular` parameter for 4 % at normal incidence.
 _DIELECTRIC_SPECULAR = 0.5
-# mitsuba blends surfaces, and does not add them: a mean of two doubled ones is their sum.
+# Factor of surfaces before mitsuba blends two in halves: their mean is then the sum.
 _DOUBLED = 2.0
 _LEAST_ALPHA = 2e-3
 _REPEATED = Sampler()

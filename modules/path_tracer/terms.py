@@ -1,4 +1,4 @@
-"""What glTF's extensions add to a surface, for the BSDFs of `layered.py` and mitsuba's own pane."""
+"""Terms of glTF's extensions as parameters of `layered.py`'s BSDFs and of mitsuba's pane."""
 
 from typing import Any
 
@@ -14,13 +14,13 @@ from vrut_lite.messages.surface_terms import SurfaceTerms
 
 
 def sampler_of(material: Material, name: MapName) -> Sampler:
-    """The sampler of a map, glTF's default where there is none."""
+    """The sampler of a map, or glTF's default."""
     found = material.maps.get(name)
     return Sampler() if found is None else found.sampler
 
 
 def terms_of(mitsuba: Any, material: Material, maps: Maps) -> Plugin:
-    """What glTF's extensions add to the frame's own surface."""
+    """Parameters of the frame's surface from glTF's extensions."""
     terms = material.terms
     made: Plugin = {}
     if terms[:3] != SurfaceTerms()[:3]:

@@ -45,7 +45,7 @@ class Maps(NamedTuple):
         specular = np.ones((1, 1, 1)) if self.specular is None else self.specular
         colour = np.ones((1, 1, 3)) if self.specular_colour is None else self.specular_colour
         if specular.shape[:2] != colour.shape[:2] and colour.size > 3 and specular.size > 1:
-            # Of two maps of two sizes the one that seldom varies gives its mean.
+            # With two maps of different sizes, the one that seldom varies is replaced by its mean.
             specular = specular.mean(axis=(0, 1), keepdims=True)
         f0 = specular * colour * terms.f0_rgb
         return np.asarray(f0, np.float32), np.asarray(specular * terms.f90, np.float32)

@@ -93,8 +93,8 @@ class _Addend(NamedTuple):
 def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[_Addend]:
     """One scene lit by the sun and one by all else, without those that are dark.
 
-    A sky that the eye sees from aloft does not light the scene: what is seen of the one that does
-    is taken away, and what is seen from the eye is added.
+    A sky seen from aloft does not light the scene: the visible part of the lighting sky is
+    subtracted, and that of the eye's sky is added.
     """
     model = model_of(settings, mitsuba)
     there = matter(mitsuba, subject, model)
