@@ -7,10 +7,10 @@ After Bruneton and Neyret 2008 and Bruneton 2017, for any number of wavelengths 
 In reading order: `atmosphere`, `gases`, `phase` and `presets` describe the air; `geometry` and
 `optical_path` follow a ray through it; `quadrature` has the nodes of light scattered once, `solver`
 computes all later orders, `ray_light` and `solved_sky` both along any ray; `sun_light` and
-`ground_light` add sun and ground; `sky_view`, `background` and `air_volume` are what one observer
-sees, `unseen_moves` when to make it anew; `tables` reads tables in the published parametrisations,
-and `published` makes them as published, beside the rules of single scattering. Files named
-`kernels` are compiled by numba.
+`ground_light` add sun and ground; `sky_view`, `background` and `air_volume` are the view of one
+observer, `unseen_moves` the moves that do not change it; `tables` reads tables in the published
+parametrisations, and `published` makes them as published, beside the rules of single scattering.
+Files named `kernels` are compiled by numba.
 """
 
 from bruneton_sky.atmosphere import Atmosphere

@@ -157,8 +157,7 @@ class Atmosphere:
         angstrom_exponent: float = ANGSTROM_EXPONENT,
         mie_g: float | None = None,
     ) -> Self:
-        """This atmosphere with another aerosol optical depth, in its own layers and of their own
-        albedos.
+        """This atmosphere with another aerosol optical depth; layers and albedos stay.
 
         The vertical optical depth falls as wavelength^-`angstrom_exponent` (Angstrom's law;
         1.3 is his mean); the ratio of scattering to extinction stays, 0.9 where there was no
@@ -187,12 +186,12 @@ class Atmosphere:
         )
 
     def with_optics(self, optics: AerosolOptics, optical_depth_550: float | None = None) -> Self:
-        """This atmosphere with a measured or tabulated aerosol, in place of its own.
+        """This atmosphere with a measured or tabulated aerosol instead.
 
         Its layers thin out exponentially, each with its own column, albedo and phase function.
 
         Args:
-            optics: of the aerosol.
+            optics: optical properties of the aerosol.
             optical_depth_550: another vertical depth at 550 nm than the aerosol's own.
 
         Raises:
@@ -219,8 +218,8 @@ class Atmosphere:
     def in_one_layer(self, scale_height_m: float) -> Self:
         """This atmosphere with all its aerosol in one layer of a scale height.
 
-        What lies above a square metre up to the air's top stays; albedo and phase function are the
-        mean of both layers'.
+        The column up to the air's top stays; albedo and phase function are the mean of both
+        layers'.
         """
         heights_m = self.mie_scale_height_m, self.aloft_scale_height_m
         one_m = _column_m(scale_height_m, self.top_altitude_m)
@@ -252,7 +251,7 @@ class Atmosphere:
         with the horizon: 3.912 over the extinction of all the air at 550 nm (Koschmieder 1924).
         Air that is already hazier gets no fog. Droplets are far larger than light's wavelengths:
         their extinction is grey, and they absorb nothing that is visible. `phase` is their phase
-        function, a row for each wavelength; the aerosol's where there is none.
+        function, a row for each wavelength; without it the aerosol's is used.
 
         Raises:
             ValueError: a length is not from 1e-3 to 1e12 m.
@@ -338,7 +337,7 @@ class Atmosphere:
 
     @property
     def has_droplets(self) -> bool:
-        """Whether there is fog with a phase function of its own."""
+        """Whether there is fog with a separate phase function."""
         return self.foggy and self.fog_table is not None
 
     @property

@@ -51,10 +51,9 @@ def surroundings(
         altitude_m: of the observer above the ground; a negative one counts as 0.
         sun_direction: (3,) to the apparent sun, in world axes.
         visible_disc_fraction: share of the sun's disc above the horizon.
-        sunlight: the same atmosphere at more wavelengths, for the colour of a low sun; that of
-            the field where there is none.
-        known: the result for another altitude, if there is one: the light on the scene is taken
-            from it.
+        sunlight: the same atmosphere at more wavelengths, for the colour of a low sun; the
+            field's by default.
+        known: the result for another altitude, or None: the light on the scene is taken from it.
         finer: factor on the sizes of the observer's table.
     """
     direction = np.asarray(sun_direction, dtype=float)
@@ -68,7 +67,7 @@ def surroundings(
         return known._replace(view=view, disc=disc)
     standing = view if stands else light_view(field, direction)
     sun = sun_irradiance_rgb(spectral, 0.0, mu_s, visible_disc_fraction)
-    # A small cube of its own: the light on the ground does not depend on the picture's size.
+    # A separate small cube: the light on the ground does not depend on the picture's size.
     cube = fill_cube(standing, LIGHT_SIZE, np.zeros(3))
     sky = _level_weights() @ cube.reshape(-1, 3)
     reflected = albedo_rgb(spectral) / np.pi * (sky + sun * max(mu_s, 0.0))

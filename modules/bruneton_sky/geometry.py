@@ -1,9 +1,9 @@
 """Rays through a sphere of air, in altitudes: no difference of large squares is ever formed.
 
 The state of a point is its altitude above the ground and the cosine mu of its zenith angle.
-A ray is described by y, where y^2 is the altitude above the ray's perigee and the sign of y
-tells descending from ascending: the altitude on the ray is perigee + y^2, the distance from
-the perigee y sqrt(y^2 + 2 p), the path length ds = 2 (y^2 + p) / sqrt(y^2 + 2 p) dy. An
+A ray is described by y, where y^2 is the altitude above the ray's perigee and y is negative
+where the ray descends: the altitude on the ray is perigee + y^2, the distance from the
+perigee y sqrt(y^2 + 2 p), the path length ds = 2 (y^2 + p) / sqrt(y^2 + 2 p) dy. An
 exponential atmosphere is then an exact Gaussian in y, at the horizon as at the zenith.
 
 All functions broadcast. Altitudes and distances are in metres.

@@ -19,7 +19,7 @@ _SUNS = 192
 
 
 class GroundLight(NamedTuple):
-    """A spectral quantity by its source, (..., C) each: sun and sky have RGB of their own kind."""
+    """A spectral quantity by its source, (..., C) each: sun and sky convert to RGB differently."""
 
     sun: FloatArray
     sky: FloatArray

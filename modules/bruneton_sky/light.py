@@ -140,7 +140,7 @@ class BrunetonLight(Sky):
         return SunDisc(sun, radius_rad, limb_darkening_rgb(), haze=haze_layers(air))
 
     def ambient(self) -> Float32Array:
-        """Harmonics of what is seen from the ground."""
+        """Harmonics of the irradiance on the ground."""
         return ambient_coefficients(self._around)
 
     def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:

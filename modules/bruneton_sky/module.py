@@ -40,7 +40,7 @@ class BrunetonSky(SkyModule):
     )
     settings_type: ClassVar[type[msgspec.Struct]] = BrunetonSkySettings
     settings: BrunetonSkySettings
-    # Of more wavelengths than are solved for the picture.
+    # A spectrum has more wavelengths than are solved for the picture.
     spectrum_is_slow = True
 
     def __init__(self, link: Link, settings: BrunetonSkySettings):

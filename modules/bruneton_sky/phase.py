@@ -68,7 +68,7 @@ def henyey_greenstein_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:
 
 
 def henyey_greenstein_factor(g: float) -> float:
-    """What 1 / (1 + g^2 - 2 g nu)^1.5 is multiplied by, in sr^-1."""
+    """Factor of 1 / (1 + g^2 - 2 g nu)^1.5, in sr^-1."""
     return float((1.0 - g) * (1.0 + g) / (4.0 * np.pi))
 
 

@@ -167,7 +167,7 @@ def _wavelengths(wavelength_nm: ArrayLike) -> NDArray[np.float64]:
 def _between_rgb(
     wavelength_nm: NDArray[np.float64], at_rgb: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """What is known at RGB_NM, linear between and constant beyond."""
+    """Values at RGB_NM, interpolated linearly and constant outside."""
     return np.interp(wavelength_nm, RGB_NM[::-1], at_rgb[::-1])
 
 
@@ -186,7 +186,7 @@ def preset(name: str, wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     """The atmosphere of that name, at wavelengths in nm.
 
     Raises:
-        ValueError: there is none, and the sentence lists those there are; or wavelengths are
+        ValueError: the name is unknown, and the sentence lists the known ones; or wavelengths are
             outside 360 to 830 nm.
     """
     if not isinstance(name, str) or name not in PRESETS:

@@ -13,8 +13,8 @@ above the horizon and 3e-4 in twilight. The kinks of an ozone tent slow the conv
 the sun grazes it: 2e-5 with the sun 17 degrees up, but 2e-3 at sunset and 1e-2 in twilight
 with 12 nodes (2e-3 with 16, 1e-4 with 64).
 
-Ground fog ends in so few metres that no map could serve it and the air above: segments end at
-the top of the fog too, FOG_TOP of its scale heights up, as many as the air has of its own. In
+Ground fog ends within so few metres that one map cannot serve it and the air above: segments end
+at the top of the fog too, FOG_TOP of its scale heights up, and have as many nodes as in air. In
 fog of visibility 1 km 12 nodes leave 4e-4; at 200 m 24 leave 1e-4, where 12 err by 0.3 on rays
 that sink slowly through it, whose nodes cluster at the far end; at 50 m 24 leave 0.05 on those
 (fog 20 m high).

@@ -123,7 +123,7 @@ def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray
     """Altitude and y (n,) where rays end."""
     planet, top_m = air.ground_radius_m, air.top_altitude_m
     hits = ray.hits_ground()
-    # Of a ray that misses the ground the formula for its distance may overflow, to no purpose.
+    # For a ray that misses the ground the formula for its distance may overflow.
     down = distance_to_ground(planet, ray.altitude_m, np.where(hits, ray.mu, -1.0))
     length = np.where(hits, down, distance_to_top(planet, top_m, ray.altitude_m, ray.mu))
     way = np.minimum(distance_m, length)
@@ -203,7 +203,7 @@ def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:
 @lru_cache(maxsize=4)
 def _tables(field: SourceField) -> tuple[SingleArray, SingleArray]:
     """The source function of molecules (altitudes, suns, 4, C), and that of aerosol (altitudes, mu,
-    azimuths, suns, C), all wavelengths side by side; empty where there is none."""
+    azimuths, suns, C), all wavelengths side by side; empty without aerosol."""
     count = len(field.atmosphere.wavelength_nm)
     rayleigh = np.moveaxis(_by_sun(field.rayleigh, count), 1, 2)
     return np.ascontiguousarray(rayleigh), _by_sun(field.mie, count)

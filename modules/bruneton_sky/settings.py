@@ -1,4 +1,4 @@
-"""What can be set, and the atmosphere that it makes."""
+"""Settings of the module, and their atmosphere."""
 
 import math
 from dataclasses import replace
@@ -175,14 +175,14 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ] = "cpu"
 
     def left_open(self, haze: SetHaze) -> dict[str, object]:
-        """What the unset settings stand for, by name; unset fog is no fog."""
+        """Effective values of the unset settings, by name; unset fog is no fog."""
         return _left_open(self, haze)
 
 
 def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object]:
     """Values of the air that the settings make, for the unset ones.
 
-    Of tabulated aerosol the albedo and g are means, which a number of one's own replaces.
+    Albedo and g of tabulated aerosol are means, which a setting replaces.
     """
     air = _atmosphere(msgspec.structs.replace(settings, fog_visibility_m=None), 0.0, haze, _OPEN_NM)
     one = air.in_one_layer(air.mie_scale_height_m)
@@ -206,8 +206,8 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
 
 
 def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
-    """The place's haze with what the settings have of their own; of other presets the default, so
-    that airs are equal whatever haze they do not have."""
+    """The place's haze, changed by the settings; the default for presets that do not follow it, so
+    that equal airs compare equal."""
     if settings.preset != "earth":
         return DEFAULT_HAZE
     own: dict[str, object] = {}
@@ -242,7 +242,7 @@ def atmosphere_at(
     ground_altitude_m: float,
     haze: SetHaze,
 ) -> Atmosphere:
-    """The same atmosphere at wavelengths of one's own, in nm."""
+    """The same atmosphere at given wavelengths, in nm."""
     return _atmosphere(settings, ground_altitude_m, haze, wavelength_nm)
 
 

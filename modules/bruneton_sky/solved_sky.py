@@ -32,7 +32,7 @@ _FARTHEST_M = 1e15
 _SHOWN_SUNS_DEG = (60.0, 20.0, 2.0, -4.0)
 # Tolerance of cosines beyond 1: they may come from single precision.
 _SINGLE_ROUNDING = 1e-6
-# What rounding of mu to single precision changes the range of nu by.
+# Change of nu's range by rounding mu to single precision.
 _ANGLE_SLACK = 1e-3
 _LARGEST_CUBE = 8192
 # Directions over which irradiance is summed: twice as many each way as for a picture, whose light
@@ -95,7 +95,7 @@ class SolvedSky:
         return self.field.atmosphere
 
     def _repr_png_(self) -> bytes | None:
-        """What a notebook shows: fisheyes under suns in the south; none without colours."""
+        """Fisheyes under suns in the south, for notebooks; None without colours."""
         suns = np.radians(_SHOWN_SUNS_DEG)
         try:
             cubes = [self.cube_map(128, (0.0, np.sin(sun), np.cos(sun))) for sun in suns]

@@ -19,7 +19,7 @@ def altitude_step_m(altitude_m: float, atmosphere: Atmosphere) -> float:
     """Altitude change in m below which the picture stays the same.
 
     The horizon moves by 0.07 degrees at most: on the ground that is the dip from 4.7 m. Molecules
-    thin by 1 % at most, and so does fog where it is denser than a hundredth of what it is on the
+    thin by 1 % at most, and so does fog where it is denser than a hundredth of its density on the
     ground.
     """
     reach_m = math.sqrt(2.0 * atmosphere.ground_radius_m * max(altitude_m, 0.0))

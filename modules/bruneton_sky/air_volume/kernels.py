@@ -83,7 +83,7 @@ def _march(air, altitude, mu, start, stop, steps, light, centre, weight):  # typ
 
 @inner
 def _add_step(air, molecules, aerosol, aloft, fog, absorber, light, weight):  # type: ignore[no-untyped-def]
-    """Add a step's matter, given in m, to the weights and dim the light; the sum of what it adds.
+    """Add a step's matter, given in m, to the weights and dim the light; the sum of the additions.
 
     Its mean transmittance is that of an exponential.
     """

@@ -1,4 +1,4 @@
-"""What Bruneton and others published, as they published it: tables and textbook rules.
+"""Methods of Bruneton and others as published: tables and textbook rules.
 
 `precompute` makes the tables; `pipeline` and `gpu_pipeline` are the published precomputation, on
 CPU and GPU. `single_scattering` integrates light scattered once by Gauss-Legendre's rule or by

@@ -2,7 +2,7 @@
 
 They use neither y nor closed forms nor the shadow's edge, and so check the other rule
 independently. The view ray's optical depth is accumulated by the rule itself: a midpoint
-takes half of its own cell, and Simpson's odd nodes the parabola through their neighbours.
+takes half of its cell, and Simpson's odd nodes the parabola through their neighbours.
 """
 
 import numpy as np

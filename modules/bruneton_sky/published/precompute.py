@@ -55,15 +55,15 @@ def precompute(
         orders: scatterings and reflections of light at most, 1 to 1000. The irradiance of
             the GPU's tables is, as published, of one order less, that of the CPU's is not.
         backend: "cpu" is the fast solver (`bruneton_sky.solver`); "gpu" the thesis's pipeline
-            (`bruneton_sky.published.gpu_pipeline`) in an OpenGL context of its own, which becomes
-            the thread's: a thread that has a context uses `GpuPipeline` itself.
-        sizes: of the tables; by default those published.
+            (`bruneton_sky.published.gpu_pipeline`) in a new OpenGL context, which becomes the
+            thread's: a thread that has a context uses `GpuPipeline` itself.
+        sizes: sizes of the tables; by default those published.
         progress: called with the share done, from 0 to 1.
         cache: read first, and written.
 
     Raises:
-        ValueError: orders or backend are none of these, there is fog, a table would have more than
-            2^28 values, or the tables are too large for a GPU.
+        ValueError: orders or backend are not valid, there is fog, a table would have more than 2^28
+            values, or the tables are too large for a GPU.
         UserError: backend is "gpu" and there is no OpenGL 4.3.
     """
     check_type("atmosphere", atmosphere, Atmosphere)

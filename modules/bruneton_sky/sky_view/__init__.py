@@ -1,7 +1,7 @@
-"""What one observer sees under one sun, as a table by direction, and its cube map.
+"""The sky of one observer under one sun as a table by direction, and its cube map.
 
-In reading order: `rays` says where the table looks, `table` what it holds (filled by
-`table_kernels`), `cube_kernels` and `gpu` lay it onto a cube map.
+In reading order: `rays` has the table's directions, `table` its values (filled by
+`table_kernels`), `cube_kernels` and `gpu` resample it to a cube map.
 """
 
 from bruneton_sky.sky_view.table import (

@@ -84,7 +84,7 @@ def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
         source=shader_source("sky_view_background.glsl"),
         uniforms={
             **_look_up_uniforms(view),
-            # Of the difference float32 keeps all digits, of 1 + mu it would not.
+            # The difference, because 1 + mu would lose digits in float32.
             "background_disc": floats(disc.depth[[0, -1]] - np.float32(view.depth[0])),
         },
         buffers=(*_table_buffers(view), (_SUNLIGHT_BINDING, Array(roots))),

@@ -203,8 +203,8 @@ def _nodes(
 
 
 def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:
-    """What `table_counts` are for the limb seen from above the air: the planet's shadow cuts
-    through rays that pass it from end to end, and a bin that it cuts is coarse."""
+    """`table_counts` for the limb seen from above the air: the planet's shadow cuts through rays
+    that cross it from end to end, and a bin that it cuts is coarse."""
     steps, once, more = counts
     return 5 * steps // 2, 5 * once // 2, more
 
@@ -259,7 +259,7 @@ class ChannelPhases(NamedTuple):
 
 def channel_phases(field: SourceField, altitude_m: float) -> ChannelPhases:
     """The phase functions of a field's particles before things near an eye at an altitude."""
-    # Things are in air that is denser than the mean of what lies above the eye.
+    # Air before objects is denser than the mean above the eye.
     return _channels(field, 0.5 * _mean_above_m(field.atmosphere, altitude_m))
 
 

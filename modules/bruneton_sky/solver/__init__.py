@@ -3,11 +3,12 @@
 `solve` finds the source function of all orders on a coarse grid, where a ray is a few bins and
 scattering a product of harmonics; `multiple_scattering` is its radiance at one place.
 
-In reading order: `sizes`, `wavelength_groups` and `grid` say what is computed; `orders` adds order
-after order on `nodes`, between which `node_kernels` carries light and where `scattering_operator`
-scatters it; `source_field` is the result and `view` what one sees of it. Compiled code: a ray is
-`ray_kernels`, its matter in bins `bin_kernels`, many suns at once `cell_kernels`, the light of the
-bins `first_order_kernels` and `later_order_kernels`.
+In reading order: `sizes`, `wavelength_groups` and `grid` define the computation; `orders` adds
+order after order on `nodes`, between which `node_kernels` transports light and where
+`scattering_operator` scatters it; `source_field` is the result and `view` its radiance for one
+observer. Compiled code: `ray_kernels` for a ray, `bin_kernels` for its matter in bins,
+`cell_kernels` for many suns at once, `first_order_kernels` and `later_order_kernels` for the light
+of the bins.
 """
 
 from bruneton_sky.solver.orders import MOST_ORDERS, order_tolerance, real_time_sizes, solve

@@ -12,7 +12,7 @@ from bruneton_sky.solver.wavelength_groups import LANES
 from vrut_lite.numeric_types import FloatArray
 
 SingleArray = NDArray[np.float32]
-# Light bends down by no more between two suns.
+# Most negative curvature of light between two suns.
 _MOST_BENT = 0.5
 _LOW_MU_S = 0.25
 # Light that grows by exp(d) from a sun to the next bends more near the darker one: over that of
@@ -33,7 +33,7 @@ def sun_bend(rayleigh: SingleArray, mie: SingleArray, mu_s: FloatArray) -> Singl
     bend, both = np.zeros_like(light), light[:, 1:] + light[:, :-1]
     between = 0.5 * (second[:, 1:] + second[:, :-1]) * low[1:]
     np.divide(between, both, out=bend[:, :-1], where=both > 0.0)
-    # Of light that falls by a factor from node to node exact halfway: there 1 / cosh.
+    # Exact halfway for light that falls by a constant factor from node to node: 1 / cosh there.
     return np.asarray(4.0 - 4.0 / np.sqrt(1.0 + 0.5 * np.maximum(bend, -_MOST_BENT)), np.float32)
 
 

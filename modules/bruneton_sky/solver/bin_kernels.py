@@ -215,7 +215,7 @@ def _dense_place(along, length, hits, count):  # type: ignore[no-untyped-def]
 def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-def]
     """The steps of `_fill_steps_in_clear_air` in air with fog: half of them lie in the fog.
 
-    A function of its own, so that fog costs clear air nothing.
+    A separate function, so that clear air pays nothing for fog.
     """
     count = steps.shape[0]
     radius = air.ground_radius_m + altitude

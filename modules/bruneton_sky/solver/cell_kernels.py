@@ -2,8 +2,8 @@
 
 A cell is one sun as seen from a ray: its zenith cosine mu_s at the ray's start, and the cosine
 nu of the angle between them, which stays the same along the ray. Cells come in long arrays, so
-that the compiler works on sixteen at a time: a first pass finds where each lies in a table, a
-second adds what is there.
+that the compiler works on sixteen at a time: a first pass finds the place of each in a table, a
+second adds the values there.
 
 The second pass takes the four wavelengths of a cell as one SIMD register. numba leaves LLVM's
 vectorisation of straight-line code off, and a loop over four lanes is too short for its loop

@@ -49,7 +49,7 @@ def kept_coefficients(atmosphere: Atmosphere, degree: int, name: str = "aerosol"
 
 @lru_cache(maxsize=8)
 def thinned(atmosphere: Atmosphere, degree: int) -> Atmosphere:
-    """The air without the light that goes straight on; droplets of their own lose none."""
+    """The air without its forward peaks (delta-M); droplets with a separate phase function stay."""
     changed: dict[str, Any] = {}
     for name, peak in forward_shares(atmosphere, degree).items():
         field = "mie" if name == "aerosol" else name

@@ -24,7 +24,7 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
     """Transmittance (altitudes, columns, 4) to the top of the atmosphere.
 
     The grid is that of Bruneton 2017: rows uniform in sqrt(r^2 - Rg^2), columns in the
-    distance to the top, from the zenith to the horizon. Fog and haze have rows of their own.
+    distance to the top, from the zenith to the horizon. Fog and haze add rows.
     """
     rows, columns = table.shape[0], table.shape[1]
     ground, top = air.ground_radius_m, air.top_altitude_m

@@ -75,7 +75,7 @@ class SunGrid:
         return np.clip(1.0 - c * c, -1.0, 1.0)
 
     def constants(self) -> NDArray[np.float32]:
-        """What `later_order_kernels.sun_place` needs."""
+        """Constants of the grid for `later_order_kernels.sun_place`."""
         numbers = self.centre, self.width, self.lowest, 1.0 / self.extent
         return np.array(numbers, dtype=np.float32)
 

@@ -168,10 +168,10 @@ def make_transmittance(air: Air) -> Lanes:
 
 
 def shown_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray) -> Lanes:
-    """The phase functions (groups, altitudes, n, 5) that light scattered once is shown with.
+    """The phase functions (groups, altitudes, n, 5) by which light scattered once is shown.
 
-    Of molecules and of particles at four wavelengths, uniform in sqrt((1 - nu) / 2), for
-    eyes at altitudes. The particles' is per unit of what `delta_m.thinned` air scatters.
+    Those of molecules and of particles at four wavelengths, uniform in sqrt((1 - nu) / 2), for eyes
+    at altitudes. The particles' is per unit of scattering in `delta_m.thinned` air.
     """
     nu, shares = _phase_cosines(), shares_above(atmosphere, degree, altitude_m)
     return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])

@@ -50,7 +50,7 @@ def _shares(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike, column: 
 
 
 def kind_phases(atmosphere: Atmosphere, degree: int, nu: FloatArray) -> FloatArray:
-    """Phase functions (kinds, n, C), per unit of what thinned air scatters, of cosines (n,)."""
+    """Phase functions (kinds, n, C) of cosines (n,), per unit of scattering in thinned air."""
     peaks = forward_shares(atmosphere, degree)
     return np.stack(
         [particles_phase(atmosphere, k, nu) / (1.0 - peaks[k]) for k in kinds_of(atmosphere)]

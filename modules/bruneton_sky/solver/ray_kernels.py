@@ -1,9 +1,9 @@
 """A ray through an exponential air, for compiled code: altitudes, lengths, densities.
 
 The axis of altitudes of the solver's tables: in clear air places are uniform in sqrt(r^2 - Rg^2).
-A dense layer, fog or haze, adds nodes of its own, uniform in 1 - exp(-altitude / layer_reach_m):
-the axis is a blend of both with layer_share of it for the layer. It has more nodes then: the clear
-air keeps as many as it would have alone.
+A dense layer, fog or haze, adds nodes uniform in 1 - exp(-altitude / layer_reach_m): the axis is a
+blend of both, with layer_share of it for the layer. The total number of nodes grows: the clear air
+keeps as many as it would have alone.
 
 Importing this module imports numba.
 """

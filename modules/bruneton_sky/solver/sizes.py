@@ -85,7 +85,7 @@ class SolverSizes:
     @classmethod
     def in_fog(cls) -> Self:
         """For fog, where light comes from nearby and is scattered forward: more bins, and more
-        directions of the source function. Fog adds steps and altitudes of its own."""
+        directions of the source function. Fog adds further steps and altitudes."""
         return cls(source_mu=64, source_azimuth=24, node_bins=24, single_bins=48, multiple_bins=24)
 
     @classmethod

@@ -27,7 +27,7 @@ class Air(NamedTuple):
     of molecules, aerosol, aerosol aloft, fog; `molecules` (2, n): shares and scale heights of the
     exponentials of their density; `absorber` (2, n): altitudes and relative densities of its nodes;
     one node makes no layer, where it absorbs nothing. `aloft_scale_height_m` and
-    `fog_scale_height_m` are 0 where there is none. `layer_reach_m`, `layer_share`: see
+    `fog_scale_height_m` are 0 without such a layer. `layer_reach_m`, `layer_share`: see
     `ray_kernels`; a share of 0 is no layer.
     """
 

@@ -199,7 +199,7 @@ def sun_and_sky_irradiance(
     the ambient occlusion by the ground's tangent plane (thesis, equation 2.26).
     """
     air = tables.atmosphere
-    # From space the planet hides the sun less: there the sun's own ray tells where it passes.
+    # From space the planet hides the sun less: there the sun's own ray gives its lowest point.
     sunward = view_from(air, point, sun, sun)
     disc = _facing_sun(tables, sunward.state.altitude_m, sunward.state.mu)
     disc = np.where(sunward.misses[..., None], np.asarray(air.solar_irradiance), disc)

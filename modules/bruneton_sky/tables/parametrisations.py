@@ -50,8 +50,8 @@ class State(NamedTuple):
     """A point of the air, a view from it and the sun; the fields broadcast.
 
     `mu` and `mu_s` are cosines of the zenith angles of view and sun, `nu` the cosine between
-    them. `hits_ground` tells whether the view meets the ground: at the horizon, where radiance
-    jumps, mu alone could not tell.
+    them. `hits_ground`: whether the view meets the ground; at the horizon, where radiance jumps, mu
+    alone does not determine it.
     """
 
     altitude_m: FloatArray
@@ -88,7 +88,7 @@ class Parametrisation:
     def to_coordinates(
         self, atmosphere: Atmosphere, sizes: TableSizes, state: State
     ) -> Coordinates:
-        """The texture coordinates of states; each field has the shape of what it depends on."""
+        """The texture coordinates of states; each field has the shape of its variables."""
         air, h, half = atmosphere, state.altitude_m, sizes.mu // 2
         to_ground = ray_lengths.ground_distance(air, h, state.mu, state.hits_ground)
         to_top = distance_to_top(air.ground_radius_m, air.top_altitude_m, h, state.mu)

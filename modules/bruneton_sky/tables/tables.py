@@ -80,7 +80,7 @@ class Tables(look_ups.TableArrays):
         return look_ups.radiance_to_point(self, seen, distance, shadow_m)
 
     def ground_radiance(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
-        """Radiance (..., C) of the bare ground seen through the air; 0 where there is none.
+        """Radiance (..., C) of the bare ground seen through the air; 0 where no ground is seen.
 
         The ground is level, of the atmosphere's albedo, in the light of sun and sky. The air's
         own light in front of it is `sky_radiance`.
@@ -133,7 +133,7 @@ def _checked_direction(name: str, value: ArrayLike) -> FloatArray:
 
 
 def _shadow(shadow_length_m: ArrayLike, seen: View) -> FloatArray:
-    """Lengths (...,) in m that broadcast against what is seen."""
+    """Lengths (...,) in m that broadcast against the views."""
     shadow_m = as_numbers("shadow_length_m", shadow_length_m, 0.0, _FARTHEST_M, "m")
     check_shapes(shadow_length_m=shadow_m, rays=seen.state.mu_s)
     return shadow_m

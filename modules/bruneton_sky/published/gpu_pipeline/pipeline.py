@@ -25,9 +25,9 @@ class GpuPipeline:
     Shaders are compiled once, for all atmospheres and numbers of orders.
 
     Args:
-        context: a moderngl context of OpenGL 4.3 or newer; without one, a context of its own
-            is made current.
-        sizes: of the tables.
+        context: a moderngl context of OpenGL 4.3 or newer; without one, a new context is made
+            current.
+        sizes: sizes of the tables.
 
     Raises:
         UserError: no context is given and no OpenGL is there.

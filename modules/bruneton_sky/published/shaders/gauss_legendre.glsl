@@ -24,7 +24,7 @@ void put_in_order(inout Place a, inout Place b) {
     }
 }
 
-// Where a ray is at the top of the fog, on the side of its perigee that `side` tells.
+// Place of a ray at the top of the fog, before (side -1) or behind (1) its perigee.
 Place place_at_fog_top(Ray ray, float side, Place end) {
     float altitude = fog_top * fog_scale_height_m;
     float y = side * sqrt(max(altitude - ray.perigee_altitude, 0.0));

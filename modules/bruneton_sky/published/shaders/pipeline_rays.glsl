@@ -9,7 +9,7 @@
 struct Line {
     float squared;      // of the tangent at the lowest point, which is the ground or the perigee
     float along;        // from the perigee to the lowest point
-    float deficit;      // what is left of it there without the tangent
+    float deficit;      // the rest of it there, without the tangent
     float start;        // of the ray, in metres from the lowest point; negative before it
     float sense;        // 1, or -1 for a ray that goes down to the ground
 };
@@ -48,8 +48,8 @@ float sine_of_excess(float altitude, float ray_length, float excess, float sum) 
     return sqrt(versine * (2.0 - versine));
 }
 
-// The ray to the ground that lacks a share of what the longest exceeds the shortest by. One of
-// no length goes down.
+// Ray to the ground, shorter than the longest by a share of the range from shortest to longest. A
+// ray of no length goes down.
 Ray ray_to_ground(float h, float lacking) {
     float rho = tangent(h);
     float room = rho - h;
