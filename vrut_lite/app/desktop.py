@@ -65,7 +65,7 @@ def has_display() -> bool:
 
 
 def objection(said: str) -> str:
-    """A sentence made of what Qt printed before it aborted."""
+    """A sentence from the text that Qt printed before it aborted."""
     if "No module named 'PySide6'" in said:
         return f"the window needs PySide6: pip install 'vrut-lite[app]'; {_HEADLESS}"
     missing = re.search(r"(\S+\.so[.\d]*): cannot open shared object file", said)

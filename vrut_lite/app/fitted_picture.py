@@ -31,7 +31,7 @@ class FittedPicture(QWidget):
         return QSize(*self._hint_px)
 
     def minimumSizeHint(self) -> QSize:
-        """Half of that: large enough to see what is in it."""
+        """Half of the hinted size, large enough to recognise the picture."""
         return self.sizeHint() / 2
 
     def show_pixels(self, pixels: NDArray[np.uint8] | None) -> None:

@@ -21,7 +21,7 @@ def read_object(file: Path) -> dict[str, Any]:
 
 
 def write_object(file: Path, facts: dict[str, Any]) -> None:
-    """Write a file, and its folder if there is none.
+    """Write a file, and its folder if it is missing.
 
     An unreadable file is renamed before, since the user may want its content back.
 

@@ -20,7 +20,7 @@ from vrut_lite.messages.sky import SpectrumSeen
 LINES = ((theme.ACCENT, Qt.PenStyle.SolidLine), ("#8fb4e8", Qt.PenStyle.DashLine))
 _HEIGHT_PX = 170
 _LEAST_CD_M2 = 1e-6
-# Of a label on the axis of luminance, and the range in which powers of ten are too few labels.
+# Height (px) of a label on the luminance axis; decades below which powers of ten are too few.
 _LABEL_PX, _FEW_DECADES = 28.0, 2.5
 
 

@@ -13,7 +13,7 @@ _WIDTH_PX = 84
 
 
 class ClockField(QLineEdit):
-    """Enter or leaving hands over what was typed; Escape takes it back; Up and Down step.
+    """Enter or leaving submits the typed text; Escape restores the time; Up and Down step.
 
     Signals: `time_typed` (a `QTime`), `refused` (a sentence). `show_time` emits nothing.
     """
@@ -39,14 +39,14 @@ class ClockField(QLineEdit):
     def show_time(self, time: QTime) -> None:
         """Show a time, unless another one is being typed."""
         self._time = time
-        # What is selected is about to be replaced.
+        # Selected text is about to be replaced by typing.
         if not self.isModified() and not self.hasSelectedText():
             place = self.cursorPosition()
             self.setText(time.toString(_SHOWN))
             self.setCursorPosition(place)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """By keyboard all is selected: what is typed replaces it."""
+        """Select all when focused by keyboard, so that typing replaces it."""
         super().focusInEvent(event)
         if event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason):
             self.selectAll()
@@ -64,7 +64,7 @@ class ClockField(QLineEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Escape takes back what was typed; Up and Down step hours, minutes or seconds."""
+        """Escape restores the time; Up and Down step hours, minutes or seconds."""
         if event.key() == Qt.Key.Key_Escape:
             self._take_back()
         elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):

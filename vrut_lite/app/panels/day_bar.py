@@ -46,7 +46,7 @@ class DayBar(QWidget):
         super().__init__()
         self._day: Day | None = None
         self._moon: MoonDay | None = None
-        # All but the cursor, as painted last, and of which size and font; none: to be painted anew.
+        # All but the cursor as painted last, with its size and font; None if it must be repainted.
         self._behind = QPixmap()
         self._looks: tuple[object, ...] | None = None
         self._stops: list[tuple[float, QColor]] = []

@@ -1,4 +1,4 @@
-"""Names for files of what the window shows."""
+"""Names for files written from the window."""
 
 import re
 from datetime import datetime
@@ -27,7 +27,7 @@ def scene_and_place(session: Session) -> str:
     scene, place = session.last(SceneOpened), session.last(SetPlace)
     parts = [Path(scene.path).stem if scene is not None else "picture"]
     if place is not None:
-        # Of a city its name alone; of other places the coordinates.
+        # The name alone for a city, the coordinates for other places.
         name = name_of(place)
         parts.append(name if "\N{DEGREE SIGN}" in name else name.partition(",")[0])
     return " ".join(_NOT_IN_NAMES.sub(" ", part).strip() for part in parts)

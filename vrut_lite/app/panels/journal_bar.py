@@ -100,7 +100,7 @@ class JournalBar(QWidget):
         self._session.save_journal(path, partial(self._saved, path))
 
     def open_from(self, path: str) -> None:
-        """Read a journal, on a thread of its own."""
+        """Read a journal, on a separate thread."""
         self._session.follow(self._reader.submit(open_journal, path), self._opened)
 
     def step(self, by: int) -> None:

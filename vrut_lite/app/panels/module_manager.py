@@ -196,7 +196,7 @@ class ModuleManager(QWidget):
 
 
 def status_line(fault: Fault | None, mended: bool) -> str:
-    """Of a module's last fault, which is over if the module was restarted since."""
+    """The line on a module's last fault, which is past if the module was restarted since."""
     if fault is None:
         return "No fault so far."
     if mended:

@@ -96,7 +96,7 @@ class NumberField(QWidget):
 
 
 def suffix_of(unit: str) -> str:
-    """What stands after a number: degrees as their sign, close to it, other units after a space."""
+    """Suffix of a number: the degree sign without a space, other units after a space."""
     if unit in ("deg", _DEGREES):
         return _DEGREES
     return f" {unit}" if unit else ""

@@ -25,7 +25,7 @@ _SIZE = " \N{MULTIPLICATION SIGN} "
 
 
 class ScenePanel(ModulePanel):
-    """Facts of the open file above the scene's settings; a choice opens the file anew."""
+    """Facts of the open file above the scene's settings; a choice reopens the file."""
 
     def __init__(self, session: Session, module: str, presets: PresetStore):
         super().__init__(session, module, presets)

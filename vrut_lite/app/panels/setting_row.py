@@ -50,7 +50,7 @@ class SettingRow(QObject):
         super().__init__(parent)
         self.spec = spec
         self.name = self._name(parent)
-        # What the setting stands for while it is unset, as far as it is known.
+        # Effective value of the unset setting, where known.
         self._stands_for: Any = None
         self.editor, self._show = self._editor()
         self.reset = QToolButton()

@@ -76,7 +76,7 @@ class SkyPanel(QWidget):
             session.listen(kind, lambda _: self._show_holders())
 
     def _fill(self, roster: Roster) -> None:
-        # What one module alone can hold is no choice.
+        # A slot that one module alone can hold needs no chooser.
         contested = [slot for slot in roster.slots if len(roster.providers(slot)) > 1]
         for slot in sorted(contested, key=lambda slot: (slot != SHOWN_SLOT, slot)):
             chooser = Chooser()
@@ -107,7 +107,7 @@ class SkyPanel(QWidget):
 
     def _show_haze(self, haze: SetHaze) -> None:
         self.haze.show_value(haze.optical_depth_550)
-        # An aerosol of one's own is not in this list.
+        # A user's aerosol is not in this list.
         known = haze.aerosol if haze.own is None else None
         self.aerosol.setCurrentIndex(self.aerosol.findData(known))
 
@@ -134,7 +134,7 @@ class SkyPanel(QWidget):
 
 
 def lack_line(slots: list[str]) -> str:
-    """What it means that no module holds these slots; empty if none is without."""
+    """The consequence of slots without a holder, in a sentence; empty without such slots."""
     if not slots:
         return ""
     named = " and no ".join(slot.replace("_", " ") for slot in slots)

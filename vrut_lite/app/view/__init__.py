@@ -1,1 +1,1 @@
-"""The picture, the camera in the user's hands, and what is drawn over the picture."""
+"""The picture, its camera controls and its overlays."""

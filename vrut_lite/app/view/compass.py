@@ -53,7 +53,7 @@ class Compass(QObject):
         _paint_rose(painter, middle, self.azimuth_rad(camera))
 
     def azimuth_rad(self, camera: MoveCamera) -> float:
-        """Of the camera's view, from true north, clockwise."""
+        """Azimuth of the camera's view, clockwise from true north."""
         way = np.subtract(camera.target_m, camera.eye_m)
         east, north, _ = enu_from_world(way, self._north_offset_rad)
         return math.atan2(float(east), float(north))

@@ -1,4 +1,4 @@
-"""What the picture shows while a scene is opened: its name, the seconds, something that moves."""
+"""Overlay while a scene is opened: its name, the seconds, a moving bar."""
 
 from pathlib import Path
 from time import perf_counter
@@ -51,7 +51,7 @@ class Loading(QObject):
 
     @property
     def text(self) -> str:
-        """What is being opened, and for how long; empty if nothing is."""
+        """The file being opened, with its seconds; empty without one."""
         if not self.is_on:
             return ""
         # The first picture follows when the light of its hour is there.
@@ -94,7 +94,7 @@ class Loading(QObject):
         self.changed.emit()
 
     def region(self, place: QRectF) -> QRectF:
-        """What `paint` draws into."""
+        """The rectangle that `paint` draws into."""
         width = min(_BAR_WIDTH_PX + 60.0, place.width())
         region = QRectF(0.0, 0.0, width, _BAR_HEIGHT_PX + 28.0 + _LINE_PX)
         region.moveCenter(place.center())

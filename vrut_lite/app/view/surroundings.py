@@ -16,7 +16,7 @@ _CHUNK_POINTS = 1 << 20
 _HEADINGS = 16
 _ARC_RAD, _ARC_STEPS = np.radians(20.0), 24
 _MOST_STEPS = 2000
-# The eye stays so much of the scene's size above the ground.
+# Least height of the eye above the ground, as a share of the scene's size, and in metres.
 _CLEARANCE, _LEAST_CLEARANCE_M = 0.003, 0.02
 
 

@@ -108,12 +108,12 @@ class Viewport(QWidget):
 
     @property
     def rig(self) -> CameraRig:
-        """What the hand moves."""
+        """The camera rig that the mouse and keys move."""
         return self._hand.rig
 
     @property
     def mode(self) -> CameraMode:
-        """What the hand does."""
+        """The mode of camera control."""
         return self._hand.mode
 
     @property

@@ -31,7 +31,7 @@ class ActionSpec(NamedTuple):
 
 
 class Window(Protocol):
-    """What actions do to the window itself."""
+    """Functions of the window that actions call."""
 
     @property
     def time(self) -> TimePanel:

@@ -98,7 +98,7 @@ class CommandPalette(QDialog):
         place = self.list.currentIndex().row()
         self.accept()
         if 0 <= place < len(self.found):
-            # The command may open a dialog of its own, so this one is closed first.
+            # The command may open another dialog, so this one is closed first.
             QTimer.singleShot(0, self._window, self.found[place].act)
 
 
@@ -136,7 +136,7 @@ def dock_entries(
         yield PaletteEntry(f"{dock.windowTitle()} panel", "panel", partial(show_dock, name))
     for name, dock in docks.items():
         for panel in dock.findChildren(ModulePanel):
-            # Of the skies' panels only that of the slot's holder is shown.
+            # Only the sky panel of the slot's holder is shown.
             if panel.isHidden():
                 continue
             for row in panel.rows.values():

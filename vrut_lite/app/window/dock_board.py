@@ -131,6 +131,6 @@ class DockBoard:
         self.docks["sky"].raise_()
 
     def _first_width_px(self, most_px: int, share: float) -> int:
-        # Before it is shown a window has no width of its own yet.
+        # A window that is not shown yet has no width.
         is_visible = self._window.isVisible()
         return min(most_px, round(share * self._window.width())) if is_visible else most_px

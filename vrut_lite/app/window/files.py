@@ -94,7 +94,7 @@ class Files:
 
     @property
     def present_project(self) -> Project:
-        """What the window shows, with its views."""
+        """The window's present state as a project, with its views."""
         return msgspec.structs.replace(project_of(self._session), views=self.views.kept)
 
     def ask_to_keep_view(self) -> None:
@@ -114,7 +114,7 @@ class Files:
             self._status.show_problem(str(error))
 
     def open_weather(self, path: str) -> None:
-        """Show the sky of a year of weather at its place; what the file lacks is told."""
+        """Show the sky of a year of weather at its place; missing data are reported."""
 
         def inputs(stage: Stage) -> list[Input]:
             weather = read_weather(path)

@@ -190,7 +190,7 @@ class MainWindow(QMainWindow):
     def _scene_loaded(self, scene: SceneOpened) -> None:
         self._show_title()
         news = f"{Path(scene.path).name}: {scene.triangles:,} triangles"
-        # An animated scene is opened anew in each pose.
+        # An animated scene posts `SceneOpened` in each pose.
         if scene.opened is None or scene.opened != self._opened:
             self._status.show_notices(news, scene.notices)
             self.files.add_recent(scene.path)

@@ -47,7 +47,7 @@ class StatusLine(QStatusBar):
         self._tell(line, theme.TEXT)
 
     def show_notices(self, line: str, notices: Sequence[str]) -> None:
-        """Show a result, and what is to be noted of it; notices stay until the next line."""
+        """Show a result and its warnings, which stay until the next line."""
         self._tell("; ".join((line, *notices)), theme.TEXT)
         self.news.setToolTip("\n".join((line, *notices)))
         if notices:
