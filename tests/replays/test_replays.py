@@ -33,18 +33,19 @@ def test_the_modules_say_what_they_said(replay_journal, name):
 
 
 @pytest.mark.parametrize(
-    ("name", "changed"), [("sky_on_gpu", ""), ("slots_switched", "value.sizes.higher_bins")]
+    ("name", "changed"),
+    [("sky_on_gpu", "compute_shader"), ("slots_switched", "value.sizes.higher_bins")],
 )
 def test_journals_of_earlier_versions_replay(name, changed):
     """Recorded on another processor, without a setup's steps and without results' senders.
 
-    What a module computes otherwise since is named: the Bruneton sky's solver takes other sizes.
+    A later change of a module's computation is named: the Bruneton sky's solver takes other sizes,
+    the shader of Hosek and Wilkie's sky divides last.
     """
     journal = Journal(journal_scripts.HERE / "earlier" / f"{name}.mcap")
     assert not journal.setup.steps
     outcome = Replay(journal, journal_scripts.modules(name)).run()
     assert outcome.by_value
-    assert (outcome.difference is None) == (not changed)
     assert changed in (outcome.difference or "")
 
 
