@@ -11,8 +11,8 @@ from clouds.model.cloud_field import cloud_field
 from clouds.model.cloud_light import ClearLight
 
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.render.pieces import Patience
 from vrut_lite.render.shader_files import shader_source
+from vrut_lite.render.tiles import Patience
 
 pytestmark = pytest.mark.gl
 EYE = np.array([4321.0, 700.0, -98765.0])

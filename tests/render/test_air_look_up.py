@@ -27,7 +27,7 @@ void main() {
 def on_gpu(owner, volume, rays, ground_level_m=0.0):
     """What the shader finds for rays (n, 4), direction and distance: (n, 3, 4)."""
     from vrut_lite.render.air import AirOnGpu, AirSurroundings
-    from vrut_lite.render.near_air import second_light
+    from vrut_lite.render.passes.near_air import second_light
     from vrut_lite.render.shader_files import defined, shader_source
 
     def work(context):

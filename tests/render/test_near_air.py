@@ -11,7 +11,7 @@ from term_stage import material
 from test_air_frame import EYE, scene_of, show_light, uniform_sky, wall
 
 from vrut_lite.messages.air import SecondLight
-from vrut_lite.render.near_air import NearAir, reach_m
+from vrut_lite.render.passes.near_air import NearAir, reach_m
 from vrut_lite.sky.air_volume import node_rays, slice_shares
 
 pytestmark = pytest.mark.gl

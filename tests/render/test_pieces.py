@@ -110,7 +110,7 @@ def given_up(backend, after):
 )
 def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, expected):
     """The last one's time decides; placing triangles never takes longer than shading."""
-    from vrut_lite.render.pieces import next_tiles
+    from vrut_lite.render.tiles import next_tiles
 
     assert next_tiles(asked, drawn, placed_s, shaded_s) == expected
 
@@ -118,7 +118,7 @@ def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, exp
 @pytest.mark.parametrize("size", [(960, 540), (1024, 576), (1367, 769), (2561, 1441)])
 def test_what_is_quick_is_soon_one_piece(size):
     """What the edge leaves of a piece must not make the next ones small, whatever the size."""
-    from vrut_lite.render.pieces import next_tiles, piece_at
+    from vrut_lite.render.tiles import next_tiles, piece_at
 
     tiles, counts = 2, []
     for _ in range(3):
@@ -137,7 +137,7 @@ def test_what_is_quick_is_soon_one_piece(size):
 @pytest.mark.parametrize("tiles", [1, 4, 9, 10, 25, 1000])
 def test_pieces_cover_every_pixel_once(tiles):
     """The picture's sides are no multiples of a tile's."""
-    from vrut_lite.render.pieces import piece_at
+    from vrut_lite.render.tiles import piece_at
 
     size = (150, 333)
     drawn = np.zeros(size[::-1], int)

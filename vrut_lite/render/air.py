@@ -14,7 +14,7 @@ from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.near_air import SECOND_LIGHT, NearAir, second_light
+from vrut_lite.render.passes.near_air import SECOND_LIGHT, NearAir, second_light
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
 from vrut_lite.sky.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below

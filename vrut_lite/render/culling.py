@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from vrut_lite.render.frustum import reaches
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.pieces import Piece
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
+from vrut_lite.render.tiles import Piece
 
 
 def in_view(placed: PlacedPrimitive, view: View) -> bool:

@@ -23,8 +23,7 @@ from vrut_lite.render.culling import in_view
 from vrut_lite.render.device import Choices
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow
-from vrut_lite.render.moving_picture import MovingPictures
-from vrut_lite.render.near_air import NearAirTable
+from vrut_lite.render.passes.near_air import NearAirTable
 from vrut_lite.render.passes.shadow_map import SHADOW_SIZE, ShadowMaps, quick_size
 from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SunDisc
@@ -32,6 +31,7 @@ from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_c
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.software.moving_picture import MovingPictures
 from vrut_lite.render.still_picture import StillPictures
 from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import FrameSkips, SceneState

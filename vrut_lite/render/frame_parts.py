@@ -27,10 +27,10 @@ from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.pieces import Patience, Pieces
 from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
 from vrut_lite.render.shader_files import Defines, shader_source
 from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.tiles import Patience, Pieces
 from vrut_lite.render.unlocked import build_mipmaps
 from vrut_lite.uniform_block import UniformBlock
 

@@ -16,10 +16,10 @@ from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.tone_pass import TonePass
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
+from vrut_lite.render.tiles import Patience
 from vrut_lite.scene.scene_state import SceneState
 
 # What meshes' shaders are compiled with for targets of one sample a pixel.

@@ -18,8 +18,8 @@ from OpenGL.platform import PLATFORM
 
 # glClipControl is of OpenGL 4.5 (ARB_clip_control), which PyOpenGL 3.1.0 does not list.
 _ZERO_TO_ONE, _NEGATIVE_ONE_TO_ONE = 0x935F, 0x935E
-# Depth nearer than any that pictures of one sample give the sky (`reuse_kernel.py`), behind all
-# else.
+# Least depth of surfaces. Pictures of one sample give the sky a smaller one
+# (`software/reprojection_kernel.py`).
 BEFORE_SKY = 1e-20
 
 

@@ -12,13 +12,13 @@ from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import ONE_SAMPLE, PicturePasses, Shot
-from vrut_lite.render.pieces import Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import SAMPLES, Targets
+from vrut_lite.render.tiles import Piece, Pieces
 from vrut_lite.render.value_light import in_false_colours
 from vrut_lite.scene.scene_state import SceneState
 

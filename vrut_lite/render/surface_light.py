@@ -19,8 +19,8 @@ from vrut_lite.render.light import Light
 from vrut_lite.render.mirror_cubes import MirrorCubes
 from vrut_lite.render.open_irradiance import open_irradiance
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.relight_scale import age_factor
 from vrut_lite.render.shader_files import Defines
-from vrut_lite.render.staleness import age_factor
 from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.

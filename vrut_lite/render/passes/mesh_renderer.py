@@ -17,9 +17,9 @@ from vrut_lite.messages.section import Section
 from vrut_lite.render import direct_gl
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadows
-from vrut_lite.render.near_air import NearAir
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
 from vrut_lite.render.passes.draw_order import alpha_range
+from vrut_lite.render.passes.near_air import NearAir
 from vrut_lite.render.passes.programs import Program
 from vrut_lite.render.passes.shadows_on_mesh import OnMesh, bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS

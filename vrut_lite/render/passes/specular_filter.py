@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.messages.tolerance import budget
 from vrut_lite.render.light import Sky
+from vrut_lite.render.relight_scale import age_factor
 from vrut_lite.render.shader_files import shader_source
-from vrut_lite.render.staleness import age_factor
 from vrut_lite.render.unlocked import average_down_for_compute, run_compute
 
 # Roughness of the filtered map's mip levels; a mirror looks up the sky itself.

@@ -1,4 +1,4 @@
-// The air before a point that is near: render/near_air.py says what that is, and fills the tables.
+// The air before a point that is near: render/passes/near_air.py says what that is, and fills the tables.
 
 layout(binding = 36) uniform sampler2D near_radiance;    // a mean along the ray
 layout(binding = 37) uniform sampler2D near_extinction;  // m^-1

@@ -14,10 +14,10 @@ from OpenGL import GL
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.change_of_light import change_of_light
-from vrut_lite.render.halves import run_in_halves
-from vrut_lite.render.moving_targets import Drawn, MovingTargets
 from vrut_lite.render.passes.view import View, translation
 from vrut_lite.render.picture_passes import Shot
+from vrut_lite.render.software.moving_targets import Drawn, MovingTargets
+from vrut_lite.render.software.row_threads import run_in_halves
 from vrut_lite.render.unlocked import read_rgba
 
 # Pictures from one turn of a pixel to the next, and while the light changes.
@@ -31,7 +31,7 @@ class _Before(NamedTuple):
     shot: Shot
 
 
-class Reuse:
+class TemporalReprojection:
     """Used on the GL thread only."""
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class Reuse:
 
     def _take_over(self, drawn: Drawn, before: _Before, shot: Shot, brighter: FloatArray) -> None:
         # numba, which a start without such pictures does not need.
-        from vrut_lite.render.reuse_kernel import edge_blocks, take_over
+        from vrut_lite.render.software.reprojection_kernel import edge_blocks, take_over
 
         self._turn = (self._turn + _STEP) % _TURNS
         view = shot.view

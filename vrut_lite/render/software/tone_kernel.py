@@ -13,8 +13,8 @@ from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.messages.picture import SetExposure, ToneMap
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.pictures import display, tone_map
-from vrut_lite.render.halves import run_in_halves
 from vrut_lite.render.passes.tone_pass import from_radiance, outset
+from vrut_lite.render.software.row_threads import run_in_halves
 
 # A table has as many numbers an octave as so many bits of a float's fraction tell apart. One of
 # them is within 0.3 of 255 of its neighbours.

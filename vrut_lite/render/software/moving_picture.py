@@ -6,14 +6,14 @@ from numpy.typing import NDArray
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.halves import run_in_halves
-from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.passes.reuse import Reuse
 from vrut_lite.render.picture_passes import ONE_SAMPLE, PicturePasses, Shot
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.software.moving_targets import MovingTargets
+from vrut_lite.render.software.row_threads import run_in_halves
+from vrut_lite.render.software.temporal_reprojection import TemporalReprojection
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.unlocked import read_rgba
 
@@ -25,7 +25,7 @@ class MovingPictures:
         self._passes = passes
         context = passes.context
         self._targets = SizeCache(context, lambda size: MovingTargets(context, size))
-        self._reuse = Reuse()
+        self._reprojection = TemporalReprojection()
 
     def draw(self, shot: Shot) -> Picture:
         """Draw a shot."""
@@ -40,13 +40,13 @@ class MovingPictures:
             with passes.measure("depth"):
                 passes.meshes.draw_depth_of_solid(solid, view)
             with passes.measure("reuse"):
-                self._reuse.begin(targets, shot)
+                self._reprojection.begin(targets, shot)
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
                 passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.air.sky)
             with passes.measure("copy and meter"):
-                radiance = self._reuse.keep(targets, shot)
+                radiance = self._reprojection.keep(targets, shot)
             if blended or passes.parts.are_seen:
                 targets.draw_over()
                 with passes.measure("parts over the sky"):
@@ -80,19 +80,19 @@ class MovingPictures:
             self._passes.tone.draw(targets.radiance, targets.toned, ev100, wish, pixel_rad)
             return targets.read_toned()
         # numba, which a start without such pictures does not need.
-        from vrut_lite.render.tone_kernel import tone_mapped
+        from vrut_lite.render.software.tone_kernel import tone_mapped
 
         return tone_mapped(radiance, ev100, wish)
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self._targets.release()
-        self._reuse.release()
+        self._reprojection.release()
 
 
 def _without_steps(toned: NDArray[np.uint32]) -> NDArray[np.uint8]:
     """The picture (h, w, 3) for display, its edges smoothed, row 0 at the top."""
-    from vrut_lite.render.edge_kernel import smooth_edges
+    from vrut_lite.render.software.edge_kernel import smooth_edges
 
     display = np.empty((*toned.shape, 3), np.uint8)
     run_in_halves(smooth_edges, len(toned), toned, display)

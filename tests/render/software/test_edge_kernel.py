@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vrut_lite.render.edge_kernel import smooth_edges
+from vrut_lite.render.software.edge_kernel import smooth_edges
 
 
 def toned(rgb):

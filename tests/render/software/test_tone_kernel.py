@@ -5,7 +5,7 @@ import pytest
 
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.display import developed
-from vrut_lite.render.tone_kernel import tone_mapped
+from vrut_lite.render.software.tone_kernel import tone_mapped
 
 
 @pytest.mark.parametrize("curve", ["agx", "exponential", "none"])
