@@ -183,7 +183,8 @@ class PartGl(Protocol):
 class FramePart:
     """A module's part of the frame; override the hooks it uses. All calls come on the GL thread.
 
-    A part that raises is left out of all further pictures, and a warning says so.
+    A part that raises is left out of all further pictures; it is its module's Fault, of the module
+    that has the name of the part's entry point.
 
     Class attributes:
         hears: messages whose latest ones `show` gets; those of a slot go when nobody holds it.

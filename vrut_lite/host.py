@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import Input
+from vrut_lite.kernel.messages import Input, JobResult
 from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.gl_jobs import GlJobs
@@ -44,7 +44,7 @@ class Host:
         self.faults = FaultCollector(self.kernel)
         self.gl = gl or GlOwner()
         try:
-            self._backend = PyrenderBackend(self.gl)
+            self._backend = PyrenderBackend(self.gl, self._part_failed)
         except BaseException:
             self.gl.close()
             raise
@@ -52,6 +52,10 @@ class Host:
         self._view = SceneView(self.kernel, self._backend)
         self.kernel.add_module(SceneManager, view=self._view, cube_size=cube_size)
         self.settle()
+
+    def _part_failed(self, name: str, error: str) -> None:
+        """A frame part's failure becomes its module's Fault."""
+        self.kernel.inject(JobResult(module=name, job="frame part", value=None, error=error))
 
     def settle(self) -> None:
         """Pump until no work is left, GPU jobs included.

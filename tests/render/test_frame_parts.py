@@ -10,9 +10,15 @@ from scene_stage import light, look
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite import frame_part
+from vrut_lite.errors import ModuleFailed
 from vrut_lite.frame_part import FramePart
-from vrut_lite.kernel.messages import Derived
+from vrut_lite.host import Host
+from vrut_lite.kernel.messages import Derived, Fault, SetSetting
+from vrut_lite.messages.clouds import CloudsChanged
+from vrut_lite.project import Project, daylight_inputs
+from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.render.shader_files import shader_source
 
 SIZE = 32, 24
 SHADER = """#version 430 core
@@ -57,22 +63,38 @@ class Broken(FramePart):
         raise ZeroDivisionError("no glow")
 
 
+CACHES = (frame_part.frame_parts, part_blocks, part_units, shader_source)
+
+
 @pytest.fixture
-def glowing(gl_owner, box_file, tmp_path, monkeypatch):
+def install(monkeypatch):
+    """Installs these parts, by the names of their entry points, and no others."""
+
+    def put(**parts):
+        points = [
+            EntryPoint(name, f"{__name__}:{part.__name__}", frame_part.GROUP)
+            for name, part in parts.items()
+        ]
+        monkeypatch.setattr(frame_part, "entry_points", lambda group: points)
+        for cached in CACHES:
+            cached.cache_clear()
+
+    yield put
+    for cached in CACHES:
+        cached.cache_clear()
+
+
+@pytest.fixture
+def glowing(gl_owner, box_file, tmp_path, install):
     """A backend with both parts installed, and the box under a black sky."""
     Glow.shader = Path(tmp_path / "glow.frag")
     Glow.shader.write_text(SHADER)
-    points = [
-        EntryPoint(name, f"{__name__}:{name}", frame_part.GROUP) for name in ("Broken", "Glow")
-    ]
-    monkeypatch.setattr(frame_part, "entry_points", lambda group: points)
-    frame_part.frame_parts.cache_clear()
+    install(Broken=Broken, Glow=Glow)
     backend = PyrenderBackend(gl_owner)
     stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
     light(stage, uniform_sky(0.0), sun_irradiance=(0.0,) * 3)
     yield stage
     backend.close()
-    frame_part.frame_parts.cache_clear()
 
 
 @pytest.mark.gl
@@ -103,7 +125,7 @@ def test_a_part_that_raises_is_left_out_and_named_once(glowing, caplog):
         glowing.change(parts={GlowShown: GlowShown(glow=(glow,) * 3)})
         assert look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0)).radiance.max() == glow
     assert [record.getMessage() for record in caplog.records] == [
-        "Broken is left out of pictures: ZeroDivisionError: no glow"
+        "the frame part Broken is left out of pictures: ZeroDivisionError: no glow"
     ]
 
 
@@ -112,3 +134,31 @@ def test_a_part_without_messages_is_not_made(glowing):
     """Nobody posts: no program is compiled, nothing is drawn."""
     look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0))
     assert glowing.ledger.done["glow"] == 0
+
+
+class BrokenClouds(FramePart):
+    """Raises where clouds would be prepared."""
+
+    hears = (CloudsChanged,)
+
+    def prepare(self, frame):
+        """Fail."""
+        raise ZeroDivisionError("no clouds")
+
+
+@pytest.mark.gl
+def test_a_part_that_raises_is_its_modules_fault(install, box_file):
+    """The picture is drawn without it; the module of the part's name has the fault."""
+    install(clouds=BrokenClouds)
+    with Host() as host:
+        faults = []
+        host.kernel.tap(lambda message, _: faults.append(message))
+        host.load(str(box_file))
+        host.inject(*daylight_inputs(Project(at="2026-06-21T12:00")))
+        host.inject(SetSetting(module="clouds", name="coverage", value=0.5))
+        assert np.isfinite(host.draw().radiance).all()
+        with pytest.raises(ModuleFailed, match="clouds"):
+            host.settle()
+    (fault,) = (message for message in faults if isinstance(message, Fault))
+    assert fault.module == "clouds"
+    assert fault.error.endswith("ZeroDivisionError: no clouds")

@@ -21,6 +21,7 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.air import AIR_DEFINES, AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.culling import in_view
 from vrut_lite.render.device import Choices
+from vrut_lite.render.frame_parts import PartFailed
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow
 from vrut_lite.render.passes.near_air import NearAirTable
@@ -48,12 +49,12 @@ class Frame:
     `ledger` counts what was done and what was skipped.
     """
 
-    def __init__(self, context: Any, choices: Choices):
+    def __init__(self, context: Any, choices: Choices, part_failed: PartFailed):
         self._context = context
         self._choices = choices
         self.ledger = Ledger()
         context.enable_direct(_CUBE_MAP_SEAMLESS)
-        self._passes = PicturePasses.made(context, self.ledger)
+        self._passes = PicturePasses.made(context, self.ledger, part_failed)
         self._stills = StillPictures(self._passes, several_samples=not choices.takes_over)
         self._moving = MovingPictures(self._passes)
         self._shadow = ShadowMaps(context, self.ledger)

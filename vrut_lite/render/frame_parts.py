@@ -34,14 +34,22 @@ from vrut_lite.render.tiles import Patience, Pieces
 from vrut_lite.render.unlocked import build_mipmaps
 from vrut_lite.uniform_block import UniformBlock
 
+# Called with the name of a part that raised, and a sentence.
+PartFailed = Callable[[str, str], None]
 _log = logging.getLogger(__name__)
+
+
+def warn_of_part(name: str, error: str) -> None:
+    """Log a part's failure, where there is no kernel to post it."""
+    _log.warning("the frame part %s is left out of pictures: %s", name, error)
 
 
 class FrameParts:
     """One of each installed part."""
 
-    def __init__(self, context: Any, ledger: Ledger, patience: Patience):
+    def __init__(self, context: Any, ledger: Ledger, patience: Patience, failed: PartFailed):
         self._context, self._ledger, self._patience = context, ledger, patience
+        self._tell_failed = failed
         self._types = frame_parts()
         # Parts are made when they first have something to show.
         self._parts: dict[str, FramePart] = {}
@@ -116,7 +124,7 @@ class FrameParts:
             pass_interrupt(error)
             self._parts.pop(name, None)
             self._failed.add(name)
-            _log.warning("%s is left out of pictures: %s", name, sentence_of(error))
+            self._tell_failed(name, sentence_of(error))
 
     def release(self) -> None:
         """Free all GL objects."""

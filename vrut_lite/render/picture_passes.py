@@ -9,7 +9,7 @@ from vrut_lite.frame_part import PartFrame
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.backdrop import Backdrop
-from vrut_lite.render.frame_parts import FrameParts
+from vrut_lite.render.frame_parts import FrameParts, PartFailed
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
@@ -68,7 +68,7 @@ class PicturePasses:
     measure: Measure = unmeasured
 
     @staticmethod
-    def made(context: Any, ledger: Ledger) -> "PicturePasses":
+    def made(context: Any, ledger: Ledger, part_failed: PartFailed) -> "PicturePasses":
         """New ones in a context."""
         patience = Patience(ledger)
         return PicturePasses(
@@ -77,7 +77,7 @@ class PicturePasses:
             patience,
             MeshRenderer(),
             SkyPass(context),
-            FrameParts(context, ledger, patience),
+            FrameParts(context, ledger, patience, part_failed),
             TonePass(context),
             SurfaceLightOnGpu(context),
             LampsOnGpu(context, ledger),

@@ -21,6 +21,7 @@ from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame
+from vrut_lite.render.frame_parts import PartFailed, warn_of_part
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, Sky
 from vrut_lite.render.light_meter import Illuminance, illuminance
@@ -42,11 +43,11 @@ class PyrenderBackend:
     The ledger counts "upload" of a part of the state, and skips "upload: unchanged".
     """
 
-    def __init__(self, owner: GlOwner):
+    def __init__(self, owner: GlOwner, part_failed: PartFailed = warn_of_part):
         self._owner = owner
         choices = owner.opened.device.choices
         # The GL thread makes it while the caller goes on.
-        self._made = owner.submit(lambda context: Frame(context, choices))
+        self._made = owner.submit(lambda context: Frame(context, choices, part_failed))
         # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
