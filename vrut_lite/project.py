@@ -4,10 +4,10 @@ import math
 import os
 import stat
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import msgspec
 import numpy as np
@@ -17,32 +17,33 @@ from vrut_lite.atmosphere.aerosols.own import OwnAerosol
 from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
+from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, Input, SetClock, SetSetting
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.glazing import Glazing
-from vrut_lite.messages.haze import DEFAULT_AEROSOL, MOST_OPTICAL_DEPTH, AerosolType, SetHaze
-from vrut_lite.messages.picture import Resize, SetExposure, ToneMap
+from vrut_lite.messages.haze import (
+    DEFAULT_AEROSOL,
+    DEFAULT_HAZE,
+    MOST_OPTICAL_DEPTH,
+    AerosolType,
+    SetHaze,
+)
+from vrut_lite.messages.picture import LARGEST_PICTURE_PX, Resize, SetExposure, ToneMap
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.placement import PlacedFile, Placement
-from vrut_lite.messages.scene import LoadScene
-from vrut_lite.messages.section import Axis, Side
-from vrut_lite.messages.tolerance import SetTolerance
+from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, Remembers, SetTolerance
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.place_time import Place, parse_instant, parse_place
-from vrut_lite.scene.scene_state import Shown
+from vrut_lite.scene.settings import SCENE, SceneSettings
 from vrut_lite.weather.weather_file import read_weather
 from vrut_lite.write_atomic import atomic_output
 
+T = TypeVar("T")
 PROJECT_SUFFIX = ".toml"
-Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
+Pixels = Annotated[int, msgspec.Meta(ge=16, le=LARGEST_PICTURE_PX)]
 # A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
-# Of the scene manager, which a project has as fields of its own.
-SCENE_SETTINGS = (
-    "air", "light_shafts", "shows", "animation", "animation_time_s",
-    "section", "section_at", "section_keeps",
-)  # fmt: skip
 _NEAREST_TARGET_M = 1e-6
 _MOST_BYTES = 1 << 20
 
@@ -64,7 +65,14 @@ class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         )
 
     def camera(self) -> MoveCamera:
-        """The input that moves the camera there."""
+        """The input that moves the camera there.
+
+        Raises:
+            UserError: eye and target are one point, or not finite.
+        """
+        eye, target = np.array(self.eye_m), np.array(self.target_m)
+        if not _NEAREST_TARGET_M < np.linalg.norm(target - eye) < math.inf:
+            raise UserError("the camera's eye and target must be two finite points, apart")
         return MoveCamera(
             eye_m=self.eye_m,
             target_m=self.target_m,
@@ -93,23 +101,19 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def input(self) -> SetHaze:
         """The input that sets it."""
-        return SetHaze(
-            optical_depth_550=self.optical_depth_550,
-            aerosol=self.aerosol,
-            humidity_percent=self.humidity_percent,
-            own=self.own,
-        )
+        return SetHaze(**msgspec.structs.asdict(self))
 
 
-class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The content of a picture. `at` is ISO time, local to the place unless it has an offset.
+class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The content of a picture, with the scene's settings.
+
+    `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: largest relative error of radiance; None leaves it unchanged, and so does a missing
     `haze`. `weather` is a file of a year (EPW), whose place holds where `place` is not said.
     `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
-    `animation` and `animation_time_s` say how the scene's own animations stand.
     `views` are kept by name, for the window. `sensors` is a file of points at which light is
     measured, `glazing` glass by names of materials.
     """
@@ -132,16 +136,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
     haze: Haze | None = None
     weather: str = ""
-    air: bool = True
-    light_shafts: bool = False
-    shows: Shown = "picture"
-    animation: Literal["rest", "time", "clock"] = "rest"
-    animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
     sensors: str = ""
     glazing: dict[str, Glazing] = {}
-    section: Axis = "off"
-    section_at: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.5
-    section_keeps: Side = "below"
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -150,6 +146,141 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def instant(self) -> datetime:
         """The aware instant; UserError if the text names none at the place."""
         return parse_instant(self.at, self.where())
+
+
+class ProjectPart(NamedTuple):
+    """Fields of a project that one input carries: what file, window and undo do with them.
+
+    Attributes:
+        kind: the type of the input.
+        input_of: the input of a project; None where the project leaves it open.
+        fields_of: the fields that stand for an input.
+        title: the title of the step that undo takes back, a format of the input; empty where the
+            kind has no undo.
+        default: the input that holds as long as none was sent.
+        last: the input that holds in a kernel or a session; None: the last one of its type.
+    """
+
+    kind: type[Input]
+    input_of: Callable[[Project], Input | None]
+    fields_of: Callable[[Any], dict[str, Any]]
+    title: str = ""
+    default: Input | None = None
+    last: Callable[[Remembers], Input | None] | None = None
+
+    def sent(self, kernel: Remembers) -> Input | None:
+        """The input that holds at present, if one was sent."""
+        return kernel.last(self.kind) if self.last is None else self.last(kernel)
+
+    def present(self, kernel: Remembers) -> Input | None:
+        """The input that holds at present, or the default."""
+        return self.sent(kernel) or self.default
+
+
+def _place(project: Project) -> SetPlace:
+    place = project.where()
+    return SetPlace(
+        latitude_deg=place.latitude_deg,
+        longitude_deg=place.longitude_deg,
+        altitude_m=place.altitude_m,
+        north_offset_rad=math.radians(project.north_offset_deg),
+    )
+
+
+def _place_fields(place: SetPlace) -> dict[str, Any]:
+    return {
+        "place": f"{place.latitude_deg:.6g},{place.longitude_deg:.7g},{place.altitude_m:g}",
+        "north_offset_deg": round(math.degrees(place.north_offset_rad), 6),
+    }
+
+
+def _last_clock(kernel: Remembers) -> SetClock | None:
+    clock = kernel.last(ClockMoved)
+    return None if clock is None else SetClock(instant=clock.instant)
+
+
+def _scene(project: Project) -> LoadScene:
+    return LoadScene(
+        path=project.scene,
+        placement=project.placement,
+        beside=project.beside,
+        camera=project.scene_camera,
+        luminaires=tuple(project.luminaires.items()),
+        variant=project.variant,
+        glazing=tuple(project.glazing.items()),
+    )
+
+
+def _scene_fields(load: LoadScene) -> dict[str, Any]:
+    return {
+        "scene": load.path,
+        "placement": load.placement,
+        "beside": load.beside,
+        "scene_camera": load.camera,
+        "luminaires": dict(load.luminaires),
+        "variant": load.variant,
+        "glazing": dict(load.glazing),
+    }
+
+
+def _last_scene(kernel: Remembers) -> LoadScene | None:
+    """The scene that is open, with what its file said of axes and units."""
+    scene = kernel.last(SceneOpened)
+    return None if scene is None else scene.opened or LoadScene(path=scene.path)
+
+
+def _if_said(value: T | None, input_of: Callable[[T], Input]) -> Input | None:
+    return None if value is None else input_of(value)
+
+
+_AIR = (
+    ProjectPart(
+        SetTolerance, default=SetTolerance(tolerance=DEFAULT_TOLERANCE),
+        input_of=lambda p: _if_said(p.tolerance, lambda it: SetTolerance(tolerance=it)),
+        fields_of=lambda m: {"tolerance": m.tolerance}, title="tolerance {0.tolerance:.4g}",
+    ),
+    ProjectPart(
+        SetHaze, default=DEFAULT_HAZE, input_of=lambda p: _if_said(p.haze, Haze.input),
+        fields_of=lambda m: {"haze": Haze(**msgspec.structs.asdict(m))},
+        title="haze {0.optical_depth_550:.4g}, {0.aerosol}",
+    ),
+    # Without undo: the slots that come with it are undone.
+    ProjectPart(
+        SetWeather, input_of=lambda p: _if_said(p.weather or None, read_weather),
+        fields_of=lambda m: {"weather": m.path},
+    ),
+)  # fmt: skip
+_DAYLIGHT = (
+    ProjectPart(SetPlace, _place, _place_fields, title="place"),
+    ProjectPart(
+        SetClock, last=_last_clock, input_of=lambda p: SetClock(instant=p.instant()),
+        fields_of=lambda m: {"at": m.instant.isoformat()}, title="time",
+    ),
+)  # fmt: skip
+# Without undo but for the exposure: who looks around or opens a scene does not change it.
+_VIEW = (
+    ProjectPart(
+        Resize, input_of=lambda p: Resize(width_px=p.size[0], height_px=p.size[1]),
+        fields_of=lambda m: {"size": (m.width_px, m.height_px)},
+    ),
+    ProjectPart(
+        SetExposure, default=SetExposure(),
+        input_of=lambda p: SetExposure(**msgspec.structs.asdict(p.exposure)),
+        fields_of=lambda m: {"exposure": Exposure(**msgspec.structs.asdict(m))}, title="exposure",
+    ),
+    ProjectPart(LoadScene, _scene, _scene_fields, last=_last_scene),
+    ProjectPart(
+        MoveCamera, input_of=lambda p: _if_said(p.camera, CameraView.camera),
+        fields_of=lambda m: {"camera": CameraView.of(m)},
+    ),
+)  # fmt: skip
+# All fields of a project but those of the scene manager (`SceneSettings`), of modules (`settings`,
+# `slots`), and those that no input carries (`views`, `sensors`).
+PROJECT_PARTS = {part.kind: part for part in (*_AIR, *_DAYLIGHT, *_VIEW)}
+
+
+def _inputs(parts: Sequence[ProjectPart], project: Project) -> list[Input]:
+    return [message for part in parts if (message := part.input_of(project)) is not None]
 
 
 def load_project(path: str | Path) -> Project:
@@ -268,7 +399,8 @@ def _relative(path: str, folder: Path) -> str:
 
 def project_text(project: Project) -> str:
     """A project as TOML."""
-    values = msgspec.to_builtins(project)
+    # The scene stands first in the file.
+    values = {"scene": project.scene, **msgspec.to_builtins(project)}
     # TOML has no null: a missing key means None, and a setting that is None is the text "none".
     for table in values["settings"].values():
         table.update({name: "none" for name, value in table.items() if value is None})
@@ -326,12 +458,11 @@ def weather_inputs(weather: SetWeather, kernel: Kernel, slots: Mapping[str, str]
 def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
     """Tolerance, haze, weather, settings and slots as inputs, checked against the modules."""
     inputs: list[Input] = []
-    if project.tolerance is not None:
-        inputs.append(SetTolerance(tolerance=project.tolerance))
-    if project.haze is not None:
-        inputs.append(project.haze.input())
-    if project.weather:
-        inputs += weather_inputs(read_weather(project.weather), kernel, project.slots)
+    for message in _inputs(_AIR, project):
+        if isinstance(message, SetWeather):
+            inputs += weather_inputs(message, kernel, project.slots)
+        else:
+            inputs.append(message)
     for module, values in project.settings.items():
         kernel.check_module(module)
         for name, value in values.items():
@@ -349,41 +480,13 @@ def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
 
 def daylight_inputs(project: Project) -> list[Input]:
     """Place and time as inputs."""
-    place = project.where()
-    return [
-        SetPlace(
-            latitude_deg=place.latitude_deg,
-            longitude_deg=place.longitude_deg,
-            altitude_m=place.altitude_m,
-            north_offset_rad=math.radians(project.north_offset_deg),
-        ),
-        SetClock(instant=project.instant()),
-    ]
+    return _inputs(_DAYLIGHT, project)
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """Air, light shafts, animations, size, exposure, scene and camera as inputs."""
-    exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
-    inputs: list[Input] = [
-        *(
-            SetSetting(module="scene", name=name, value=getattr(project, name))
-            for name in SCENE_SETTINGS
-        ),
-        Resize(width_px=project.size[0], height_px=project.size[1]),
-        exposure,
-        LoadScene(
-            path=project.scene,
-            placement=project.placement,
-            beside=project.beside,
-            camera=project.scene_camera,
-            luminaires=tuple(project.luminaires.items()),
-            variant=project.variant,
-            glazing=tuple(project.glazing.items()),
-        ),
+    """The scene's settings, size, exposure, scene and camera as inputs."""
+    own = [
+        SetSetting(module=SCENE, name=name, value=getattr(project, name))
+        for name in SceneSettings.__struct_fields__
     ]
-    if project.camera is not None:
-        eye, target = np.array(project.camera.eye_m), np.array(project.camera.target_m)
-        if not _NEAREST_TARGET_M < np.linalg.norm(target - eye) < math.inf:
-            raise UserError("the camera's eye and target must be two finite points, apart")
-        inputs.append(project.camera.camera())
-    return inputs
+    return [*own, *_inputs(_VIEW, project)]

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import msgspec
 
@@ -10,14 +10,13 @@ from vrut_lite import __version__
 from vrut_lite.frame_part import heard_by_parts, part_reach_m
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.kernel.settings import setting
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.messages.section import Axis, SectionChanged, Side, section_of
+from vrut_lite.messages.section import SectionChanged, section_of
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
@@ -28,49 +27,8 @@ from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import OpenScene
 from vrut_lite.scene.needs import air_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
-from vrut_lite.scene.scene_state import SceneState, Shown
-
-NAME = "scene"
-Animated = Literal["rest", "time", "clock"]
-
-
-class SceneSettings(msgspec.Struct, frozen=True):
-    """Whether air and light shafts are drawn, and how a scene's own animations stand."""
-
-    air: Annotated[bool, msgspec.Meta(description="Whether the scene is seen through the air.")] = (
-        True
-    )
-    light_shafts: Annotated[
-        bool, msgspec.Meta(description="Whether the scene's shadows are seen in the air.")
-    ] = False
-    animation: Annotated[
-        Animated,
-        setting(
-            "The scene's own animations: at rest, at animation_time_s, or by the clock, a second "
-            "of the day one of the animation."
-        ),
-    ] = "rest"
-    animation_time_s: Annotated[
-        float,
-        setting("Time of the animations, which begin anew after their end.", 0, 3600, unit="s"),
-    ] = 0.0
-    section: Annotated[
-        Axis,
-        setting("Across which axis the picture is cut, as a model is; light and shadows are not"),
-    ] = "off"
-    section_at: Annotated[
-        float, setting("Where it is cut, as a share of the scene's extent on that axis", 0, 1)
-    ] = 0.5
-    shows: Annotated[
-        Shown,
-        setting(
-            "The picture, or in false colours what surfaces have: illuminance in lux, the edge of "
-            "the light map's texels, the noise that its rays leave"
-        ),
-    ] = "picture"
-    section_keeps: Annotated[
-        Side, setting("Which side of the cut is seen, by the axis's values")
-    ] = "below"
+from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.scene.settings import SCENE, SceneSettings
 
 
 class SceneManager(Module):
@@ -80,7 +38,7 @@ class SceneManager(Module):
     the view's backend draws none.
     """
 
-    manifest = Manifest(name=NAME, title="Scene", version=__version__)
+    manifest = Manifest(name=SCENE, title="Scene", version=__version__)
     settings_type = SceneSettings
 
     def __init__(

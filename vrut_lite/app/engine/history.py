@@ -12,18 +12,8 @@ from typing import NamedTuple
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    ChooseSlot,
-    ClockMoved,
-    EnableModule,
-    Input,
-    SetClock,
-    SetSetting,
-)
-from vrut_lite.messages.haze import SetHaze, haze_of
-from vrut_lite.messages.picture import SetExposure
-from vrut_lite.messages.place import SetPlace
-from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Input, SetSetting
+from vrut_lite.project import PROJECT_PARTS
 
 GESTURE_S = 0.6
 _MOST_STEPS = 500
@@ -172,17 +162,8 @@ def title_of(message: Input) -> str:
             return f"{message.slot} by {message.module}"
         case EnableModule():
             return f"{message.module} {'on' if message.enabled else 'off'}"
-        case SetPlace():
-            return "place"
-        case SetExposure():
-            return "exposure"
-        case SetClock():
-            return "time"
-        case SetTolerance():
-            return f"tolerance {message.tolerance:.4g}"
-        case SetHaze():
-            return f"haze {message.optical_depth_550:.4g}, {message.aerosol}"
-    return type(message).__name__
+    part = PROJECT_PARTS.get(type(message))
+    return part.title.format(message) if part and part.title else type(message).__name__
 
 
 def inverse_of(message: Input, kernel: Kernel) -> Input | None:
@@ -212,18 +193,8 @@ def _inverse(message: Input, kernel: Kernel) -> Input | None:
         case EnableModule():
             running = kernel.check_module(message.module).running
             return EnableModule(module=message.module, enabled=running)
-        case SetPlace():
-            return kernel.last(SetPlace)
-        case SetExposure():
-            return kernel.last(SetExposure) or SetExposure()
-        case SetTolerance():
-            return SetTolerance(tolerance=tolerance_of(kernel))
-        case SetHaze():
-            return haze_of(kernel)
-        case SetClock():
-            clock = kernel.last(ClockMoved)
-            return None if clock is None else SetClock(instant=clock.instant)
-    return None
+    part = PROJECT_PARTS.get(type(message))
+    return part.present(kernel) if part and part.title else None
 
 
 def _as_kept(message: Input, kernel: Kernel) -> Input:

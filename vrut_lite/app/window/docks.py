@@ -31,7 +31,7 @@ from vrut_lite.app.window.desk import Desk
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.scene.manager import NAME as SCENE
+from vrut_lite.scene.settings import SCENE
 
 PANEL_GROUP = "vrut_lite.panels"
 Area = Qt.DockWidgetArea
