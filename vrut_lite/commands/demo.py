@@ -14,6 +14,7 @@ from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.options import at_weather
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import advancing_bar
+from vrut_lite.commands.time_span import at_instant
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -69,7 +70,7 @@ def demo(out: str, scenes: str, weather: str | None) -> None:
                 host.inject(*setting_inputs(project, host.kernel), *view_inputs(project))
                 row = []
                 for hour, instant in hours.items():
-                    row.append(_draw_hour(host, folder, name, hour, _at(project, instant)))
+                    row.append(_draw_hour(host, folder, name, hour, at_instant(project, instant)))
                     advance(1)
             rows.append(row)
     write_png(folder / "contact_sheet.png", contact_sheet(rows))
@@ -92,10 +93,6 @@ def scene_projects(folder: Path) -> dict[str, Project]:
     if not projects:
         raise UserError(f"no scene in {folder}: name a folder of scenes by --scenes")
     return dict(sorted(projects.items()))
-
-
-def _at(project: Project, instant: datetime) -> Project:
-    return msgspec.structs.replace(project, at=instant.isoformat())
 
 
 def _draw_hour(

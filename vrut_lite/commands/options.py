@@ -1,7 +1,7 @@
 """Options that several commands share, and a project made from them."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import click
@@ -17,7 +17,7 @@ from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.settings import SettingSpec, describe
+from vrut_lite.kernel.settings import SettingSpec, change, describe
 from vrut_lite.messages.haze import (
     AEROSOL_TYPES,
     DEFAULT_HAZE,
@@ -29,6 +29,7 @@ from vrut_lite.messages.haze import (
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Haze, Project, in_words, with_weather
+from vrut_lite.scene.settings import SCENE, SceneSettings
 from vrut_lite.weather.weather_checks import far_from
 from vrut_lite.weather.weather_file import read_weather
 
@@ -75,8 +76,8 @@ def daylight_options(command: Command) -> Command:
                      help="How far radiance may be off, as 1% or 0.01: sizes, orders and "
                      f"thresholds follow. Default {DEFAULT_TOLERANCE:.0%}."),
         click.option("--set", "assignments", multiple=True, metavar="MODULE.NAME=VALUE",
-                     help="One setting of one module; may be repeated. What a still waits for, as "
-                     "light between surfaces, has a setting `on`."),
+                     help="One setting of one module, or of the `scene`; may be repeated. What a "
+                     "still waits for, as light between surfaces, has a setting `on`."),
     ]  # fmt: skip
     for option in reversed(shared):
         command = option(command)
@@ -105,12 +106,8 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
         if options["place"] is not None:
             raise UserError("--weather and --place both name a place: say one of them")
         project = with_weather(project, weather)
-    changes = {
-        key: value
-        for key in ("at", "place", "north_offset_deg")
-        if (value := options.pop(key)) is not None
-    }
     tolerance = options.pop("tolerance")
+    changes = said(options, Project.__struct_fields__)
     if tolerance is not None:
         changes["tolerance"] = _tolerance(tolerance)
     sky = options.pop("sky_module")
@@ -121,11 +118,29 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     if haze is not None:
         changes["haze"] = haze
         project = _without_own_haze(project)
-    changes["settings"] = _merged_settings(project, options)
+    settings = _merged_settings(project, options)
+    changes |= _scene_settings(project, settings.pop(SCENE, {}))
+    changes["settings"] = settings
     changed = _checked(msgspec.structs.replace(project, **changes))
     if changed.weather:
         _tell_weather(changed)
     return changed
+
+
+def said(options: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    """The values of the options of these names that were said; takes their keys out."""
+    values = {name: options.pop(name, None) for name in names}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _scene_settings(project: Project, texts: dict[str, str]) -> dict[str, Any]:
+    """The project's fields for settings of the scene."""
+    if texts and not project.scene:
+        raise UserError("settings of the scene need a scene: name one")
+    scene: Any = SceneSettings()
+    for name, text in texts.items():
+        scene = change(scene, SCENE, name, text)
+    return {name: getattr(scene, name) for name in texts}
 
 
 def at_weather(project: Project, path: str) -> Project:
@@ -239,11 +254,11 @@ def _setting_option(name: str, specs: dict[str, SettingSpec]) -> Command:
         each.setdefault(f"{spec.range_text()}; default {spec.default_text()}{unit}", []).append(
             module
         )
-    said = "; ".join(f"{', '.join(modules)}: {text}" for text, modules in each.items())
+    ranges = "; ".join(f"{', '.join(modules)}: {text}" for text, modules in each.items())
     # As text: a bad value is refused with the same sentence here and in a project file.
     return click.option(
         _flag(name),
         _PREFIX + name,
         metavar="|".join(first.choices) or "VALUE",
-        help=f"{first.help.rstrip('.')} ({said}).",
+        help=f"{first.help.rstrip('.')} ({ranges}).",
     )

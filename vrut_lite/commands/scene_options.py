@@ -6,18 +6,30 @@ import click
 import msgspec
 
 from vrut_lite.commands.number_types import FiniteRange
-from vrut_lite.commands.options import Command
+from vrut_lite.commands.options import Command, said
 from vrut_lite.errors import UserError
 from vrut_lite.messages.placement import LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT, UP_AXES
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Project
 
 
+def _animation(text: str) -> dict[str, Any]:
+    if text in ("rest", "clock"):
+        return {"animation": text}
+    try:
+        return {"animation": "time", "animation_time_s": plain_float(text)}
+    except ValueError:
+        raise UserError(
+            f"--animation {text} is neither rest nor clock nor a number of seconds"
+        ) from None
+
+
 def scene_options(command: Command) -> Command:
     """Add the options."""
     for option in (
-        click.option("--animation", metavar="rest|clock|SECONDS", help="The scene's own "
-                     "animations: at rest (default), by the clock, or at a time."),
+        click.option("--animation", "animated", type=_animation, metavar="rest|clock|SECONDS",
+                     help="The scene's own animations: at rest (default), by the clock, or at a "
+                     "time."),
         click.option("--scene-camera", metavar="NAME|N", help="Which of the scene's own cameras to "
                      "look through, by name or counted from 1. Default: the first."),
         click.option("--variant", metavar="NAME|N", help="Which of the scene's variants of "
@@ -39,36 +51,15 @@ def with_scene_options(project: Project, options: dict[str, Any]) -> Project:
     Raises:
         UserError: there is no scene that they could be about.
     """
-    project = _animated(project, options.pop("animation"))
-    names = ("up", "metres_per_unit", "scene_camera", "variant")
-    up, unit, camera, variant = (options.pop(name) for name in names)
-    if (up, unit, camera, variant) == (None,) * len(names):
-        return project
-    if not project.scene:
+    animated = options.pop("animated") or {}
+    placed = said(options, ("up", "metres_per_unit"))
+    chosen = said(options, ("scene_camera", "variant"))
+    if (placed or chosen) and not project.scene:
         raise UserError(
             "--up, --metres-per-unit, --scene-camera and --variant need a scene: name one"
         )
-    said = {"up": up, "metres_per_unit": unit}
-    placement = msgspec.structs.replace(
-        project.placement, **{name: value for name, value in said.items() if value is not None}
-    )
-    # The scene's own camera is asked for: the project's gives way to it.
-    seen = {} if camera is None else {"scene_camera": camera, "camera": None}
-    variant = project.variant if variant is None else variant
-    return msgspec.structs.replace(project, placement=placement, variant=variant, **seen)
-
-
-def _animated(project: Project, text: str | None) -> Project:
-    """The project with what --animation says."""
-    if text is None:
-        return project
-    if text in ("rest", "clock"):
-        return msgspec.structs.replace(project, animation=text)
-    try:
-        return msgspec.structs.replace(
-            project, animation="time", animation_time_s=plain_float(text)
-        )
-    except ValueError:
-        raise UserError(
-            f"--animation {text} is neither rest nor clock nor a number of seconds"
-        ) from None
+    if "scene_camera" in chosen:
+        # The scene's own camera is asked for: the project's gives way to it.
+        chosen["camera"] = None
+    placement = msgspec.structs.replace(project.placement, **placed)
+    return msgspec.structs.replace(project, placement=placement, **animated, **chosen)

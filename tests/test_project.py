@@ -1,0 +1,189 @@
+"""What a project holds is in its file, its inputs, the command line, and undone."""
+
+import sys
+
+import msgspec
+import pytest
+
+from vrut_lite import cli
+from vrut_lite.app.engine.history import inverse_of
+from vrut_lite.commands import render
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
+from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.kernel.settings import describe
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.placement import PlacedFile, Placement
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.weather import SetWeather
+from vrut_lite.project import (
+    PROJECT_PARTS,
+    CameraView,
+    Exposure,
+    Haze,
+    Project,
+    daylight_inputs,
+    load_project,
+    project_of_path,
+    save_project,
+    setting_inputs,
+    view_inputs,
+)
+from vrut_lite.scene.manager import SceneManager
+from vrut_lite.scene.settings import SCENE, SceneSettings
+
+OF_SCENE = describe(SceneSettings)
+# Fields that no input carries.
+BY_MODULE = {"settings", "slots"}
+KEPT_IN_FILE = {
+    "views": "names that the window has for cameras",
+    "sensors": "points for `vrut-lite daylight`",
+}
+NO_UNDO = {
+    Resize: "the window has the size that its user gives it",
+    MoveCamera: "looking around changes nothing",
+    LoadScene: "a project or a scene is where undo ends",
+    SetWeather: "the slots that come with it are undone",
+}
+OPTIONS = {
+    "placement": ["--up", "z"],
+    "scene_camera": ["--scene-camera", "2"],
+    "variant": ["--variant", "red"],
+    "place": ["--place", "1,2"],
+    "at": ["--at", "2026-01-01T12:00Z"],
+    "north_offset_deg": ["--north-offset", "20"],
+    "slots": ["--sky", "bruneton_sky"],
+    "settings": ["--set", "clouds.coverage=0.5"],
+    "camera": ["--eye", "1,2,3", "--target", "0,0,0"],
+    "exposure": ["--exposure", "12"],
+    "size": ["--size", "64x32"],
+    "tolerance": ["--tolerance", "1%"],
+    "haze": ["--haze", "0.3"],
+    "weather": ["--weather", "YEAR.epw"],
+}
+NO_OPTION = {
+    "scene": "it is the argument",
+    "beside": "a list of files with placements",
+    "luminaires": "a table of lamps",
+    "glazing": "a table of materials",
+    "views": "a table of cameras",
+    "sensors": "an option of `vrut-lite daylight`",
+}
+
+
+def another(spec):
+    """A value of a setting that is not its default."""
+    if spec.choices:
+        return next(choice for choice in spec.choices if choice != spec.default)
+    return not spec.default if spec.type is bool else spec.at_most
+
+
+@pytest.fixture(scope="module")
+def project(house, year_file):
+    """A project of which all that the scene allows is other than by default."""
+    return Project(
+        scene=str(house),
+        placement=Placement(up="z", metres_per_unit=0.01, position_m=(1.0, 0.0, 2.0)),
+        beside=(PlacedFile(scene=str(house), placement=Placement(up="z", metres_per_unit=0.1)),),
+        place="-33.87,151.21,40",
+        at="2026-06-21T11:00:00+00:00",
+        north_offset_deg=-12.5,
+        slots={"sky": "bruneton_sky"},
+        settings={"clouds": {"coverage": 0.5}},
+        camera=CameraView(eye_m=(1.0, 2.0, 3.0), target_m=(0.0, 0.0, 0.0)),
+        views={"door": CameraView(eye_m=(3.0, 2.0, 1.0), target_m=(0.0, 0.0, 0.0))},
+        exposure=Exposure(mode="manual", ev100=9.25),
+        size=(64, 48),
+        tolerance=0.5,
+        haze=Haze(0.3, "desert"),
+        weather=str(year_file),
+        sensors=str(house.with_name("desks.csv")),
+        **{name: another(spec) for name, spec in OF_SCENE.items()},
+    )
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    path = tmp_path_factory.mktemp("project") / "house.obj"
+    path.write_text("v 0 0 0\nv 900 0 0\nv 900 0 600\nv 0 0 600\nf 1 2 3 4\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def year_file(house):
+    pytest.importorskip("pvlib")
+    from vrut_lite_lab.weather_year.epw_year import epw_text
+
+    path = house.with_name("prague.epw")
+    path.write_text(epw_text())
+    return path
+
+
+@pytest.fixture(scope="module")
+def kernel(project):
+    """A kernel with the project's inputs."""
+    kernel, failures = daylight_kernel()
+    assert failures == []
+    faults = FaultCollector(kernel)
+    kernel.add_module(SceneManager, light_map=False)
+    kernel.inject(*setting_inputs(project, kernel), *daylight_inputs(project))
+    kernel.inject(*view_inputs(project))
+    kernel.pump_until_idle()
+    faults.raise_first()
+    yield kernel
+    kernel.close()
+
+
+def test_the_file_keeps_every_field(project, house):
+    """What is written is what is read."""
+    path = house.with_name("project.toml")
+    save_project(path, project)
+    assert load_project(path) == project
+
+
+def test_every_field_becomes_inputs_and_is_read_back(project, kernel):
+    """A field that no input carries, or that is not read back, is lost when a window saves."""
+    fields = {}
+    for part in PROJECT_PARTS.values():
+        message = part.sent(kernel)
+        fields |= {} if message is None else part.fields_of(message)
+    settings = msgspec.structs.asdict(kernel.seats[SCENE].settings)
+    found = fields | settings
+    assert found == {name: getattr(project, name) for name in found}
+    assert {*found, *BY_MODULE, *KEPT_IN_FILE} == set(Project.__struct_fields__)
+
+
+@pytest.mark.parametrize("kind", PROJECT_PARTS)
+def test_undo_takes_back_every_input_of_a_project_or_says_why_not(project, kernel, kind):
+    """The input before comes back: that of the project, where the defaults are sent."""
+    sent = PROJECT_PARTS[kind].input_of(msgspec.structs.replace(Project(), scene="other.obj"))
+    sent = sent or PROJECT_PARTS[kind].default
+    undone = None if sent is None else inverse_of(sent, kernel)
+    assert undone == (None if kind in NO_UNDO else PROJECT_PARTS[kind].input_of(project))
+
+
+@pytest.mark.parametrize("name", OF_SCENE)
+def test_undo_takes_back_every_setting_of_the_scene(project, kernel, name):
+    """By the setting's name alone."""
+    sent = SetSetting(module=SCENE, name=name, value=OF_SCENE[name].default)
+    undone = SetSetting(module=SCENE, name=name, value=getattr(project, name))
+    assert inverse_of(sent, kernel) == undone
+
+
+@pytest.mark.parametrize("name", Project.__struct_fields__)
+def test_the_command_line_sets_every_field_or_says_why_not(house, year_file, monkeypatch, name):
+    """An option, or --set for settings of the scene, changes the field of the project."""
+    if name in NO_OPTION:
+        return
+    plans = []
+    monkeypatch.setattr(render, "make_pictures", lambda plan, *_: plans.append(plan) or [""])
+    if name in OF_SCENE:
+        options = ["--set", f"scene.{name}={another(OF_SCENE[name])}"]
+    else:
+        options = [str(year_file) if text == "YEAR.epw" else text for text in OPTIONS[name]]
+    monkeypatch.setattr(sys, "argv", ["vrut-lite", "render", str(house), "-o", "a.png", *options])
+    cli.main()
+    changed = getattr(plans[0].project, name)
+    assert changed != getattr(project_of_path(str(house)), name)
+    if name in OF_SCENE:
+        assert changed == another(OF_SCENE[name])
