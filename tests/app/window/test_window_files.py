@@ -82,6 +82,16 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
     assert driver.session.last(SetPlace).altitude_m == 40.0
 
 
+def test_sensors_of_a_project_survive_the_window(driver, tmp_path):
+    """The window shows none, and must not lose them for `vrut-lite daylight`."""
+    scene, sensors = SCENES / "sundial.glb", tmp_path / "desks.csv"
+    save_project(tmp_path / "p.toml", Project(scene=str(scene), sensors=str(sensors)))
+    driver.window.files.open_path(str(tmp_path / "p.toml"))
+    driver.settled()
+    driver.window.files.save(str(tmp_path / "kept.toml"))
+    assert load_project(tmp_path / "kept.toml").sensors == str(sensors)
+
+
 def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
     """One line that names the file; scene, title and picture stay."""
     before = driver.session.last(SceneOpened)

@@ -48,13 +48,15 @@ class Files:
         self.views: Views
         # The project that was opened or saved last, if no other scene was opened since.
         self.project: Path | None = None
+        # The open project's file of sensors, which the window keeps for `vrut-lite daylight`.
+        self._sensors = ""
         self.title_changed = title_changed
         self.pictures = user_pictures_path() / "vrut_lite"
 
     def open_path(self, path: str) -> None:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
-            self.project = None
+            self.project, self._sensors = None, ""
             self._session.send(LoadScene(path=path))
             return
         try:
@@ -76,6 +78,7 @@ class Files:
     def open_project(self, project: Project) -> None:
         """Show a project."""
         self.views.show(project.views)
+        self._sensors = project.sensors
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
         self._session.begin_by(lambda stage: inputs_of(project, stage.kernel))
@@ -94,8 +97,10 @@ class Files:
 
     @property
     def present_project(self) -> Project:
-        """The window's present state as a project, with its views."""
-        return msgspec.structs.replace(project_of(self._session), views=self.views.kept)
+        """The window's present state as a project, with its views and sensors."""
+        return msgspec.structs.replace(
+            project_of(self._session), views=self.views.kept, sensors=self._sensors
+        )
 
     def ask_to_keep_view(self) -> None:
         """Let a name be chosen, and keep the camera by it; the project file has it once saved."""
