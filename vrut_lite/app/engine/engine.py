@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.app.engine.adaptation import LISTENED_TO, Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
+from vrut_lite.app.engine.finishing import Finishing
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.revision_gate import DEADLINE_S, RevisionGate
 from vrut_lite.app.engine.roster import roster_of
@@ -43,9 +44,6 @@ READY, HEARD, PICTURE, CAMERA, WAITS, PROBLEM, ENDED = (
 _EARLIER = 1.5
 # Messages that wait for the next picture's exposure, as those of a clock that plays.
 _MOST_HEARD = 1000
-# How long a finished picture waits for what drafts stand in for, and between two questions whether
-# it is there: the first light of any of the project's scenes takes less.
-_DRAFT_PATIENCE_S, _LOOK_AGAIN_S = 5.0, 0.05
 
 
 class Shown(NamedTuple):
@@ -111,13 +109,9 @@ class Engine:
         self._withheld: dict[Hashable, tuple[Message, str]] = {}
         self._heard: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
         self._published: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
-        # When an input came last; when a finished picture was due, and is looked for next.
-        self._sent_at_s = self._due_s = 0.0
-        self._finish_at_s: float | None = None
-        # Whether the last picture is a finished one.
-        self._stands = False
-        # A finished picture was given up, and nothing visible has changed since.
-        self._in_vain = False
+        # When an input came last.
+        self._sent_at_s = 0.0
+        self._finishing = Finishing()
         self._camera: Any = None
         self._drawn: SceneState | None = None
         # The last picture that was not finished.
@@ -226,7 +220,7 @@ class Engine:
             self._make_way(stage)
             # After a rest a hand waits for the first picture: jobs that its input starts begin
             # thereafter. In motion they run beside pictures: light would be older by one.
-            with _held(stage.kernel) if self._stands else nullcontext():
+            with _held(stage.kernel) if self._finishing.stands else nullcontext():
                 self._pump_unless_ahead(stage, questions)
                 # Answers are of one revision, as pictures are.
                 if stage.kernel.is_whole:
@@ -247,7 +241,7 @@ class Engine:
         self._finer_light.resume(stage.kernel, self._now_s())
 
     def _patience_s(self, kernel: Kernel) -> float | None:
-        finish_at_s = self._finish_at_s if self._adaptation.is_near else None
+        finish_at_s = self._finishing.due_s if self._adaptation.is_near else None
         times_s: tuple[float | None, ...] = (self._gate.due_s, self._finer_light.resumes_at_s)
         if kernel.is_whole:
             times_s = (*times_s, finish_at_s, self._adaptation.wakes_at_s)
@@ -313,15 +307,15 @@ class Engine:
             return False
         # Light that comes late finishes a picture that stands anew, which is not coarse again.
         if is_only_finer(self._drawn, stage.state) or (
-            self._stands and is_only_lit(self._drawn, stage.state)
+            self._finishing.stands and is_only_lit(self._drawn, stage.state)
         ):
-            self._drawn, self._in_vain = stage.state, False
-            self._due_s = self._finish_at_s = self._now_s()
+            self._drawn = stage.state
+            self._finishing.lit(self._now_s())
         if stage.state is self._drawn:
             return False
-        self._drawn, self._in_vain = stage.state, False
+        self._drawn = stage.state
         self._draw_one(stage, self._kind_of(stage))
-        self._due_s = self._finish_at_s = self._sent_at_s + REST_S
+        self._finishing.moved(self._sent_at_s + REST_S)
         return True
 
     def _settle(self, stage: Stage) -> None:
@@ -329,15 +323,14 @@ class Engine:
         # A question may have injected inputs, as an undo does: they are pumped first.
         if self._awake.is_set() or stage.state.missing or not stage.kernel.is_whole:
             return
-        now_s, adaptation = self._now_s(), self._adaptation
-        if self._finish_at_s is not None and now_s >= self._finish_at_s and adaptation.is_near:
-            if stage.kernel.jobs.modules("drafted") and now_s < self._due_s + _DRAFT_PATIENCE_S:
-                self._finish_at_s = now_s + _LOOK_AGAIN_S
+        now_s, adaptation, finishing = self._now_s(), self._adaptation, self._finishing
+        if finishing.is_due(now_s) and adaptation.is_near:
+            if stage.kernel.jobs.modules("drafted") and finishing.waits_for_drafts(now_s):
                 return
-            self._finish_at_s = None
+            finishing.begun()
             self._draw_one(stage, "still")
         elif adaptation.wakes_at_s is not None and now_s >= adaptation.wakes_at_s:
-            self._draw_one(stage, "still" if self._stands else self._kind_of(stage))
+            self._draw_one(stage, "still" if finishing.stands else self._kind_of(stage))
 
     def _kind_of(self, stage: Stage) -> Kind:
         """What the next picture while something moves will be."""
@@ -365,7 +358,7 @@ class Engine:
         )
         size = scaled(state.size_px, scale)
         drawn = replace(state, size_px=size, exposure=exposure)
-        is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
+        is_given_up = (self._ending if self._finishing.insists else self._moved_on).is_set
         try:
             if still:
                 picture, end_s = stage.draw(drawn, still, is_given_up), self._now_s()
@@ -373,9 +366,7 @@ class Engine:
                 expected_s = self._pacing.expected_s(scale, kind)
                 picture, end_s = self._draw_and_pump(stage, drawn, expected_s)
         except GivenUp:
-            # If the input changes nothing visible the picture is finished after all, without
-            # interruption: a playing clock sends inputs more often than pictures can be drawn.
-            self._finish_at_s, self._in_vain = start_s, True
+            self._finishing.given_up(start_s)
             return
         except BaseException as error:
             self._trouble(error)
@@ -386,8 +377,8 @@ class Engine:
         if not still:
             self._moved_from = state
         elif adaptation.settled and not settled:
-            self._finish_at_s = self._now_s()
-        self._stands = still
+            self._finishing.exposed(self._now_s())
+        self._finishing.shown(still)
         self._finer_light.drew(stage.kernel, still)
         whole_in_s = self._gate.percentile_s(50.0), self._gate.percentile_s(95.0)
         held = adaptation.held
