@@ -41,8 +41,10 @@ VALUES = {
     "interrupts", "mailbox", "memory_limit", "njit", "npz_arrays", "numba_shortcuts",
     "numeric_types", "plain_numbers", "sound_environment", "uniform_block", "write_atomic",
 }  # fmt: skip
+# They name what panels, commands and engines of modules may use of the layers above.
+KITS = {"panel_kit", "headless", "scene_engine"}
 # Parts of vrut_lite that modules may import.
-FOR_MODULES = VALUES | {
+FOR_MODULES = VALUES | KITS | {
     "kernel", "messages", "atmosphere", "sky", "geometry", "frame_part", "place_time", "vrut_lite",
 }  # fmt: skip
 BELOW = {
@@ -198,6 +200,25 @@ def test_modules_import_lower_layers_only():
         if of_package(other) == "vrut_lite" and part(other) not in FOR_MODULES
     }
     assert found == excepted("modules")
+
+
+@pytest.mark.parametrize("kit", sorted(KITS))
+def test_a_kit_says_what_it_offers_and_offers_what_modules_use(kit):
+    """Its page is all that an author reads of the layers above, and it does not grow by itself."""
+    tree = syntax(f"vrut_lite.{kit}")
+    offered = {
+        alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    assert [name for name in offered if name not in ast.get_docstring(tree)] == []
+    used = {
+        alias.name
+        for name in files()
+        if of_package(name) in PRODUCT and of_package(name) != "vrut_lite"
+        for node in ast.walk(syntax(name))
+        if isinstance(node, ast.ImportFrom) and node.module == f"vrut_lite.{kit}"
+        for alias in node.names
+    }
+    assert used == offered
 
 
 def steps_to(name):

@@ -19,8 +19,6 @@ from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QProgressBar, QPushButton,
 from light_transport.giving_up import unless
 from light_transport.legend import Legend
 from light_transport.plane_view import PlaneView
-from vrut_lite.app.engine.session import Session
-from vrut_lite.app.widgets import Chooser, faint_label, make_timer, panel_column
 from vrut_lite.errors import GivenUp
 from vrut_lite.kernel.messages import ClockMoved, Demand, SetSetting, SettingChanged
 from vrut_lite.messages.place import SetPlace
@@ -29,6 +27,7 @@ from vrut_lite.messages.sky import SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.panel_kit import Chooser, Session, faint_label, make_timer, panel_column
 from vrut_lite.place_time import Place, local_text
 
 if TYPE_CHECKING:

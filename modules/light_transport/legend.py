@@ -4,9 +4,8 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
-from vrut_lite.app import theme
-from vrut_lite.app.widgets import rgb_image
 from vrut_lite.geometry.false_colours import scale_pixels
+from vrut_lite.panel_kit import rgb_image, theme
 
 _BAR_PX, _LEGEND_PX = 10, 30
 

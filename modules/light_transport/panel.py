@@ -18,12 +18,9 @@ from light_transport.false_colours import (
 from light_transport.legend import Legend
 from light_transport.messages import NAME, BakeGrown
 from light_transport.module import HOUR, LAYOUT, RAYS
-from vrut_lite.app.engine.session import Session
-from vrut_lite.app.engine.stage import Stage
-from vrut_lite.app.fitted_picture import FittedPicture
-from vrut_lite.app.widgets import Chooser, faint_label, panel_column
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.panel_kit import Chooser, FittedPicture, Session, Stage, faint_label, panel_column
 
 _NOTHING = "No light map: the scene is lit by the open sky."
 _LIGHT, _SIZE, _ERROR = "Light", "Texel size", "Error"

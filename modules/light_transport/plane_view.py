@@ -6,9 +6,9 @@ from PySide6.QtGui import QMouseEvent
 
 from light_transport.daylight_numbers.plan_picture import drawn_grid, grid_of_plane
 from light_transport.daylight_numbers.sensors import Sensors
-from vrut_lite.app.fitted_picture import FittedPicture
 from vrut_lite.geometry.false_colours import Scale, scale_of
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.panel_kit import FittedPicture
 
 _HINT_PX = (280, 240)
 

@@ -11,12 +11,11 @@ from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
 from night_sky.sky_axes import Watch, watch
-from vrut_lite.app.engine.session import Session
-from vrut_lite.app.widgets import aligned_form
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.messages.night import NightLightChanged
 from vrut_lite.messages.place import SetPlace
+from vrut_lite.panel_kit import Session, aligned_form
 from vrut_lite.place_time import Place, local_text
 from vrut_lite.sky.moon_phase import phase_text
 

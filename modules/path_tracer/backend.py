@@ -6,10 +6,7 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.errors import GivenUp
-from vrut_lite.pictures.display import developed
-from vrut_lite.pictures.picture import Picture
-from vrut_lite.scene.backend import IsGivenUp
-from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.scene_engine import IsGivenUp, Picture, SceneState, developed
 
 
 class PathTracedBackend:

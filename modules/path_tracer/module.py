@@ -29,7 +29,7 @@ from vrut_lite.messages.section import SectionChanged
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.messages.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.scene_engine import SceneState
 
 NAME = "path_tracer"
 JOB = "samples"

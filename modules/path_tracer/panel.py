@@ -22,16 +22,21 @@ from PySide6.QtWidgets import (
 
 from path_tracer.messages import PathTracedPicture
 from path_tracer.remaining import Remaining, remaining_text
-from vrut_lite.app.engine.session import Session
-from vrut_lite.app.fitted_picture import FittedPicture
-from vrut_lite.app.panels.file_title import file_title
-from vrut_lite.app.widgets import panel_column
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.messages.picture import SetExposure
-from vrut_lite.pictures.display import display_picture
-from vrut_lite.pictures.image_files import picture_format, write_exr, write_jpeg, write_png
-from vrut_lite.pictures.white_balance import white_balance_matrix
+from vrut_lite.panel_kit import (
+    FittedPicture,
+    Session,
+    display_picture,
+    file_title,
+    panel_column,
+    picture_format,
+    white_balance_matrix,
+    write_exr,
+    write_jpeg,
+    write_png,
+)
 
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."

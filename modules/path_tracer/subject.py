@@ -10,7 +10,7 @@ from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import BackgroundChanged, SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.scene_engine import SceneState
 
 # The scene's own radius in units of the tracer, whose ray offsets are made for such sizes:
 # a watch and a city are traced alike.

@@ -1,9 +1,4 @@
-"""Engines that draw instead of OpenGL: modules that bring a scene backend.
-
-Such a module names its `engine` in its manifest, for `--engine`, and has a static method
-`open_engine(settings, traced)` that makes the backend; its settings have `spp`, the samples
-per pixel, and `traced` is called with the number of new samples after each step.
-"""
+"""Engines that draw instead of OpenGL: modules after `vrut_lite/scene_engine.py`, by `--engine`."""
 
 from collections.abc import Callable
 from typing import Any

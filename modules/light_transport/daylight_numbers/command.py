@@ -6,14 +6,19 @@ from typing import Any
 
 import click
 
-from vrut_lite.commands.number_types import FiniteRange
-from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.progress import tracked
-from vrut_lite.commands.scene_options import scene_options, with_scene_options
-from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
+from vrut_lite.headless import (
+    FiniteRange,
+    daylight_options,
+    project_of_path,
+    scene_options,
+    tracked,
+    with_options,
+    with_scene_options,
+    worker_options,
+    workers_of,
+)
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
-from vrut_lite.project import project_of_path
 
 
 @click.command(name="daylight")

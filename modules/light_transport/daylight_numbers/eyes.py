@@ -22,9 +22,9 @@ from light_transport.daylight_numbers.year_light import YearLight
 from light_transport.hour.hour import Hour
 from light_transport.surfaces.surfaces import surfaces_of
 from vrut_lite.geometry.false_colours import UNUSED, coloured, scale_of
+from vrut_lite.headless import write_png
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.pictures.image_files import write_png
 
 _MOST_PICTURES = 4
 

@@ -26,11 +26,8 @@ from light_transport.daylight_numbers.tables import write_tables
 from light_transport.daylight_numbers.work import Grid, Work, work_of
 from light_transport.daylight_numbers.year_pages import Numbers, YearAsked, year_pages
 from light_transport.hour.hour import Hour
-from vrut_lite.commands.pictures import tell_notices
-from vrut_lite.commands.progress import busy_with, tracked
+from vrut_lite.headless import Project, busy_with, tell_notices, tracked, write_png
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.pictures.image_files import write_png
-from vrut_lite.project import Project
 
 _PICTURES = {
     "illuminance_lx": Quantity("illuminance", "lx"),

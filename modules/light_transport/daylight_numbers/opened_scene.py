@@ -9,9 +9,17 @@ import msgspec
 
 from light_transport.hour.hour import Hour
 from light_transport.jobs import hour_of
-from vrut_lite.commands.open_kernel import open_kernel, require_sun
-from vrut_lite.daylight_kernel import FaultCollector
 from vrut_lite.errors import ModuleFailed
+from vrut_lite.headless import (
+    FaultCollector,
+    Project,
+    SceneManager,
+    daylight_inputs,
+    open_kernel,
+    require_sun,
+    setting_inputs,
+    view_inputs,
+)
 from vrut_lite.kernel.messages import Demand, EnableModule, SetClock
 from vrut_lite.messages.night import NightLightChanged
 from vrut_lite.messages.place import SetPlace
@@ -20,8 +28,6 @@ from vrut_lite.messages.sky import SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.messages.weather import SetWeather
-from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
-from vrut_lite.scene.manager import SceneManager
 
 _CUBE, _COARSE_CUBE = 128, 32
 _CONSUMER = "daylight"

@@ -27,8 +27,8 @@ from light_transport.daylight_numbers.year_tables import (
     with_blinds,
     year_table,
 )
+from vrut_lite.headless import write_png
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.pictures.image_files import write_png
 
 Numbers = dict[str, FloatArray]
 _PLANS = {

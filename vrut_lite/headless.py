@@ -1,0 +1,53 @@
+"""What a module's command may use of the host without a window. Provisional until 1.0.
+
+A command is a `click.Command` of the group `vrut_lite.commands`.
+
+* Options as other commands have them: `daylight_options` and `scene_options` add them,
+  `with_options` and `with_scene_options` apply them to the `Project` of `project_of_path`;
+  `worker_options` and `workers_of` for many scenes; `FiniteRange` is a type of numbers.
+* A kernel with all installed modules: `open_kernel`, with `SceneManager` added by
+  `kernel.add_module` where a scene is opened. `setting_inputs`, `daylight_inputs` and `view_inputs`
+  are a project's inputs; `FaultCollector` raises what modules raised; `require_sun` asks for a sun.
+* The terminal: `busy_with`, `tracked` and `tell_notices`; `write_png` for pictures.
+"""
+
+from vrut_lite.commands.number_types import FiniteRange
+from vrut_lite.commands.open_kernel import open_kernel, require_sun
+from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.progress import busy_with, tracked
+from vrut_lite.commands.scene_options import scene_options, with_scene_options
+from vrut_lite.commands.workers import worker_options, workers_of
+from vrut_lite.daylight_kernel import FaultCollector
+from vrut_lite.pictures.image_files import write_png
+from vrut_lite.project import (
+    Project,
+    daylight_inputs,
+    project_of_path,
+    setting_inputs,
+    view_inputs,
+)
+from vrut_lite.scene.manager import SceneManager
+
+__all__ = [
+    "FaultCollector",
+    "FiniteRange",
+    "Project",
+    "SceneManager",
+    "busy_with",
+    "daylight_inputs",
+    "daylight_options",
+    "open_kernel",
+    "project_of_path",
+    "require_sun",
+    "scene_options",
+    "setting_inputs",
+    "tell_notices",
+    "tracked",
+    "view_inputs",
+    "with_options",
+    "with_scene_options",
+    "worker_options",
+    "workers_of",
+    "write_png",
+]

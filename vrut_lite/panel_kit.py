@@ -1,0 +1,49 @@
+"""What a module's panel may use of the window. The interface is provisional until 1.0.
+
+A panel is a QWidget of the group `vrut_lite.panels`, called with the window's `Session`.
+
+* `Session`: `send`, `listen`, `last`, `ask`, `look_up`; `ask` calls a question with the `Stage`, on
+  the engine's thread.
+* Widgets as the window has them: `Chooser`, `aligned_form`, `faint_label`, `panel_column`,
+  `make_timer`, the colours of `theme`.
+* Pictures: `FittedPicture` and `rgb_image` show one; `display_picture` and `white_balance_matrix`
+  make display values of radiance; `file_title`, `picture_format` and `write_png`, `write_jpeg`,
+  `write_exr` save it.
+"""
+
+from vrut_lite.app import theme
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.fitted_picture import FittedPicture
+from vrut_lite.app.panels.file_title import file_title
+from vrut_lite.app.widgets import (
+    Chooser,
+    aligned_form,
+    faint_label,
+    make_timer,
+    panel_column,
+    rgb_image,
+)
+from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.image_files import picture_format, write_exr, write_jpeg, write_png
+from vrut_lite.pictures.white_balance import white_balance_matrix
+
+__all__ = [
+    "Chooser",
+    "FittedPicture",
+    "Session",
+    "Stage",
+    "aligned_form",
+    "display_picture",
+    "faint_label",
+    "file_title",
+    "make_timer",
+    "panel_column",
+    "picture_format",
+    "rgb_image",
+    "theme",
+    "white_balance_matrix",
+    "write_exr",
+    "write_jpeg",
+    "write_png",
+]
