@@ -9,6 +9,7 @@ from vrut_lite import cli
 from vrut_lite.app.engine.history import inverse_of
 from vrut_lite.commands import render
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.kernel.settings import describe
 from vrut_lite.messages.camera import MoveCamera
@@ -141,6 +142,14 @@ def test_the_file_keeps_every_field(project, house):
     assert load_project(path) == project
 
 
+def test_a_table_of_the_scenes_settings_is_refused(house):
+    """They are fields of the project: values of a table beside them would hold for nothing."""
+    path = house.with_name("table.toml")
+    path.write_text('scene = "house.obj"\n[settings.scene]\nsection = "y"\n')
+    with pytest.raises(UserError, match="write its lines above all tables"):
+        load_project(path)
+
+
 def test_every_field_becomes_inputs_and_is_read_back(project, kernel):
     """A field that no input carries, or that is not read back, is lost when a window saves."""
     fields = {}
@@ -158,7 +167,7 @@ def test_undo_takes_back_every_input_of_a_project_or_says_why_not(project, kerne
     """The input before comes back: that of the project, where the defaults are sent."""
     sent = PROJECT_PARTS[kind].input_of(msgspec.structs.replace(Project(), scene="other.obj"))
     sent = sent or PROJECT_PARTS[kind].default
-    undone = None if sent is None else inverse_of(sent, kernel)
+    undone = inverse_of(sent, kernel) if sent else None
     assert undone == (None if kind in NO_UNDO else PROJECT_PARTS[kind].input_of(project))
 
 

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import msgspec
 import numpy as np
@@ -38,7 +38,6 @@ from vrut_lite.scene.settings import SCENE, SceneSettings
 from vrut_lite.weather.weather_file import read_weather
 from vrut_lite.write_atomic import atomic_output
 
-T = TypeVar("T")
 PROJECT_SUFFIX = ".toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=LARGEST_PICTURE_PX)]
 # A quarter of the way to the moon.
@@ -153,7 +152,7 @@ class ProjectPart(NamedTuple):
 
     Attributes:
         kind: the type of the input.
-        input_of: the input of a project; None where the project leaves it open.
+        input_of: the input of a project; no input where the project leaves it open.
         fields_of: the fields that stand for an input.
         title: the title of the step that undo takes back, a format of the input; empty where the
             kind has no undo.
@@ -162,7 +161,7 @@ class ProjectPart(NamedTuple):
     """
 
     kind: type[Input]
-    input_of: Callable[[Project], Input | None]
+    input_of: Callable[[Project], Any]
     fields_of: Callable[[Any], dict[str, Any]]
     title: str = ""
     default: Input | None = None
@@ -229,24 +228,20 @@ def _last_scene(kernel: Remembers) -> LoadScene | None:
     return None if scene is None else scene.opened or LoadScene(path=scene.path)
 
 
-def _if_said(value: T | None, input_of: Callable[[T], Input]) -> Input | None:
-    return None if value is None else input_of(value)
-
-
 _AIR = (
     ProjectPart(
         SetTolerance, default=SetTolerance(tolerance=DEFAULT_TOLERANCE),
-        input_of=lambda p: _if_said(p.tolerance, lambda it: SetTolerance(tolerance=it)),
+        input_of=lambda p: p.tolerance and SetTolerance(tolerance=p.tolerance),
         fields_of=lambda m: {"tolerance": m.tolerance}, title="tolerance {0.tolerance:.4g}",
     ),
     ProjectPart(
-        SetHaze, default=DEFAULT_HAZE, input_of=lambda p: _if_said(p.haze, Haze.input),
+        SetHaze, default=DEFAULT_HAZE, input_of=lambda p: p.haze and p.haze.input(),
         fields_of=lambda m: {"haze": Haze(**msgspec.structs.asdict(m))},
         title="haze {0.optical_depth_550:.4g}, {0.aerosol}",
     ),
     # Without undo: the slots that come with it are undone.
     ProjectPart(
-        SetWeather, input_of=lambda p: _if_said(p.weather or None, read_weather),
+        SetWeather, input_of=lambda p: p.weather and read_weather(p.weather),
         fields_of=lambda m: {"weather": m.path},
     ),
 )  # fmt: skip
@@ -270,7 +265,7 @@ _VIEW = (
     ),
     ProjectPart(LoadScene, _scene, _scene_fields, last=_last_scene),
     ProjectPart(
-        MoveCamera, input_of=lambda p: _if_said(p.camera, CameraView.camera),
+        MoveCamera, input_of=lambda p: p.camera and p.camera.camera(),
         fields_of=lambda m: {"camera": CameraView.of(m)},
     ),
 )  # fmt: skip
@@ -280,7 +275,7 @@ PROJECT_PARTS = {part.kind: part for part in (*_AIR, *_DAYLIGHT, *_VIEW)}
 
 
 def _inputs(parts: Sequence[ProjectPart], project: Project) -> list[Input]:
-    return [message for part in parts if (message := part.input_of(project)) is not None]
+    return [message for part in parts if (message := part.input_of(project))]
 
 
 def load_project(path: str | Path) -> Project:
@@ -315,6 +310,10 @@ def load_project(path: str | Path) -> Project:
         raise UserError(f"the project {file} is nested too deeply: write it anew") from None
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
+    if SCENE in project.settings:
+        raise UserError(
+            f"the project {file} has a table settings.{SCENE}: write its lines above all tables"
+        )
     project = _with_paths(project, lambda path: str(file.parent / path))
     project = _with_named_files(project, file.parent, str)
     if project.weather and not says_place:
