@@ -3,13 +3,14 @@
 import json
 import sys
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from vrut_lite import cli
 from vrut_lite.commands.dump import dump
-from vrut_lite.commands.options import with_options
+from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.record import record
 from vrut_lite.commands.replay import replay
 from vrut_lite.commands.sky import sky
@@ -31,10 +32,15 @@ def run(command, *arguments):
 
 
 def tolerance_said(text):
-    options = {"at": None, "place": None, "north_offset_deg": None, "sky_module": None,
-               "weather": None, "assignments": (), "tolerance": text, "optical_depth_550": None,
-               "turbidity": None, "aerosol": None, "humidity_percent": None}  # fmt: skip
-    return with_options(Project(), options).tolerance
+    made = []
+
+    @click.command()
+    @daylight_options
+    def command(**options):
+        made.append(with_options(Project(), options))
+
+    command.main(["--tolerance", text], standalone_mode=False)
+    return made[0].tolerance
 
 
 @pytest.mark.parametrize(

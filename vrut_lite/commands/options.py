@@ -39,6 +39,18 @@ Command = Callable[..., Any]
 _PREFIX = "setting_"
 
 
+def _tolerance(text: str) -> float:
+    """The share that --tolerance names, in percent or as a number."""
+    number, percent, rest = text.strip().partition("%")
+    try:
+        share = plain_float(number) / (100.0 if percent else 1.0)
+    except ValueError:
+        share = math.nan
+    if rest or not 0.0 < share <= 1.0:
+        raise UserError(f"--tolerance {text} is no share above 0 and up to 1: say 1% or 0.01")
+    return share
+
+
 def daylight_options(command: Command) -> Command:
     """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity,
     --sky, --tolerance, --set and an option per setting.
@@ -72,7 +84,7 @@ def daylight_options(command: Command) -> Command:
                      f"{USUAL_HUMIDITY:g}."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
-        click.option("--tolerance", metavar="SHARE",
+        click.option("--tolerance", type=_tolerance, metavar="SHARE",
                      help="How far radiance may be off, as 1% or 0.01: sizes, orders and "
                      f"thresholds follow. Default {DEFAULT_TOLERANCE:.0%}."),
         click.option("--set", "assignments", multiple=True, metavar="MODULE.NAME=VALUE",
@@ -100,16 +112,19 @@ def _taken_from(command: Command) -> list[click.Parameter]:
 
 
 def with_options(project: Project, options: dict[str, Any]) -> Project:
-    """The project with the shared options applied; removes their keys from `options`."""
+    """The project with the shared options applied, and those called as its fields.
+
+    Removes their keys from `options`.
+
+    Raises:
+        UserError: an option has an impossible value.
+    """
     weather = options.pop("weather")
     if weather is not None:
         if options["place"] is not None:
             raise UserError("--weather and --place both name a place: say one of them")
         project = with_weather(project, weather)
-    tolerance = options.pop("tolerance")
     changes = said(options, Project.__struct_fields__)
-    if tolerance is not None:
-        changes["tolerance"] = _tolerance(tolerance)
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
@@ -155,18 +170,6 @@ def _tell_weather(project: Project) -> None:
     weather, place = read_weather(project.weather), project.where()
     for line in (*weather.lacks, *far_from(weather, place.latitude_deg, place.longitude_deg)):
         click.echo(f"vrut-lite: {project.weather}: {line}", err=True)
-
-
-def _tolerance(text: str) -> float:
-    """The share that --tolerance names, in percent or as a number."""
-    number, percent, rest = text.strip().partition("%")
-    try:
-        share = plain_float(number) / (100.0 if percent else 1.0)
-    except ValueError:
-        share = math.nan
-    if rest or not 0.0 < share <= 1.0:
-        raise UserError(f"--tolerance {text} is no share above 0 and up to 1: say 1% or 0.01")
-    return share
 
 
 def _haze(

@@ -58,13 +58,8 @@ class SceneManager(Module):
         self._has_light_map = False
         self._of_scene = (LightMapLaid, SurfaceLightChanged) if light_map else ()
         self._hour_moved = True
-        self._change(
-            light_shafts=settings.light_shafts,
-            tolerance=tolerance_of(link),
-            shows=settings.shows,
-            coarser_light=None,
-        )
-        self._cut()
+        self._change(tolerance=tolerance_of(link), coarser_light=None)
+        self._follow_settings()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
         for part in heard_by_parts():
@@ -152,17 +147,16 @@ class SceneManager(Module):
         self._change(tolerance=message.tolerance)
 
     def settings_changed(self, name: str) -> None:
-        """Switch air or light shafts, cut the picture elsewhere, or move what is animated."""
+        """Move what is animated, or draw and cut the picture otherwise."""
         if name.startswith("animation"):
             self._move()
-            return
-        if name == "shows":
-            self._change(shows=self.settings.shows)
-        elif name == "light_shafts":
-            self._change(light_shafts=self.settings.light_shafts)
-        elif name.startswith("section"):
-            self._cut()
-        self._look()
+        else:
+            self._follow_settings()
+            self._look()
+
+    def _follow_settings(self) -> None:
+        self._change(light_shafts=self.settings.light_shafts, shows=self.settings.shows)
+        self._cut()
 
     def _cut(self) -> None:
         said = self.settings
