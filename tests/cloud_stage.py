@@ -5,7 +5,7 @@ from clouds.model.cloud_density import density, distance_up_m
 from clouds.model.cloud_transport import transport_tables
 
 from vrut_lite.array import Array
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite_lab.cloud_accuracy import ordinates_of
 
@@ -65,7 +65,7 @@ def slab_radiance(layer, eye_m, view, sun):
     weight = extinction * np.exp(-(1.0 - transport_tables().forward_share) * depth)
     ordinates = slab_ordinates(layer, sun)
     azimuth = np.arctan2(view[2], view[0]) - np.arctan2(sun[2], sun[0])
-    suns = sun_aloft(layer.base_m + 0.5 * layer.thickness_m, sun[1])
+    suns = sunlight_at_altitude(layer.base_m + 0.5 * layer.thickness_m, sun[1])
     radiance = suns * ordinates.below(view[1], azimuth)
     return radiance, np.exp(-depth[-1]), (t * weight).sum() / weight.sum()
 
@@ -81,7 +81,7 @@ def slab_irradiance(layer, sun):
 
     Most of it comes from around the sun, and so through as much air.
     """
-    suns = sun_aloft(layer.base_m + 0.5 * layer.thickness_m, sun[1])
+    suns = sunlight_at_altitude(layer.base_m + 0.5 * layer.thickness_m, sun[1])
     air_m = 8000.0 * (1.0 - np.exp(-(layer.base_m + 300.0) / 8000.0)) / sun[1]
     diffuse = slab_ordinates(layer, sun).diffuse * sun[1]
     return diffuse * suns * np.exp(-air_m * np.array(MOLECULES_PER_M))

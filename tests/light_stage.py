@@ -153,8 +153,8 @@ class LightStage:
         return self.tell(SetSetting(module="light_transport", name=name, value=value))
 
     @property
-    def ledger(self):
-        return self.kernel.seats["light_transport"].module.ledger
+    def counters(self):
+        return self.kernel.seats["light_transport"].module.counters
 
 
 def of_kind(messages, kind):

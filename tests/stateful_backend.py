@@ -30,9 +30,9 @@ class StatefulBackend:
         return self.backend.draw(self.state, still, is_given_up)
 
     @property
-    def ledger(self):
+    def counters(self):
         """What frames did and skipped."""
-        return self.backend.ledger
+        return self.backend.counters
 
 
 def opened(scene, ground=None):

@@ -50,12 +50,12 @@ def test_switched_off_no_air_is_made_nor_drawn(scene):
         host.inject(*daylight_inputs(project), *view_inputs(project))
         host.draw()
         assert host.kernel.last(AirChanged) is None
-        assert host.frame_ledger.done["air"] == 0
-        assert host.frame_ledger.skipped["air: none to be seen"] == 1
+        assert host.frame_counters.done["air"] == 0
+        assert host.frame_counters.skipped["air: none to be seen"] == 1
         host.inject(SetSetting(module="scene", name="air", value=True))
         host.draw()
         assert host.kernel.last(AirChanged).volume is not None
-        assert host.frame_ledger.done["air"] == 1
+        assert host.frame_counters.done["air"] == 1
 
 
 @pytest.mark.gl

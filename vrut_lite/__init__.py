@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from vrut_lite.compiled_code import find_room
-from vrut_lite.sound_environment import leave_out_nonsense
+from vrut_lite.environment_checks import leave_out_nonsense
 
 __version__ = "0.1.0"
 

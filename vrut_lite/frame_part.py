@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Derived
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.messages.sun import KeyLightChanged
@@ -142,13 +142,13 @@ class PartGl(Protocol):
     Attributes:
         context: moderngl's context.
         gl: the functions of OpenGL (PyOpenGL's `OpenGL.GL`).
-        ledger: counts what the frame did and skipped.
+        counters: counts what the frame did and skipped.
         before_sky: the least depth of surfaces, of which the sky's is less.
     """
 
     context: Any
     gl: Any
-    ledger: Ledger
+    counters: WorkCounters
     before_sky: float
 
     def screen(self, fragment_shader: Path, defines: tuple[str, ...] = ()) -> Screen:
@@ -159,7 +159,7 @@ class PartGl(Protocol):
         """moderngl's program of a module's own shaders."""
 
     def tiles(self, most: int | None = None) -> Tiles:
-        """Pieces of a slow pass, each of at most `most` of the renderer's tiles."""
+        """TiledPass of a slow pass, each of at most `most` of the renderer's tiles."""
 
     def depth_copy(self, size: Size) -> DepthCopy:
         """A texture for the depth of pictures of a size."""

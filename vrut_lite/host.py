@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.kernel.jobs import JobRunner
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input, JobResult
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.gl_jobs import GlJobs
@@ -127,9 +127,9 @@ class Host:
         return self._view.revision
 
     @property
-    def frame_ledger(self) -> Ledger:
+    def frame_counters(self) -> WorkCounters:
         """Work that frames did and skipped since the host was made."""
-        return self._backend.ledger
+        return self._backend.counters
 
     def measure_passes(self, measure: Measure) -> None:
         """Enter `measure(name)` around each pass of a frame, on the GL thread."""

@@ -19,7 +19,7 @@ from clouds.model.cloud_view import lights_on
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite_lab.cloud_monte_carlo import sun_radiance, without_peak
@@ -94,7 +94,7 @@ def seen(layer: CloudLayer, sun: Vector, eye: Vector, rays: FloatArray) -> tuple
     look_at_clouds(field, lights, rays, _NARROW_RAD, out[0])
     look_at_clouds(field, lights._replace(phase=without), rays, _NARROW_RAD, out[1])
     middle_m = layer.base_m + 0.5 * layer.thickness_m
-    whole, rest = out[..., 1] / float(sun_aloft(middle_m, sun[1])[1])
+    whole, rest = out[..., 1] / float(sunlight_at_altitude(middle_m, sun[1])[1])
     return np.stack([whole - rest, rest], axis=-1), out[0, :, 3]
 
 

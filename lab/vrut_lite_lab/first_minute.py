@@ -96,7 +96,7 @@ def main() -> None:
 
         until(lambda: window.isVisible())
         watch.step("the window is seen")
-        until(lambda: session.roster.modules)
+        until(lambda: session.catalogue.modules)
         watch.step("the host is ready")
         until(lambda: session.last(SceneOpened))
         watch.step("the scene is opened")

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 from light_transport.bake import Bake
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.jobs import first_rays
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
@@ -34,7 +34,7 @@ from vrut_lite_lab.scenes.dense import build
 _SIZES = (125_000, 250_000, 500_000, 1_000_000)
 _SMALL = 5_000
 _SKY = np.ones((6, 64, 64, 3), np.float32)
-_HOUR = Hour(
+_HOUR = Illumination(
     sky=_SKY,
     ground_radiance_rgb=(0.2,) * 3,
     ground_albedo_rgb=(0.2,) * 3,

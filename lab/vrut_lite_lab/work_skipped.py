@@ -21,8 +21,8 @@ import msgspec
 import numpy as np
 
 from vrut_lite.host import Host
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import SetClock
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
 from vrut_lite.scene.scene_state import FrameSkips
@@ -51,8 +51,8 @@ class Play(NamedTuple):
     frame."""
 
     pictures: list[Picture]
-    frame: Ledger
-    sky: Ledger
+    frame: WorkCounters
+    sky: WorkCounters
     spent_s: list[float]
 
 
@@ -68,8 +68,8 @@ def play_frames(project: Project, skips: FrameSkips, laters: Iterable[timedelta]
             host.inject(SetClock(instant=project.instant() + later))
             pictures.append(host.draw())
             spent_s.append(time.process_time() - start_s)
-        sky = host.kernel.seats["dynamic_skylight"].ledger
-        return Play(pictures, host.frame_ledger, sky, spent_s)
+        sky = host.kernel.seats["dynamic_skylight"].counters
+        return Play(pictures, host.frame_counters, sky, spent_s)
 
 
 def difference(one: Play, other: Play) -> int:

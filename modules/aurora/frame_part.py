@@ -39,4 +39,4 @@ class AuroraPart(FramePart):
         screen.program["phases"].value = list(shown.phases)
         screen.program["line_rgb"].value = (shown.kilorayleigh * line_colours()).tolist()
         screen.draw(view)
-        self.gl.ledger.did("aurora")
+        self.gl.counters.did("aurora")

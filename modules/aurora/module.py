@@ -68,7 +68,7 @@ class Aurora(Module):
             return
         if shown != last(AuroraShown):
             self.link.post(shown)
-            self.ledger.did("aurora")
+            self.counters.did("aurora")
         sources = place, self.settings, haze, clock.instant.timestamp() // _SERVES_S
         if self.link.wanted(SkyLightChanged) and sources != self._glow_sources:
             self._glow_sources = sources
@@ -80,10 +80,10 @@ class Aurora(Module):
         shown = self.link.last(AuroraShown)
         if not result.error and shown is not None and shown.kilorayleigh > 0.0:
             self.link.post(SkyGlowAdded(glow_rgb=result.value, of_slot=SLOT, source=NAME))
-            self.ledger.did("glow")
+            self.counters.did("glow")
 
     def _end(self, reason: str) -> None:
-        self.ledger.skip(reason)
+        self.counters.skip(reason)
         last = self.link.last(AuroraShown)
         if last is not None and last.kilorayleigh > 0.0:
             self._glow_sources = ()

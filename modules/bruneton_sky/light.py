@@ -21,7 +21,7 @@ from bruneton_sky.sun_light import haze_layers, limb_darkening_rgb
 from bruneton_sky.tolerance import TABLES, Quality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
 from vrut_lite.atmosphere.haze_layer import HAZE_NM
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
@@ -31,11 +31,11 @@ from vrut_lite.sky.sky_of_hour import (
     AIR_JOB,
     CUBE_JOB,
     Background,
-    Hour,
+    MotionThreshold,
     Sky,
+    SkyInputs,
     Spectrum,
     SunDisc,
-    Unseen,
 )
 
 NAME = "bruneton_sky"
@@ -54,8 +54,8 @@ class Air:
 class SurroundingsMemo:
     """The latest surroundings; the next ones reuse their unchanged parts."""
 
-    def __init__(self, ledger: Ledger):
-        self._ledger = ledger
+    def __init__(self, counters: WorkCounters):
+        self._counters = counters
         self._made: tuple[BrunetonLight, Surroundings] | None = None
 
     def of(self, light: "BrunetonLight") -> Surroundings:
@@ -66,13 +66,13 @@ class SurroundingsMemo:
             if before == light:
                 return around
             if before.on_scene() == light.on_scene():
-                self._ledger.skip("light on the scene: only the observer moved")
+                self._counters.skip("light on the scene: only the observer moved")
                 known = around
         air = light.of
         if self._made is None or self._made[0].solved is not light.solved:
             for what, count in light.solved.skipped.items():
                 if count:
-                    self._ledger.skip(f"{what} of the atmosphere: zero or too small")
+                    self._counters.skip(f"{what} of the atmosphere: zero or too small")
         made = surroundings(
             light.solved,
             light.eye_height_m,
@@ -83,7 +83,7 @@ class SurroundingsMemo:
             TABLES[light.table],
         )
         self._made = (light, made)
-        self._ledger.did("sky-view table")
+        self._counters.did("sky-view table")
         return made
 
 
@@ -107,11 +107,11 @@ class BrunetonLight(Sky):
         """That of the atmosphere's ground, in sunlight's colours."""
         return albedo_rgb(self.solved.atmosphere)
 
-    def unseen(self, hour: Hour, quality: Quality) -> Unseen:
+    def unseen(self, hour: SkyInputs, quality: Quality) -> MotionThreshold:
         """Steps measured for such an atmosphere (`unseen_moves`)."""
         atmosphere = self.solved.atmosphere
         step_m = altitude_step_m(self.eye_height_m, atmosphere)
-        return Unseen(
+        return MotionThreshold(
             sun_step_rad(hour.sun.apparent_elevation_rad, atmosphere.mie_g, quality.sun_change),
             quality.altitude_steps * step_m,
         )

@@ -19,7 +19,7 @@ from bruneton_sky.tolerance import Quality, quality_for
 from vrut_lite.kernel.module import Link, Manifest
 from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.sky.sky_module import SkyModule
-from vrut_lite.sky.sky_of_hour import Hour, Prepared, Work
+from vrut_lite.sky.sky_of_hour import Prepared, SkyInputs, Work
 
 # Settings of where a sky is computed, which do not change the sky.
 _NOT_AIR = {"cube_device": "cpu"}
@@ -47,7 +47,7 @@ class BrunetonSky(SkyModule):
         super().__init__(link, settings)
         self._shown: Air | None = None
         # Sun and moon take turns.
-        self._memos = {body: SurroundingsMemo(self.ledger) for body in get_args(Body)}
+        self._memos = {body: SurroundingsMemo(self.counters) for body in get_args(Body)}
 
     def quality(self, tolerance: float) -> Quality:
         """Rungs and sizes by the measured fronts."""
@@ -71,7 +71,7 @@ class BrunetonSky(SkyModule):
         drafted = is_day and is_other and not atmosphere.foggy and air.rung != "draft"
         return solved(air.rung)._replace(first=solved("draft") if drafted else None)
 
-    def light(self, hour: Hour, quality: Quality, prepared: Prepared) -> BrunetonLight:
+    def light(self, hour: SkyInputs, quality: Quality, prepared: Prepared) -> BrunetonLight:
         """The light of the solved atmosphere, which may be older than the settings."""
         self._shown = prepared.of
         return BrunetonLight(

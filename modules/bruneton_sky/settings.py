@@ -25,7 +25,7 @@ from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
 from vrut_lite.messages.haze import DEFAULT_HAZE, AerosolType, SetHaze
-from vrut_lite.sky.left_open import Preset
+from vrut_lite.sky.effective_defaults import Preset
 
 PresetName = Literal[
     "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"

@@ -24,7 +24,7 @@ _LARGEST_CHANGE = 0.01
 class CloudsPart(FramePart):
     """Draws the layers of clouds.
 
-    The ledger counts "clouds" drawn, and skips: the copy of depths where no mesh reaches up to
+    The counters count "clouds" drawn, and skips: the copy of depths where no mesh reaches up to
     them, and marches of a still's further pictures.
     """
 
@@ -35,7 +35,7 @@ class CloudsPart(FramePart):
 
     def __init__(self, gl: PartGl):
         super().__init__(gl)
-        self._ledger = gl.ledger
+        self._counters = gl.counters
         # Made with the first layers: a frame without clouds compiles nothing of them.
         self._made: list[CloudsOnGpu] = []
         # Each layer has its own: a moving picture takes clouds over from the one before.
@@ -121,15 +121,15 @@ class CloudsPart(FramePart):
         for cloud, drawing in far_first:
             before_meshes = max(frame.highest_m, eye_m) > cloud.base_m
             if not before_meshes:
-                self._ledger.skip("clouds: before meshes, all below them")
+                self._counters.skip("clouds: before meshes, all below them")
             if sample not in MARCHED:
-                self._ledger.skip("clouds: those of the picture before")
+                self._counters.skip("clouds: those of the picture before")
                 drawing.draw_again(before_meshes)
                 continue
             cloud.bind_again()
             self._shadow.bind_light(drawn.index(cloud))
             drawing.draw(cloud, target, view, frame.air, before_meshes, light, sample)
-            self._ledger.did("clouds")
+            self._counters.did("clouds")
         # The shadow map lies at the lowest base; surfaces drawn next look it up.
         drawn[0].bind_again()
 

@@ -32,7 +32,7 @@ _WIND = tuple(
 class Clouds(Module):
     """Posts `CloudsChanged`.
 
-    The ledger counts "clouds" posted and "layers" made, and skips as "no coverage", "unwanted",
+    The counters count "clouds" posted and "layers" made, and skips as "no coverage", "unwanted",
     "unchanged" and "layers outdated" (the settings changed while it was made).
     """
 
@@ -66,10 +66,10 @@ class Clouds(Module):
             raise RuntimeError(f"the clouds could not be made: {result.error}")
         made_for, layers = result.value
         if made_for != self._asked:
-            self.ledger.skip("layers outdated")
+            self.counters.skip("layers outdated")
             return
         self._layers = layers
-        self.ledger.did("layers")
+        self.counters.did("layers")
         self._update()
 
     def settings_changed(self, name: str) -> None:
@@ -79,10 +79,10 @@ class Clouds(Module):
     def _update(self) -> None:
         asked = _without_wind(self.settings), self._cloudiness
         if not self._wanted_layers:
-            self.ledger.skip("clouds: no coverage")
+            self.counters.skip("clouds: no coverage")
             self._forget()
         elif self.link.wanted(CloudsChanged) is None:
-            self.ledger.skip("clouds: unwanted")
+            self.counters.skip("clouds: unwanted")
         elif self._asked != asked:
             self._asked = asked
             self._layers = ()
@@ -109,11 +109,11 @@ class Clouds(Module):
 
     def _post(self, layers: tuple[CloudLayer, ...]) -> None:
         if layers and _look_like(layers, self._posted):
-            self.ledger.skip("clouds: unchanged")
+            self.counters.skip("clouds: unchanged")
             return
         self.link.post(CloudsChanged(layers=layers, source=NAME))
         self._posted = layers
-        self.ledger.did("clouds")
+        self.counters.did("clouds")
 
     def _blown(self) -> tuple[CloudLayer, ...]:
         """The layers where the wind has carried them."""

@@ -7,7 +7,7 @@ import msgspec
 from clouds.genera import GENERA, Genus, HighGenus, LowGenus, MiddleGenus
 from vrut_lite.kernel.settings import setting
 from vrut_lite.messages.haze import SetHaze
-from vrut_lite.sky.left_open import Preset
+from vrut_lite.sky.effective_defaults import Preset
 
 SHAPE_SOURCE = "Schneider 2015"
 GENUS_SOURCE = "WMO 2017, International Cloud Atlas"

@@ -18,7 +18,7 @@ from clouds.model.cloud_view import clouds_seen, sun_share
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sun_aloft import haze_depth
+from vrut_lite.atmosphere.sunlight_at_altitude import haze_depth
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import (

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dynamic_skylight.background import fill_ground, ground_radiance, sphere
+from dynamic_skylight.cached_cubes import kept_cube
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky, half_scale
-from dynamic_skylight.kept_cubes import kept_cube
 from dynamic_skylight.sun_light import SunColour, SunLight, sun_behind_air, sun_light
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, HourSky, sky_of_hour
 from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity

@@ -19,11 +19,11 @@ from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.sky.sky_of_hour import (
     CUBE_JOB,
     Background,
-    Hour,
+    MotionThreshold,
     Sky,
+    SkyInputs,
     Spectrum,
     SunDisc,
-    Unseen,
 )
 
 NAME = "dynamic_skylight"
@@ -69,9 +69,9 @@ class HosekWilkieLight(Sky):
         """The same in all colours."""
         return np.full(3, self.daylight.albedo)
 
-    def unseen(self, hour: Hour, quality: Quality) -> Unseen:
+    def unseen(self, hour: SkyInputs, quality: Quality) -> MotionThreshold:
         """The sun's by the model's largest change; the eye's by the air's thinning."""
-        return Unseen(
+        return MotionThreshold(
             sun_step_rad(hour.sun.apparent_elevation_rad, quality.sun_change),
             quality.altitude_change * (_THINNING_M + hour.eye_height_m),
         )

@@ -26,7 +26,7 @@ from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sun import SunMoved, sun_moved
 from vrut_lite.sky.sky_module import SkyModule
-from vrut_lite.sky.sky_of_hour import Hour
+from vrut_lite.sky.sky_of_hour import SkyInputs
 
 
 class DynamicSkyLight(SkyModule):
@@ -47,7 +47,7 @@ class DynamicSkyLight(SkyModule):
         """Sizes by the measured fronts."""
         return quality_for(tolerance)
 
-    def light(self, hour: Hour, quality: Quality, prepared: None) -> HosekWilkieLight:
+    def light(self, hour: SkyInputs, quality: Quality, prepared: None) -> HosekWilkieLight:
         """Formula and twilight table; neither knows how high the place lies."""
         haze, elevation_rad = self._haze, hour.sun.apparent_elevation_rad
         turbidity, level = min(max(haze.turbidity, LEAST_TURBIDITY), MOST_TURBIDITY), 1.0

@@ -8,7 +8,7 @@ from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
 from vrut_lite.atmosphere.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
 from vrut_lite.kernel.settings import setting
-from vrut_lite.sky.left_open import Preset
+from vrut_lite.sky.effective_defaults import Preset
 
 Device = Literal["cpu", "gpu"]
 SkyLevel = Literal["equal-haze", "published"]

@@ -8,20 +8,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from light_transport.finished import Finished, finished_of
-from light_transport.giving_up import GoOn, always
-from light_transport.hour.hour import Hour, HourLight
+from light_transport.giving_up import CancelCheck, always
+from light_transport.hour.illumination import HourLight, Illumination
 from light_transport.layout.layout import Layout
 from light_transport.lighting import column_light_of, hour_light
 from light_transport.ray_scene import BLOCK_ROWS, Cut, RayScene, are_good
-from light_transport.rays.cut_texels import cut_texels
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.mirror_rays import mirror_rays
 from light_transport.rays.patches import patches_of
 from light_transport.rays.ray_table import Rows, joined, slice_of, with_columns, with_rays
 from light_transport.rays.sky_nodes import NODES
+from light_transport.rays.split_texels import cut_texels
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.surfaces import Surfaces
+from light_transport.transport_cache import Finished, finished_of
 from vrut_lite.numeric_types import Float32Array
 
 
@@ -56,8 +56,8 @@ class Bake(RayScene):
         self.first_rays = 0
         self._finished: Finished | None = None
         # Of the last hour that was asked for.
-        self._light: tuple[Hour, HourLight] | None = None
-        self._column_light: tuple[Hour, Float32Array] | None = None
+        self._light: tuple[Illumination, HourLight] | None = None
+        self._column_light: tuple[Illumination, Float32Array] | None = None
 
     @property
     def memory_bytes(self) -> int:
@@ -65,13 +65,13 @@ class Bake(RayScene):
         own = sum({id(part): part.nbytes for part in self.arrays}.values())
         return own + (0 if self._finished is None else self._finished.memory_bytes)
 
-    def light(self, hour: Hour) -> HourLight:
+    def light(self, hour: Illumination) -> HourLight:
         """The light of an hour; some rays must have been added."""
         if self._light is None or self._light[0] is not hour:
             self._light = hour, hour_light(self, self.finished, hour)
         return self._light[1]
 
-    def column_light(self, hour: Hour) -> Float32Array:
+    def column_light(self, hour: Illumination) -> Float32Array:
         """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
         if self._column_light is None or self._column_light[0] is not hour:
             self._column_light = hour, column_light_of(self, self.finished, hour)
@@ -84,7 +84,7 @@ class Bake(RayScene):
             self._finished = finished_of(self)
         return self._finished
 
-    def add_mirrors(self, parts: MirrorParts, go_on: GoOn = always) -> None:
+    def add_mirrors(self, parts: MirrorParts, go_on: CancelCheck = always) -> None:
         """Trace the surroundings of these parts; hours then have cubes of them.
 
         Raises:

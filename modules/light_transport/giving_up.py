@@ -5,14 +5,14 @@ from collections.abc import Callable
 from vrut_lite.errors import GivenUp
 
 # Called between steps; raises GivenUp where the work is to end.
-GoOn = Callable[[], None]
+CancelCheck = Callable[[], None]
 
 
 def always() -> None:
     """Let the work go on."""
 
 
-def unless(cancelled: Callable[[], bool]) -> GoOn:
+def unless(cancelled: Callable[[], bool]) -> CancelCheck:
     """Let the work go on until `cancelled` answers yes."""
 
     def go_on() -> None:

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 import msgspec
 import numpy as np
 
-from light_transport.giving_up import GoOn, unless
-from light_transport.kept_layout import (
+from light_transport.cached_layout import (
     BakeRecipe,
     RoundNumbers,
     keep_layout,
@@ -24,13 +23,14 @@ from light_transport.kept_layout import (
     kept_round,
     scene_key,
 )
+from light_transport.giving_up import CancelCheck, unless
 from light_transport.messages import NAME
 from vrut_lite.array import Array
 from vrut_lite.array_cache import Arrays
 from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.messages.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
+from vrut_lite.messages.light_map import LightMapLaid, ReflectionProbes, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
@@ -40,7 +40,7 @@ from vrut_lite.sky.ground_albedo import ground_albedo
 
 if TYPE_CHECKING:
     from light_transport.bake import Bake
-    from light_transport.hour.hour import Hour
+    from light_transport.hour.illumination import Illumination
     from light_transport.rays.tree import Tree
     from light_transport.surfaces.surfaces import Surfaces
 
@@ -139,7 +139,7 @@ def laid_probes(scene: SceneOpened, control: JobControl) -> LaidProbes | None:
         return None
 
 
-def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
+def _laid_probes(scene: SceneOpened, go_on: CancelCheck) -> LaidProbes:
     from light_transport.bake import Bake
     from light_transport.layout.layout import lay_out_probes
     from light_transport.ray_scene import tree_of
@@ -197,10 +197,10 @@ def laid_out(
 
 
 def _laid_out(
-    scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn
+    scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: CancelCheck
 ) -> "tuple[LightMapLaid, Bake]":
     from light_transport.bake import Bake
-    from light_transport.kept_cuts import kept_cut_texels
+    from light_transport.cached_cuts import kept_cut_texels
     from light_transport.layout.layout import lay_out
     from light_transport.ray_scene import tree_of
     from light_transport.rays.mirror_parts import mirror_parts
@@ -220,12 +220,12 @@ def _laid_out(
     return msgspec.structs.replace(layout.message, mirrors=_mirrors(bake)), bake
 
 
-def _mirrors(bake: "Bake") -> Mirrors | None:
+def _mirrors(bake: "Bake") -> ReflectionProbes | None:
     """The bake's cubes for the frame."""
     rays, surfaces = bake.mirrors, bake.surfaces
     if rays is None:
         return None
-    return Mirrors(
+    return ReflectionProbes(
         part=Array(rays.parts.part),
         centre_m=Array(rays.parts.centre * surfaces.radius_m + surfaces.centre_m),
         nearness=Array(rays.nearness / np.float32(surfaces.radius_m)),
@@ -274,7 +274,7 @@ def _grown(bake: "Bake", count: int, cancelled: Cancelled = _never) -> "Bake":
     Raises:
         GivenUp: `cancelled()` answered yes.
     """
-    from light_transport.kept_rays import add_kept_rays
+    from light_transport.cached_rays import add_kept_rays
 
     # Light is made of the rays before, meanwhile.
     grown = copy(bake)
@@ -307,7 +307,7 @@ def lit(
     bake: "Unwritten[Bake]", layout_key: str, sky_light: SkyLightChanged, of_still: bool = False
 ) -> SurfaceLightChanged:
     """The light of an hour, by the rays that there are; that of a still is kept on disk."""
-    from light_transport.kept_light import kept_light
+    from light_transport.cached_light import kept_light
 
     hour = hour_of(sky_light)
 
@@ -353,7 +353,7 @@ def view_lit(
 
     None if nobody waits for it any more.
     """
-    from light_transport.kept_light import kept_light
+    from light_transport.cached_light import kept_light
 
     assert bake.recipe is not None
     edge_px = _edge_for(asked.size_px, points)
@@ -401,7 +401,7 @@ def _edge_for(size_px: tuple[int, int], points: int) -> int:
     return max(1, int(np.ceil(np.sqrt(size_px[0] * size_px[1] / points))))
 
 
-def hour_of(light: SkyLightChanged) -> "Hour":
+def hour_of(light: SkyLightChanged) -> "Illumination":
     """An hour in plain arrays, the same ones for repeated calls with equal light.
 
     Args:
@@ -414,10 +414,10 @@ def hour_of(light: SkyLightChanged) -> "Hour":
 @lru_cache(maxsize=1)
 def _hour_of(
     sky: SkyRadianceChanged, key_light: KeyLightChanged, ambient: AmbientChanged
-) -> "Hour":
-    from light_transport.hour.hour import Hour
+) -> "Illumination":
+    from light_transport.hour.illumination import Illumination
 
-    return Hour(
+    return Illumination(
         sky=decode_float16(sky.cube.values, sky.radiance_scale),
         ground_radiance_rgb=sky.ground_radiance_rgb,
         ground_albedo_rgb=ground_albedo(sky, key_light, ambient),

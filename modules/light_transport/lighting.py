@@ -3,19 +3,19 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.finished import Finished, as_map, smoothed
-from light_transport.hour.exchange import direct_sky, radiosity
 from light_transport.hour.gather import patches_gathered, sky_gathered
-from light_transport.hour.hour import Hour, HourLight
+from light_transport.hour.illumination import HourLight, Illumination
 from light_transport.hour.key_lattice import directions_around
 from light_transport.hour.key_light import free_rays, lit_shares, patch_means
 from light_transport.hour.mirror_light import cubes, texel_radiance
-from light_transport.hour.openness import open_luminance, scaled, to_shares
+from light_transport.hour.patch_transfer import direct_sky, radiosity
+from light_transport.hour.sky_visibility import open_luminance, scaled, to_shares
 from light_transport.layout.probe_places import without_buried
 from light_transport.ray_scene import RayScene
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.sky_nodes import NODES, node_radiances
 from light_transport.surfaces.surfaces import GROUND
+from light_transport.transport_cache import Finished, as_map, smoothed
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
@@ -24,7 +24,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 _LEAST_OF_SKY = 0.05
 
 
-def hour_light(scene: RayScene, finished: Finished, hour: Hour) -> HourLight:
+def hour_light(scene: RayScene, finished: Finished, hour: Illumination) -> HourLight:
     """The light of an hour; some rays must have been added."""
     assert scene.patches is not None
     shares = key_shares(scene, finished, hour)
@@ -56,7 +56,7 @@ def hour_light(scene: RayScene, finished: Finished, hour: Hour) -> HourLight:
     )
 
 
-def column_light_of(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
+def column_light_of(scene: RayScene, finished: Finished, hour: Illumination) -> Float32Array:
     """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
     found = _node_light(scene, hour)
     light = np.empty((scene.rows, 4), np.float32)
@@ -65,7 +65,7 @@ def column_light_of(scene: RayScene, finished: Finished, hour: Hour) -> Float32A
     return found
 
 
-def key_shares(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
+def key_shares(scene: RayScene, finished: Finished, hour: Illumination) -> Float32Array:
     """Visible share of the key light times its cosine (N,), of the rows that are asked."""
     share = np.zeros(scene.rows, np.float32)
     if not np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
@@ -92,7 +92,7 @@ def key_shares(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
     return share
 
 
-def _node_light(scene: RayScene, hour: Hour) -> Float32Array:
+def _node_light(scene: RayScene, hour: Illumination) -> Float32Array:
     """What a ray brings from each column (C, 4): pi L of nodes and its luminance.
 
     It is 0 of patches, for `_bounce` to fill in; the fourth channel is of the sky alone.
@@ -107,7 +107,7 @@ def _node_light(scene: RayScene, hour: Hour) -> Float32Array:
 def _bounce(
     scene: RayScene,
     finished: Finished,
-    hour: Hour,
+    hour: Illumination,
     shares: Float32Array,
     sky_light: Float32Array,
     column_light: Float32Array,
@@ -139,7 +139,7 @@ def _as_probes(scene: RayScene, finished: Finished, light: Float32Array) -> Floa
 def _as_cubes(
     scene: RayScene,
     finished: Finished,
-    hour: Hour,
+    hour: Illumination,
     light: Float32Array,
     column_light: Float32Array,
     shares: Float32Array,
@@ -171,7 +171,7 @@ def _as_cubes(
     return cubes(scene.mirrors, radiance)
 
 
-def reflectance_of(scene: RayScene, hour: Hour) -> Float32Array:
+def reflectance_of(scene: RayScene, hour: Illumination) -> Float32Array:
     """Of the triangles of `surfaces` (F, 3), the ground's in this hour included."""
     reflectance = scene.surfaces.reflectance_rgb.copy()
     reflectance[scene.surfaces.part == GROUND] = hour.ground_albedo_rgb

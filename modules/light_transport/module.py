@@ -61,8 +61,8 @@ class LightTransport(Module):
 
     With a demand for it, it lights each view of a finished still by `ViewLightChanged`.
 
-    The ledger counts "probes", "layout", "round", "hour" and "view", and skips: what is unwanted or
-    switched off, an hour that looks like the one before, one that a newer overtook, a view of a
+    The counters count "probes", "layout", "round", "hour" and "view", and skips: what is unwanted
+    or switched off, an hour that looks like the one before, one that a newer overtook, a view of a
     scene with lamps.
     """
 
@@ -170,9 +170,9 @@ class LightTransport(Module):
         self._hours_under_way = 0
         scene = self.link.last(SceneOpened)
         if not self._works:
-            self.ledger.skip("light map: unwanted or switched off")
+            self.counters.skip("light map: unwanted or switched off")
         elif scene is not None and not scene.triangles and scene.ground is None:
-            self.ledger.skip("light map: a scene without surfaces")
+            self.counters.skip("light map: a scene without surfaces")
         elif scene is not None:
             self._planned = self._plan
             if scene.triangles > _MANY_TRIANGLES and not self._least_rays:
@@ -197,18 +197,18 @@ class LightTransport(Module):
         elif result.job == VIEW:
             if result.value is not None:
                 self.link.post(result.value)
-                self.ledger.did("view")
+                self.counters.did("view")
         else:
             self._take_hour(result.value)
 
     def _take_probes(self, probes: LaidProbes) -> None:
         scene = self.link.last(SceneOpened)
         if probes.round is None:
-            self.ledger.skip("probes: all lie inside bodies")
+            self.counters.skip("probes: all lie inside bodies")
         else:
             self._probes, self._round = probes, probes.round
             self._tell(probes.message)
-            self.ledger.did("probes")
+            self.counters.did("probes")
             self._light()
         if scene is not None:
             self._lay_out(scene, probes.prepared)
@@ -222,9 +222,9 @@ class LightTransport(Module):
         self._laid = laid
         # It holds the whole scene.
         self._probes = None
-        self.ledger.did("layout")
+        self.counters.did("layout")
         if laid.message.mirrors is None:
-            self.ledger.skip("mirrors: nothing in the scene is glossy")
+            self.counters.skip("mirrors: nothing in the scene is glossy")
         self._take_round(laid.round)
 
     def _take_hour(self, light: SurfaceLightChanged) -> None:
@@ -233,7 +233,7 @@ class LightTransport(Module):
         if self._laid is not None and light.layout_key == self._laid.message.layout_key:
             self._tell(self._laid.message)
         self.link.post(light)
-        self.ledger.did("hour")
+        self.counters.did("hour")
         self._light_view()
 
     def _tell(self, laid: LightMapLaid) -> None:
@@ -256,7 +256,7 @@ class LightTransport(Module):
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None
         self._round = done
-        self.ledger.did("round")
+        self.counters.did("round")
         self.link.post(
             BakeGrown(
                 layout_key=self._laid.message.layout_key,
@@ -282,17 +282,17 @@ class LightTransport(Module):
         if laid is None or self._round is None or hour is None:
             return
         if self._round.rays < self._least_rays:
-            self.ledger.skip("hour: more rays are awaited")
+            self.counters.skip("hour: more rays are awaited")
             return
         layout_key = laid.message.layout_key
         if self._asked is not None and self._asked[1:] == (layout_key, self._round.rays):
             quality = self._quality
             if looks_like(hour, self._asked.hour, quality.hour_change, quality.sun_rad):
-                self.ledger.skip("hour: it looks like the one before")
+                self.counters.skip("hour: it looks like the one before")
                 return
         self._asked = _Asked(hour, layout_key, self._round.rays)
         if self._hours_under_way == 2:
-            self.ledger.skip("hour: a newer one overtook it")
+            self.counters.skip("hour: a newer one overtook it")
         else:
             self._hours_under_way += 1
         of_still = self._least_rays > 0
@@ -312,7 +312,7 @@ class LightTransport(Module):
         if scene.lamps is not None:
             key, rays = self._laid.message.layout_key, self._asked.rays
             self.link.post(ViewLightChanged.without_points(asked, key, rays, NAME))
-            self.ledger.skip("view: lamps light the map by themselves")
+            self.counters.skip("view: lamps light the map by themselves")
             return
         key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)
         bake, hour = self._round.bake, self._asked.hour

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.digests import digest_of
-from light_transport.hour.openness import orientation_of
+from light_transport.hour.sky_visibility import orientation_of
 from light_transport.layout.layout import Layout
 from light_transport.layout.probe_places import probe_places_m
-from light_transport.rays.cut_texels import cut_texels
 from light_transport.rays.mirror_rays import MirrorRays
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import Receivers, no_probes, probe_planes
 from light_transport.rays.ray_table import Rows, empty_rows
+from light_transport.rays.split_texels import cut_texels
 from light_transport.rays.touching import touching_texels
 from light_transport.rays.tree import Tree, tree_over
 from light_transport.surfaces.groups import groups_of

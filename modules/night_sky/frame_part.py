@@ -31,7 +31,7 @@ class NightPart(FramePart):
 
     def __init__(self, gl: PartGl):
         super().__init__(gl)
-        self._context, self._ledger = gl.context, gl.ledger
+        self._context, self._counters = gl.context, gl.counters
         self._program: Any = None
         self._stars: StarsChanged | None = None
         self._points: Any = None
@@ -95,12 +95,12 @@ class NightPart(FramePart):
         self._context.enable(self._context.PROGRAM_POINT_SIZE)
         self._points.render(self._context.POINTS)
         self._context.disable(self._context.PROGRAM_POINT_SIZE)
-        self._ledger.did("star", self._count)
+        self._counters.did("star", self._count)
 
     def _draw_moon(self, moon: MoonDiscChanged, size: tuple[int, int], view: PartView) -> None:
         box = _box(moon, size, view)
         if box is None:
-            self._ledger.skip("moon: not in view")
+            self._counters.skip("moon: not in view")
             return
         if self._screen is None:
             self._screen = self.gl.screen(_SHADERS / "moon.frag")
@@ -132,7 +132,7 @@ class NightPart(FramePart):
         wide_px = 2.0 * max(_focal_px(size, view)) * moon.angular_radius_rad
         screen.program["steps"].value = int(np.clip(_SAMPLES_ACROSS / wide_px, 2, _SAMPLES_ACROSS))
         screen.draw(view, box)
-        self._ledger.did("moon")
+        self._counters.did("moon")
 
     def release(self) -> None:
         """Free the GL objects."""

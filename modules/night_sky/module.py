@@ -66,7 +66,7 @@ _FAINTEST = 4e-13
 class NightSky(Module):
     """Holds the slot `night`.
 
-    The ledger counts "moon", "path", "glow" and "stars" made, and skips "night: off", "night:
+    The counters count "moon", "path", "glow" and "stars" made, and skips "night: off", "night:
     unwanted", "glow: turned unseen" and "stars: unwanted".
     """
 
@@ -121,7 +121,7 @@ class NightSky(Module):
         if clock is None or place is None or not self.link.holds(SLOT):
             return
         if not self.settings.night:
-            self.ledger.skip("night: off")
+            self.counters.skip("night: off")
             if self._told:
                 self._told = False
                 self._post(
@@ -133,7 +133,7 @@ class NightSky(Module):
             return
         self._tell_path(clock.instant, place)
         if all(self.link.wanted(kind) is None for kind in PRODUCTS):
-            self.ledger.skip("night: unwanted")
+            self.counters.skip("night: unwanted")
             return
         # Imported when needed: whoever only lists modules needs no ephemeris.
         from night_sky.earth_shadow import light_left
@@ -144,7 +144,7 @@ class NightSky(Module):
         below = sight(clock.instant, place, self.settings.danjon)
         lit = light_left(below.moon, below.shadow)
         light = moon_light(below.moon, place.north_offset_rad, lit)
-        self.ledger.did("moon")
+        self.counters.did("moon")
         self._post(
             NightLightChanged(
                 instant=clock.instant,
@@ -170,13 +170,13 @@ class NightSky(Module):
             self._disc_shown = shown
             self._post(seen.disc(air, NAME))
         if self.link.wanted(StarsChanged) is None:
-            self.ledger.skip("stars: unwanted")
+            self.counters.skip("stars: unwanted")
         elif not self.settings.show_stars or (seen.by_day and self._eye_m < _SPACE_M):
-            self.ledger.skip("stars: by day, or off")
+            self.counters.skip("stars: by day, or off")
             self._post(_no_stars())
         else:
             self._post(stars_seen(seen.at, air, self._eye_m))
-            self.ledger.did("stars")
+            self.counters.did("stars")
 
     def _hide_disc(self) -> None:
         """Post the disc below the horizon, if it is shown."""
@@ -208,7 +208,7 @@ class NightSky(Module):
         from night_sky.path import moon_path
 
         self._post(moon_path(instant, place, NAME))
-        self.ledger.did("path")
+        self.counters.did("path")
 
     def _present_air(self, eye_m: float = 0.0) -> "NightAir":
         """The air before an eye; the ground's is kept beside it."""
@@ -245,9 +245,9 @@ class NightSky(Module):
             light = glow(map_directions(_ROWS, _COLUMNS), at, air, sources)
             self._glow = Array(np.maximum(light, 0.0).astype(np.float32))
             self._glow_at, self._glow_of = days, made_of
-            self.ledger.did("glow")
+            self.counters.did("glow")
         else:
-            self.ledger.skip("glow: turned unseen")
+            self.counters.skip("glow: turned unseen")
         return self._glow
 
     def _post(self, message: Derived) -> None:

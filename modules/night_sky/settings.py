@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 import msgspec
 
 from vrut_lite.kernel.settings import setting
-from vrut_lite.sky.left_open import Preset
+from vrut_lite.sky.effective_defaults import Preset
 
 
 class NightSkySettings(msgspec.Struct, frozen=True):

@@ -42,7 +42,7 @@ _MOST_A_PASS = 16
 class PathTracer(Module):
     """Traces what the scene manager shows, in passes that double.
 
-    The ledger counts "picture begun" and "sample".
+    The counters count "picture begun" and "sample".
     """
 
     manifest = Manifest(
@@ -173,7 +173,7 @@ class PathTracer(Module):
         self._end()
         self._tracer = Tracer(Subject(self._state), self.settings)
         self._samples = 0
-        self.ledger.did("picture begun")
+        self.counters.did("picture begun")
         self._next_pass()
 
     def _next_pass(self) -> None:
@@ -193,7 +193,7 @@ class PathTracer(Module):
         share = radiance.values.astype(np.float64) * count
         self._total = share if self._total is None else self._total + share
         self._samples = first + count
-        self.ledger.did("sample", count)
+        self.counters.did("sample", count)
         mean = (self._total / self._samples).astype(np.float32)
         self.link.post(
             PathTracedPicture(

@@ -10,7 +10,7 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.numeric_types import FloatArray, Vector
-from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
+from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, Sky, SkyInputs, SunDisc
 
 RADIUS_RAD = 0.004675
 _LIGHT_SIZE = 64
@@ -113,6 +113,6 @@ class PhotoLight(Sky):
         cube[texel_directions(_LIGHT_SIZE)[..., 1] <= 0.0] = self._ground_rgb
         return irradiance_coefficients(cube)
 
-    def unseen(self, hour: Hour, quality: object) -> Unseen:
+    def unseen(self, hour: SkyInputs, quality: object) -> MotionThreshold:
         """No move of the clock's sun is seen."""
-        return Unseen(sun_rad=np.inf, eye_m=np.inf)
+        return MotionThreshold(sun_rad=np.inf, eye_m=np.inf)

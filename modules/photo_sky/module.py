@@ -20,7 +20,7 @@ from vrut_lite.kernel.module import Link, Manifest, handles
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sun import SunMoved
 from vrut_lite.sky.sky_module import SkyModule
-from vrut_lite.sky.sky_of_hour import Hour
+from vrut_lite.sky.sky_of_hour import SkyInputs
 
 NAME = "photo_sky"
 
@@ -57,7 +57,7 @@ class PhotoSky(SkyModule):
         """Sharp enough for the photograph's clouds."""
         return Quality(int(np.clip(25.0 / tolerance, 64, 1024)))
 
-    def light(self, hour: Hour, quality: Quality, prepared: None) -> PhotoLight:
+    def light(self, hour: SkyInputs, quality: Quality, prepared: None) -> PhotoLight:
         """The photograph's, whatever the hour."""
         own = self.settings
         return PhotoLight(

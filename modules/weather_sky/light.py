@@ -12,7 +12,7 @@ from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradi
 from vrut_lite.messages.haze import MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.clear_sun import sun_irradiance_rgb
-from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, SunDisc, Unseen
+from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, Sky, SkyInputs, SunDisc
 from vrut_lite.sky.suns import RADIUS_RAD
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.conditions import Conditions
@@ -117,6 +117,6 @@ class WeatherLight(Sky):
         cube[texel_directions(_LIGHT_SIZE)[..., 1] <= 0.0] = self._ground_rgb
         return irradiance_coefficients(cube)
 
-    def unseen(self, hour: Hour, quality: Quality) -> Unseen:
+    def unseen(self, hour: SkyInputs, quality: Quality) -> MotionThreshold:
         """The sun's by the steepest fall of light beside it; the eye's height changes nothing."""
-        return Unseen(_STEEPEST_RAD * quality.sun_change, np.inf)
+        return MotionThreshold(_STEEPEST_RAD * quality.sun_change, np.inf)

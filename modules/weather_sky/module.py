@@ -19,7 +19,7 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sun import sun_moved
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.sky.sky_module import SkyModule
-from vrut_lite.sky.sky_of_hour import Hour
+from vrut_lite.sky.sky_of_hour import SkyInputs
 from vrut_lite.sky.suns import middle_of_sunlit, suns_at
 from weather_sky.clear_year import ClearYear
 from weather_sky.conditions import Conditions
@@ -57,7 +57,7 @@ class WeatherSky(SkyModule):
         """Sizes for a smooth sky."""
         return quality_for(tolerance)
 
-    def light(self, hour: Hour, quality: Quality, prepared: None) -> WeatherLight:
+    def light(self, hour: SkyInputs, quality: Quality, prepared: None) -> WeatherLight:
         """The sky of the settings, of the file's hour, or a clear one, in this order."""
         clock, weather, own = self.link.last(ClockMoved), self._weather, self.settings
         direct, diffuse = own.direct_normal_w_m2, own.diffuse_horizontal_w_m2

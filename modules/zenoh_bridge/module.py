@@ -50,7 +50,7 @@ class ZenohBridge(Module):
     `inject` puts inputs into this kernel, from any thread; without it (as in a replay) the bridge
     does not connect and only posts what its inputs contain. `state` is one sentence.
 
-    The ledger counts, by message type, messages sent ("... sent"), messages received and posted
+    The counters count, by message type, messages sent ("... sent"), messages received and posted
     (the type's name), and messages skipped: unwanted there, without slot here, not accepted.
     "bridge trouble" counts frames and arrays that were refused or could not be fetched.
     """
@@ -143,7 +143,7 @@ class ZenohBridge(Module):
         Raises:
             UserError: always.
         """
-        self.ledger.skip("bridge trouble", message.count)
+        self.counters.skip("bridge trouble", message.count)
         if self._connection is not None:
             self._connection.troubles.heard()
         others = f" (and {message.count - 1} more)" if message.count > 1 else ""
@@ -158,9 +158,9 @@ class ZenohBridge(Module):
             return
         name = type(message).__name__
         if self._connection.say(message):
-            self.ledger.did(f"{name} sent")
+            self.counters.did(f"{name} sent")
         else:
-            self.ledger.skip(f"{name} unwanted there")
+            self.counters.skip(f"{name} unwanted there")
 
     # --- in --------------------------------------------------------------------------
 
@@ -169,7 +169,7 @@ class ZenohBridge(Module):
         """Post a received message, or keep it until this module holds the slot."""
         accepted = {kind.__name__ for kind in types_named(self.settings.accept, "accept")}
         if not self.settings.enabled or remote.type_name not in accepted:
-            self.ledger.skip(f"{remote.type_name} not accepted")
+            self.counters.skip(f"{remote.type_name} not accepted")
             return
         message = revive(remote.type_name, remote.fields)
         self._latest[type(message)] = message
@@ -190,11 +190,11 @@ class ZenohBridge(Module):
     def _say(self, message: Derived) -> None:
         name = type(message).__name__
         if message.slot is not None and not self.link.holds(message.slot):
-            self.ledger.skip(f"{name} without slot")
+            self.counters.skip(f"{name} without slot")
             return
         self._relayed[type(message)] = message
         self.link.post(message)
-        self.ledger.did(name)
+        self.counters.did(name)
 
     # --- demand ----------------------------------------------------------------------
 

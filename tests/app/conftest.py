@@ -17,10 +17,10 @@ except ImportError:
 @pytest.fixture(scope="session", autouse=True)
 def days_found_once():
     """Windows of one process share the sun's days, each of which takes 400 places of the sun."""
-    from vrut_lite.app.engine import day_scout
+    from vrut_lite.app.engine import sun_day_finder
     from vrut_lite.messages.place import SetPlace
 
-    found, day_of = {}, day_scout.day_of
+    found, day_of = {}, sun_day_finder.day_of
 
     def day_of_once(second, day, zone):
         kernel = second.kernel
@@ -31,9 +31,9 @@ def days_found_once():
             found[key] = day_of(second, day, zone)
         return found[key]
 
-    day_scout.day_of = day_of_once
+    sun_day_finder.day_of = day_of_once
     yield
-    day_scout.day_of = day_of
+    sun_day_finder.day_of = day_of
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -16,8 +16,8 @@ from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight_kernel import daylight_kernel
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene
@@ -55,7 +55,7 @@ class HeadlessStage:
         self.kernel.add_module(SceneManager, view=self._view, cube_size=16)
         self.kernel.pump_until_idle()
         self.pass_seconds = {}
-        self.frame_ledger = Ledger()
+        self.frame_counters = WorkCounters()
         self.sizes = []
 
     def draw(self, state, still, is_given_up=None):

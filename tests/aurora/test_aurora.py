@@ -143,10 +143,10 @@ def test_it_lights_the_ground_and_goes_with_its_setting_and_its_module(kernel):
 
 
 def test_by_day_it_is_outshone(kernel):
-    """Nothing is computed, and the ledger says so."""
+    """Nothing is computed, and the counters says so."""
     on = SetSetting(module="aurora", name="on", value=True)
     found, _ = act(kernel, SetClock(instant=NIGHT.replace(hour=11)), on)
     assert found.layers == ()
-    ledger = kernel.seats["aurora"].module.ledger
-    assert ledger.skipped["aurora: outshone by the sun"] > 0
-    assert ledger.done["aurora"] == 0
+    counters = kernel.seats["aurora"].module.counters
+    assert counters.skipped["aurora: outshone by the sun"] > 0
+    assert counters.done["aurora"] == 0

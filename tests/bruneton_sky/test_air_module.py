@@ -33,7 +33,7 @@ def test_air_is_posted_where_things_stand_in_it(sky: SkyOnBus) -> None:
     """Nothing without things in the air; then a volume that reaches past them, for the eye and
     the sun there are."""
     assert air_of(sky) == []
-    assert sky.ledger.skipped["AirChanged without things in it"] == 1
+    assert sky.counters.skipped["AirChanged without things in it"] == 1
     sky.eye(100.0, 20_000.0)
     (volume,) = air_of(sky)
     assert volume is not None
@@ -54,7 +54,7 @@ def test_nothing_is_made_twice(sky: SkyOnBus) -> None:
         sky.eye(height_m, reach_m)
     sky.sun(30.0001)
     assert air_of(sky) == []
-    assert sky.ledger.skipped["AirChanged unchanged"] >= 2
+    assert sky.counters.skipped["AirChanged unchanged"] >= 2
     sky.eye(0.0, 100_000.0)
     assert len(air_of(sky)) == 1
     sky.sun(31.0)
@@ -65,7 +65,7 @@ def test_air_without_demand_costs_nothing(sky: SkyOnBus) -> None:
     """Without a demand there is no air, and with air alone wanted no sky-view table is made."""
     sky.eye(0.0, 20_000.0)
     assert len(air_of(sky)) == 1
-    assert "sky-view table" not in sky.ledger.done
+    assert "sky-view table" not in sky.counters.done
     sky.want_no_more(AirChanged)
     sky.want(KeyLightChanged)
     sky.sun(40.0)
@@ -167,13 +167,13 @@ def test_air_that_comes_late_is_not_shown(gpu_sky: SkyOnBus) -> None:
     gpu_sky.answer(new)
     gpu_sky.answer(old)
     assert len(air_of(gpu_sky)) == 1
-    assert gpu_sky.ledger.skipped["GpuJob outdated"] == 1
+    assert gpu_sky.counters.skipped["GpuJob outdated"] == 1
     gpu_sky.sun(32.0)
     (job,) = jobs_of(gpu_sky)
     gpu_sky.eye(0.0, 1.0)
     gpu_sky.answer(job)
     assert air_of(gpu_sky) == [None]
-    assert gpu_sky.ledger.skipped["GpuJob outdated"] == 2
+    assert gpu_sky.counters.skipped["GpuJob outdated"] == 2
 
 
 def test_cube_map_and_air_wait_each_for_its_own_texture(gpu_sky: SkyOnBus) -> None:
@@ -200,7 +200,7 @@ def test_a_job_that_failed_unwanted_is_made_up_for(gpu_sky: SkyOnBus) -> None:
 
 @pytest.mark.parametrize("hindrance", ["nobody runs GPU jobs", "the GPU failed"])
 def test_where_the_gpu_does_not_serve_the_cpu_does(gpu_sky: SkyOnBus, hindrance: str) -> None:
-    """Air is there all the same, and the ledger says why the GPU had nothing to do."""
+    """Air is there all the same, and the counters says why the GPU had nothing to do."""
     if hindrance == "nobody runs GPU jobs":
         gpu_sky.want_no_more(GpuJob)
     gpu_sky.eye(0.0, 20_000.0)
@@ -210,4 +210,4 @@ def test_where_the_gpu_does_not_serve_the_cpu_does(gpu_sky: SkyOnBus, hindrance:
     (volume,) = air_of(gpu_sky)
     assert volume is not None
     assert isinstance(volume.light, Array)
-    assert gpu_sky.ledger.skipped[f"GpuJob: {hindrance}"] == 1
+    assert gpu_sky.counters.skipped[f"GpuJob: {hindrance}"] == 1

@@ -70,7 +70,7 @@ def test_solves_nothing_without_demand(sky: SkyOnBus) -> None:
     sky.lose_slot()
     sky.want(*LIGHT)
     sky.sun(31.0)
-    assert not sky.ledger.done
+    assert not sky.counters.done
 
 
 def test_one_table_serves_all_messages(sky: SkyOnBus) -> None:
@@ -81,7 +81,7 @@ def test_one_table_serves_all_messages(sky: SkyOnBus) -> None:
     sky.want(BackgroundChanged)
     assert sky.kinds_taken() == [BackgroundChanged]
     assert sky.last(BackgroundChanged).cube.shape[1] == 256  # type: ignore[union-attr]
-    assert sky.ledger.done["sky-view table"] == 1
+    assert sky.counters.done["sky-view table"] == 1
 
 
 def test_place_and_settings_make_a_new_sky(lit: SkyOnBus) -> None:
@@ -132,7 +132,7 @@ def test_dragging_a_slider_leaves_one_job(lit: SkyOnBus) -> None:
     for turbidity in (4.0, 5.0, 6.0):
         lit.set("turbidity", turbidity)
     assert lit.held == ["solve"]
-    assert lit.ledger.skipped["preparation overtaken by a newer one"] == 2
+    assert lit.counters.skipped["preparation overtaken by a newer one"] == 2
     lit.set("turbidity", None)
     assert lit.held == []
     assert lit.taken() == []
@@ -156,7 +156,7 @@ def test_a_drag_shows_air_that_it_passes(lit: SkyOnBus) -> None:
 def test_where_a_sky_is_computed_is_no_new_air(lit: SkyOnBus) -> None:
     """The device changes no light: nothing is solved again."""
     lit.set("cube_device", "gpu")
-    assert lit.ledger.done["preparation"] == 1
+    assert lit.counters.done["preparation"] == 1
 
 
 def test_an_impossible_atmosphere_is_refused_once(lit: SkyOnBus) -> None:
@@ -206,7 +206,7 @@ def test_the_eye_of_the_view_that_is_shown_counts(sky: SkyOnBus) -> None:
 
 def test_the_eye_takes_the_observer_along(by_day: SkyOnBus) -> None:
     """From 10 km the sky darkens; the light on the scene, which stays below, does not change: it
-    is neither made nor posted again, and the ledger counts that."""
+    is neither made nor posted again, and the counters count that."""
     for height_m in (10_000.0, 20_000.0, 0.0):
         by_day.eye(height_m)
     posted = by_day.taken()
@@ -221,7 +221,7 @@ def test_the_eye_takes_the_observer_along(by_day: SkyOnBus) -> None:
     assert len({m.ground_radiance_rgb for m in backgrounds}) == 1
     for kind in (KeyLightChanged, AmbientChanged):
         assert sum(isinstance(m, kind) for m in posted) == 1
-    assert by_day.ledger.skipped["light on the scene: only the observer moved"] == 3
+    assert by_day.counters.skipped["light on the scene: only the observer moved"] == 3
 
 
 def test_light_does_not_depend_on_the_observer() -> None:
@@ -245,12 +245,12 @@ def test_light_does_not_depend_on_the_observer() -> None:
 
 
 def test_a_walk_and_a_second_of_time_are_unseen(by_day: SkyOnBus) -> None:
-    """Moves too small to be seen cause no work, and the ledger counts them."""
+    """Moves too small to be seen cause no work, and the counters count them."""
     by_day.taken()
     by_day.eye(1.7)
     by_day.sun(30.004)
     assert by_day.taken() == []
-    assert by_day.ledger.skipped["sun or eye moved unseen"] >= 2
+    assert by_day.counters.skipped["sun or eye moved unseen"] >= 2
 
 
 def test_night_is_finite_and_dark(sky: SkyOnBus) -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from light_messages import clear_sky_light, light_messages
 from long_parameters import mostly_long
 
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -89,7 +89,7 @@ def test_the_light_below_is_the_files(numbers):
     """
     cover, share = numbers
     sine, directions = 0.8, texel_directions(16)[..., 1]
-    by_sun, by_sky = sine * sun_aloft(0.0, sine), np.pi * np.array([12.0, 15.0, 21.0])
+    by_sun, by_sky = sine * sunlight_at_altitude(0.0, sine), np.pi * np.array([12.0, 15.0, 21.0])
     cube = np.where(directions[..., None] > 0.0, by_sky, 0.15 * (by_sun + by_sky)) / np.pi
     sky = light_messages(cube, (0.6, sine, 0.0), by_sun / sine)
     clear = float(luminance(by_sun + by_sky))

@@ -10,7 +10,7 @@ from clouds.model.cloud_density_kernels import density_at
 from clouds.model.cloud_field import cloud_field
 from clouds.model.cloud_light import ClearLight
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.tiles import Patience
 
@@ -48,8 +48,8 @@ def ask(owner, layer, points, body):
 
         from vrut_lite.render.frame_parts import PartRenderer
 
-        ledger = Ledger()
-        gl = PartRenderer(context, ledger, Patience(ledger))
+        counters = WorkCounters()
+        gl = PartRenderer(context, counters, Patience(counters))
         clouds, shadow = CloudsOnGpu(gl), CloudShadowMap(gl)
         clouds.show(layer)
         assert shadow.bind([clouds], [LIGHT], np.zeros(3), CloudSurroundings(EYE, 0.0, 1e-3))

@@ -15,7 +15,7 @@ from clouds.settings import CloudSettings
 from long_parameters import mostly_long
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 
 EYE = np.zeros(3)
 
@@ -111,13 +111,13 @@ def test_sun_aloft_at_noon_and_after_sunset():
     """
     from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
-    noon = float(luminance(sun_aloft(0.0, 1.0))) * LUMENS_PER_WATT
+    noon = float(luminance(sunlight_at_altitude(0.0, 1.0))) * LUMENS_PER_WATT
     assert 0.85 * 133.1e3 < noon < 0.90 * 133.1e3
     below = np.sin(np.radians(-1.0))
-    assert not sun_aloft(0.0, below).any()
-    red, green, blue = sun_aloft(3000.0, below)
+    assert not sunlight_at_altitude(0.0, below).any()
+    red, green, blue = sunlight_at_altitude(3000.0, below)
     assert red > 3.0 * green > 0.0
     assert blue < green
     sines = np.linspace(-0.1, 1.0, 400)
-    light = luminance(sun_aloft(2000.0, sines))
+    light = luminance(sunlight_at_altitude(2000.0, sines))
     assert np.all(np.diff(light) >= 0.0), "a higher sun is never darker"

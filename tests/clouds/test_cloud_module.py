@@ -46,8 +46,8 @@ def tell(kernel, *inputs):
         kernel.pump_until_idle()
 
 
-def ledger(kernel):
-    return kernel.seats["clouds"].module.ledger
+def counters(kernel):
+    return kernel.seats["clouds"].module.counters
 
 
 def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
@@ -55,15 +55,15 @@ def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
     monkeypatch.setattr(clouds_module, "make_layers", None)
     tell(kernel, WANTED, SetClock(instant=NOON), SetClock(instant=NOON + timedelta(hours=1)))
     assert heard == []
-    assert not ledger(kernel).done
-    assert ledger(kernel).skipped["clouds: no coverage"] >= 3
+    assert not counters(kernel).done
+    assert counters(kernel).skipped["clouds: no coverage"] >= 3
 
 
 def test_without_demand_nothing_is_made(kernel, heard):
     """Without demand no layer is made."""
     tell(kernel, SetClock(instant=NOON), coverage_of(0.5))
     assert heard == []
-    assert not ledger(kernel).done
+    assert not counters(kernel).done
     tell(kernel, WANTED)
     assert heard[-1].layers[0].coverage == 0.5
 
@@ -92,7 +92,7 @@ def test_the_wind_moves_the_pattern(kernel, heard, azimuth_deg, towards):
     moved = np.subtract(after.drift_m, before.drift_m)
     np.testing.assert_allclose(moved, 600.0 * np.array(towards), atol=1e-3)
     assert after.shape is before.shape, "the wind makes no new noise"
-    assert ledger(kernel).done["layers"] == 1
+    assert counters(kernel).done["layers"] == 1
 
 
 def test_a_turned_world_turns_the_wind():
@@ -108,7 +108,7 @@ def test_a_drift_below_half_a_metre_is_not_posted(kernel, heard):
     tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.3))
     tell(kernel, SetClock(instant=NOON + timedelta(milliseconds=40)))
     assert len(heard) == 1
-    assert ledger(kernel).skipped["clouds: unchanged"] == 1
+    assert counters(kernel).skipped["clouds: unchanged"] == 1
 
 
 def test_a_recorded_session_replays(tmp_path):

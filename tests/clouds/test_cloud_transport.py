@@ -12,7 +12,7 @@ from clouds.model.cloud_transport import (
 from clouds.model.cloud_view import clouds_seen
 from long_parameters import mostly_long
 
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite_lab.cloud_accuracy import DEPTHS, ELEVATIONS_DEG, ordinates_of
 
 CASES = [(depth, elevation) for depth in DEPTHS for elevation in ELEVATIONS_DEG]
@@ -46,7 +46,7 @@ def test_radiance_is_that_of_discrete_ordinates(case):
     around = columns / 60 * np.pi
     across = np.sqrt(1.0 - mu**2)[:, None]
     up = np.broadcast_to(mu[:, None], (5, 4))
-    sun = float(sun_aloft(1500.0, sine)[1])
+    sun = float(sunlight_at_altitude(1500.0, sine)[1])
     for eye_m, sign, theirs in ((998.0, 1.0, truth.base), (2002.0, -1.0, truth.top)):
         ahead = np.stack([across * np.cos(around), sign * up, across * np.sin(around)], -1)
         seen = clouds_seen(layer, light, (0.0, eye_m, 0.0), ahead, NARROW_RAD).radiance[..., 1]
@@ -72,7 +72,7 @@ def test_what_enters_a_layer_leaves_it():
         views = flat * np.array([1.0, turn, 1.0])
         seen = clouds_seen(layer, light, (0.0, eye_m, 0.0), views, NARROW_RAD).radiance[..., 1]
         leaving += np.pi * (weight * mu) @ seen.mean(axis=1)
-    entering = float(sun_aloft(1500.0, 0.8)[1]) * sun[1]
+    entering = float(sunlight_at_altitude(1500.0, 0.8)[1]) * sun[1]
     assert leaving == pytest.approx(entering, rel=0.01)
 
 

@@ -258,11 +258,11 @@ def test_off_costs_nothing(stage):
     stage.change(**clouded(rough_layer()))
     with_clouds = look(stage, EYE, (1.0, 2.2, 0.0))
     stage.change(**clouded())
-    done = stage.ledger.done.copy()
+    done = stage.counters.done.copy()
     after = look(stage, EYE, (1.0, 2.2, 0.0))
     assert np.array_equal(before.radiance, after.radiance)
     assert not np.array_equal(before.radiance, with_clouds.radiance)
-    assert {name for name in stage.ledger.done - done if "cloud" in name} == set()
+    assert {name for name in stage.counters.done - done if "cloud" in name} == set()
 
 
 @pytest.mark.long
@@ -273,8 +273,8 @@ def test_the_shadow_map_is_kept_while_it_holds(stage):
     look(stage, EYE, (1.0, 2.2, 0.0))
     stage.change(**clouded(msgspec.structs.replace(layer, drift_m=(40.0, 10.0))))
     look(stage, EYE, (1.0, 2.2, 0.0))
-    assert stage.ledger.done["cloud shadow map"] == 1
-    assert stage.ledger.skipped["cloud shadow map: it still holds"] == 1
+    assert stage.counters.done["cloud shadow map"] == 1
+    assert stage.counters.skipped["cloud shadow map: it still holds"] == 1
     light(stage, BLACK, sun_direction=(0.63, 0.777, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     look(stage, EYE, (1.0, 2.2, 0.0))
-    assert stage.ledger.done["cloud shadow map"] == 2
+    assert stage.counters.done["cloud shadow map"] == 2

@@ -5,7 +5,7 @@ from clouds.genera import GENERA
 from clouds.settings import CloudSettings
 
 from vrut_lite.kernel.settings import change
-from vrut_lite.sky.left_open import presets_of
+from vrut_lite.sky.effective_defaults import presets_of
 
 
 def test_without_genus_or_coverage_there_are_no_clouds():

@@ -9,7 +9,7 @@ from clouds.sky_under_clouds import light_under_clouds
 from light_messages import clear_sky_light, light_messages
 
 from vrut_lite.atmosphere.haze_layer import HazeLayer
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -116,7 +116,7 @@ def test_under_an_overcast_the_sun_goes_and_the_ground_darkens():
     light = summed(slab(extinction_per_m=0.03), sky=sky)
     assert max(light.key_light.irradiance_rgb) < 1e-6
     assert max(light.background.seen_sun_irradiance_rgb) < 1e-6
-    clear = sun_aloft(2000.0, 0.8) * 0.8 + np.pi * np.array([2.0, 3.0, 5.0])
+    clear = sunlight_at_altitude(2000.0, 0.8) * 0.8 + np.pi * np.array([2.0, 3.0, 5.0])
     under = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, UP)
     assert np.all(under < 0.4 * clear)
     falls = np.divide(light.background.ground_radiance_rgb, sky[0].ground_radiance_rgb)

@@ -166,7 +166,7 @@ def test_air_is_posted_when_something_stands_in_it(sky):
     """Nothing without things in the air; then one volume past them, and no second for the same,
     for an eye that moved unseen, or for things a little nearer."""
     assert sky.taken() == []
-    assert sky.ledger.skipped["AirChanged without things in it"] == 1
+    assert sky.counters.skipped["AirChanged without things in it"] == 1
     sky.eye(0.0, 20_000.0)
     (message,) = sky.taken()
     assert message.volume.reach_m >= 20_000.0

@@ -43,7 +43,7 @@ def test_twilight_is_the_cpus(sky):
     sky.sun(0.0)
     (background,) = sky.taken()
     assert isinstance(background.cube, Array)
-    assert sky.ledger.skipped["GpuJob: an hour for the CPU"] == 1
+    assert sky.counters.skipped["GpuJob: an hour for the CPU"] == 1
 
 
 def test_back_on_the_cpu_a_late_texture_is_not_shown(sky):
@@ -54,7 +54,7 @@ def test_back_on_the_cpu_a_late_texture_is_not_shown(sky):
     assert sky.kinds_taken() == [BackgroundChanged]
     sky.answer(job)
     assert sky.taken() == []
-    assert sky.ledger.skipped["GpuJob outdated"] == 1
+    assert sky.counters.skipped["GpuJob outdated"] == 1
     sky.set("cube_device", "gpu")
     assert sky.kinds_taken() == [GpuJob]
 

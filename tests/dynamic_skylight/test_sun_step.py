@@ -59,8 +59,8 @@ def test_playing_in_real_time_makes_few_skies(sky):
     made = posted.count(BackgroundChanged)
     assert posted == list(LIGHT) * made
     assert made <= 26
-    assert sky.ledger.skipped["sun or eye moved unseen"] == 60 - made
-    assert sky.ledger.skipped["AmbientChanged unchanged"] == 60 - made
+    assert sky.counters.skipped["sun or eye moved unseen"] == 60 - made
+    assert sky.counters.skipped["AmbientChanged unchanged"] == 60 - made
 
 
 def test_the_picture_is_the_same_with_less_work(sky):
@@ -73,7 +73,7 @@ def test_the_picture_is_the_same_with_less_work(sky):
         exact = shown(fresh)
         allowed = (RADIANCE_TOLERANCE + 2**-10) * np.maximum(exact, 1e-2 * exact.max())
         assert np.all(np.abs(shown(sky) - exact) <= allowed)
-    assert sky.ledger.done["BackgroundChanged"] < 16
+    assert sky.counters.done["BackgroundChanged"] < 16
 
 
 def test_small_moves_do_not_add_up(sky):

@@ -15,10 +15,10 @@ from fault_stage import NOON, ROOT, SMALL_SKY, is_one_line, outcome, start, wait
 from processes_here import processes_or_skip
 
 from vrut_lite import cli
+from vrut_lite.environment_checks import leave_out_nonsense
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, terminations_raised
 from vrut_lite.render import frame, gl_owner
-from vrut_lite.sound_environment import leave_out_nonsense
 from vrut_lite.write_atomic import atomic_output
 
 SCENE = ROOT / "scenes" / "sundial.glb"

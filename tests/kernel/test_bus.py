@@ -230,7 +230,7 @@ def test_only_the_holder_may_speak_for_a_slot():
     kernel.inject(Poke(value=1))
     kernel.pump()
     assert kernel.last(SunMoved) is None
-    assert kernel.seats["impostor"].ledger.skipped["post SunMoved without slot"] == 1
+    assert kernel.seats["impostor"].counters.skipped["post SunMoved without slot"] == 1
     kernel.inject(ChooseSlot(slot="sun", module="impostor"))
     kernel.inject(Poke(value=1))
     kernel.pump()

@@ -9,7 +9,7 @@ from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, Kernel
 from vrut_lite.kernel.jobs import ThreadRunner
 from vrut_lite.kernel.messages import EnableModule, Fault, Input, JobResult, RestartModule
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 
 class Ask(Input, frozen=True, kw_only=True):
@@ -73,7 +73,7 @@ def results(kernel):
     return kernel.seats["worker"].module.results
 
 
-@pytest.mark.parametrize("make_runner", [ThreadRunner, HeldRunner])
+@pytest.mark.parametrize("make_runner", [ThreadRunner, ReplayRunner])
 def test_only_the_asking_module_gets_a_result(make_runner):
     """Only the asking module gets a job's result, on threads as in a replay."""
     kernel = kernel_with(make_runner())
@@ -86,7 +86,7 @@ def test_only_the_asking_module_gets_a_result(make_runner):
 
 def test_of_pending_jobs_the_latest_wins():
     """A dragged slider asks for a hundred skies and gets the first and the last."""
-    runner = HeldRunner()
+    runner = ReplayRunner()
     kernel = kernel_with(runner)
     ask(kernel, *(Ask(work=echo, arguments=(number,)) for number in range(100)))
     kernel.pump_until_idle()
@@ -95,7 +95,7 @@ def test_of_pending_jobs_the_latest_wins():
 
 def test_a_held_result_is_admitted_when_it_is_released():
     """A replay admits a result where the journal has it, not when the work ended."""
-    runner = HeldRunner()
+    runner = ReplayRunner()
     kernel = kernel_with(runner)
     ask(kernel, Ask(work=echo, arguments=(1,)))
     kernel.pump()
@@ -151,7 +151,7 @@ def test_work_that_asks_learns_that_it_was_cancelled():
 )
 def test_a_late_result_is_dropped(ending):
     """A module that cancelled or was restarted must not get an old job's result."""
-    runner = HeldRunner()
+    runner = ReplayRunner()
     kernel = kernel_with(runner)
     admitted = []
     kernel.watch_admission(admitted.append)
@@ -168,7 +168,7 @@ def test_a_late_result_is_dropped(ending):
 
 def test_work_that_raises_is_a_result_and_a_fault():
     """A module learns that its work failed; three failures suspend it like any three faults."""
-    kernel = kernel_with(HeldRunner())
+    kernel = kernel_with(ReplayRunner())
     faults = []
     kernel.tap(lambda message, _: faults.append(message) if isinstance(message, Fault) else None)
     for _ in range(FAULTS_UNTIL_SUSPENSION):
@@ -182,7 +182,7 @@ def test_work_that_raises_is_a_result_and_a_fault():
 
 def test_an_error_without_a_trace_is_the_modules_to_answer():
     """A module that falls back to the CPU when a shader fails must not be suspended for it."""
-    kernel = kernel_with(HeldRunner())
+    kernel = kernel_with(ReplayRunner())
     for _ in range(FAULTS_UNTIL_SUSPENSION):
         kernel.inject(JobResult(module="worker", job="shader", error="does not compile"))
     kernel.pump()
@@ -196,7 +196,7 @@ def test_a_users_error_in_work_never_suspends():
     def refuse():
         raise UserError("the file is empty: choose another")
 
-    kernel = kernel_with(HeldRunner())
+    kernel = kernel_with(ReplayRunner())
     for _ in range(FAULTS_UNTIL_SUSPENSION + 1):
         ask(kernel, Ask(work=refuse))
         kernel.pump_until_idle()
@@ -210,7 +210,7 @@ def test_progress_goes_to_the_trace_alone():
     def work(control):
         control.progress(0.5, "half of the orders")
 
-    kernel = kernel_with(HeldRunner())
+    kernel = kernel_with(ReplayRunner())
     heard = []
     kernel.tap(lambda message, _: heard.append(type(message).__name__))
     ask(kernel, Ask(work=work, job="orders"))

@@ -11,7 +11,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.messages import Demand, Fault, JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 SLIDES = 100_000
 
@@ -32,7 +32,7 @@ class SlowSky(Module):
 
 def test_a_flood_of_slider_inputs_ends_with_the_last_value_and_few_skies():
     """100,000 values: the last arrives, no more skies than were finished, memory stays flat."""
-    runner = HeldRunner()
+    runner = ReplayRunner()
     kernel = Kernel(runner=runner)
     kernel.add_module(SlowSky)
     kernel.pump()

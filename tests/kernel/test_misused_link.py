@@ -8,7 +8,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import JobResult, Tick
 from vrut_lite.kernel.module import handles
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 
 async def later():
@@ -95,7 +95,7 @@ def test_progress_remarks_have_bounded_length():
     class Asker(Hostile):
         deed = staticmethod(lambda module: module.link.start_job("j", work))
 
-    kernel = Kernel(runner=HeldRunner())
+    kernel = Kernel(runner=ReplayRunner())
     kernel.add_module(Asker)
     act(kernel, Poke())
     kernel.pump_until_idle()

@@ -91,7 +91,7 @@ def test_a_handler_that_is_gone_is_a_fault(handler):
 
 
 def test_a_constructor_without_super_is_a_fault():
-    """Its ledger is asked for by commands and panels long after."""
+    """Its counters is asked for by commands and panels long after."""
 
     class Forgetful(Module):
         manifest = Manifest(name="forgetful", title="Forgetful", version="1")
@@ -104,5 +104,5 @@ def test_a_constructor_without_super_is_a_fault():
     kernel.add_module(Forgetful)
     kernel.pump()
     assert "super().__init__(link, settings)" in faults[0].error
-    assert kernel.seats["forgetful"].ledger.done == {}
+    assert kernel.seats["forgetful"].counters.done == {}
     act(kernel, ReloadModule(module="forgetful"))

@@ -5,7 +5,7 @@ import pytest
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Input, JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 
 class Ask(Input, frozen=True, kw_only=True):
@@ -62,7 +62,7 @@ class Worker(Module):
 
 @pytest.fixture
 def kernel():
-    kernel = Kernel(runner=HeldRunner())
+    kernel = Kernel(runner=ReplayRunner())
     kernel.add_module(Worker)
     kernel.pump()
     return kernel

@@ -3,11 +3,11 @@
 import pytest
 from probe_messages import Heard, Poke, act, collect, faults_of
 
-from vrut_lite.kernel import seat
+from vrut_lite.kernel import loaded_module
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.messages import EnableModule, JobResult, RestartModule
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 
 @pytest.mark.parametrize("speech", ["post", "demand"])
@@ -52,8 +52,8 @@ def test_a_storm_in_a_constructor_ends_suspended_and_stays_so(speech, way):
 
 def test_a_job_that_starts_the_next_for_ever_is_cut_by_count(monkeypatch):
     """A command waits for jobs: a chain of them must end. Each other input begins anew."""
-    assert seat.JOBS_IN_A_CHAIN >= 4096, "a picture that grows has so many passes"
-    monkeypatch.setattr(seat, "JOBS_IN_A_CHAIN", 50)
+    assert loaded_module.JOBS_IN_A_CHAIN >= 4096, "a picture that grows has so many passes"
+    monkeypatch.setattr(loaded_module, "JOBS_IN_A_CHAIN", 50)
 
     class Chained(Module):
         manifest = Manifest(name="chained", title="Chained", version="1")
@@ -65,7 +65,7 @@ def test_a_job_that_starts_the_next_for_ever_is_cut_by_count(monkeypatch):
                 left = message.value if isinstance(message, Poke) else message.value - 1
                 self.link.start_job("next", abs, left)
 
-    kernel = Kernel(runner=HeldRunner())
+    kernel = Kernel(runner=ReplayRunner())
     kernel.add_module(Chained)
     faults = faults_of(kernel)
     for _ in range(2):

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import Surfaces
 
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
@@ -79,7 +79,7 @@ def hour(radiance=0.0, key=(0.0, 1.0, 0.0), irradiance=0.0, ground=None, cube=No
     """Light of a uniform sky, open ground that is as bright unless told, and a key light."""
     if cube is None:
         cube = np.full((6, 16, 16, 3), radiance, np.float32)
-    return Hour(
+    return Illumination(
         sky=cube,
         ground_radiance_rgb=(radiance if ground is None else ground,) * 3,
         ground_albedo_rgb=(0.2, 0.2, 0.2),

@@ -59,8 +59,8 @@ def test_nothing_is_done_without_demand(stage, scene):
     """Who wants no light on surfaces pays nothing: no layout, no rays, no demand on the sky."""
     said = stage.tell(scene, NOON)
     assert said == []
-    assert not stage.ledger.done
-    assert stage.ledger.skipped["light map: unwanted or switched off"] >= 1
+    assert not stage.counters.done
+    assert stage.counters.skipped["light map: unwanted or switched off"] >= 1
     assert stage.kernel.wanted(SurfaceLightChanged) is None
 
 
@@ -91,19 +91,19 @@ def test_light_waits_for_as_many_rays_as_a_demand_names(stage, two, monkeypatch)
     (light,) = lights(said)
     assert len(layouts(said)) == 1
     assert [m.rays for m in of_kind(said, BakeGrown)] == [64, 128]
-    assert "probes" not in stage.ledger.done
-    assert stage.ledger.skipped["hour: more rays are awaited"] >= 1
+    assert "probes" not in stage.counters.done
+    assert stage.counters.skipped["hour: more rays are awaited"] >= 1
     by_rounds = LightStage()
     assert lights(by_rounds.tell(*COARSE, NOON, WANT, two))[-1] == light
     by_rounds.kernel.close()
 
 
 def test_a_scene_of_matt_things_has_no_mirrors(stage, scene):
-    """Nothing glossy: no cubes are laid or lit, and the ledger counts it."""
+    """Nothing glossy: no cubes are laid or lit, and the counters count it."""
     said = stage.tell(NOON, WANT, scene)
     assert [laid.mirrors for laid in layouts(said)] == [None]
     assert {light.mirrors for light in lights(said)} == {None}
-    assert stage.ledger.skipped["mirrors: nothing in the scene is glossy"] == 1
+    assert stage.counters.skipped["mirrors: nothing in the scene is glossy"] == 1
 
 
 def test_glossy_things_have_cubes_in_layout_and_light(stage, tmp_path):
@@ -140,14 +140,14 @@ def test_what_takes_long_to_lay_out_is_lit_by_probes_first(stage, two, monkeypat
         message.check_arrays()
     top = first.probes.values[..., 2, 3].astype(float)
     assert top[:, -1].max() > 0.95
-    assert stage.ledger.done["probes"] == stage.ledger.done["layout"] == 1
+    assert stage.counters.done["probes"] == stage.counters.done["layout"] == 1
 
 
 def test_probes_that_all_lie_inside_a_body_light_nothing(stage, scene, monkeypatch):
     """One box fills its bounds: it waits for its map."""
     monkeypatch.setattr(module, "_MANY_TRIANGLES", 0)
     assert len(layouts(stage.tell(NOON, WANT, scene))) == 1
-    assert stage.ledger.skipped["probes: all lie inside bodies"] == 1
+    assert stage.counters.skipped["probes: all lie inside bodies"] == 1
 
 
 def test_an_hour_between_probes_and_map_lights_the_probes(stage, two, monkeypatch):
@@ -180,24 +180,24 @@ def test_an_hour_between_probes_and_map_lights_the_probes(stage, two, monkeypatc
 def test_an_hour_lights_the_same_map(stage, scene):
     """A new sky costs no layout and no rays, and twice the sky is twice the light."""
     before = irradiance(lights(stage.tell(WANT, scene, Shine(radiance=1.0)))[-1])
-    rounds = stage.ledger.done["round"]
+    rounds = stage.counters.done["round"]
     (light,) = stage.tell(Shine(radiance=2.0))[-1:]
     np.testing.assert_allclose(irradiance(light), 2.0 * before, rtol=2e-3, atol=1e-3)
-    assert stage.ledger.done["round"] == rounds
-    assert stage.ledger.done["layout"] == 1
+    assert stage.counters.done["round"] == rounds
+    assert stage.counters.done["layout"] == 1
 
 
 def test_an_hour_that_nobody_would_tell_apart_is_left_out(stage, scene):
     """A sun that creeps by a hundredth of a degree lights the scene as before."""
     stage.tell(WANT, scene, NOON)
-    done = stage.ledger.done["hour"]
+    done = stage.counters.done["hour"]
     angle = math.radians(0.01)
     said = stage.tell(
         Shine(radiance=1.0, irradiance=3.0, sun=(math.sin(angle), math.cos(angle), 0.0))
     )
     assert lights(said) == []
-    assert stage.ledger.done["hour"] == done
-    assert stage.ledger.skipped["hour: it looks like the one before"] >= 1
+    assert stage.counters.done["hour"] == done
+    assert stage.counters.skipped["hour: it looks like the one before"] >= 1
     assert lights(stage.tell(Shine(radiance=1.0, irradiance=3.0, sun=(1.0, 0.0, 0.0))))
 
 
@@ -268,9 +268,9 @@ def test_light_ends_with_the_demand(stage, scene):
     """When the last consumer leaves, nothing goes on."""
     stage.tell(WANT, NOON, scene)
     stage.tell(NO_MORE)
-    done = stage.ledger.done.copy()
+    done = stage.counters.done.copy()
     assert stage.tell(Shine(radiance=5.0), scene) == []
-    assert stage.ledger.done == done
+    assert stage.counters.done == done
 
 
 def test_settings_begin_anew_only_where_the_map_changes(stage, scene):
@@ -314,7 +314,7 @@ def test_a_scene_without_surfaces_is_no_fault(stage, scene):
     """Nothing but sky has nothing to light."""
     said = stage.tell(WANT, NOON, Show(path=scene.path, with_parts=False))
     assert layouts(said) == lights(said) == []
-    assert stage.ledger.skipped["light map: a scene without surfaces"] == 1
+    assert stage.counters.skipped["light map: a scene without surfaces"] == 1
 
 
 def test_the_ground_is_lit_too(stage, scene):

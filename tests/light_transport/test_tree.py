@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from light_transport.rays.lanes import LANES
+from light_transport.rays.simd_intersection import LANES
 from light_transport.rays.trace import BEAM, MISS, bound_beam, first_hits, unblocked
 from light_transport.rays.tree import LEAF_BITS, STACK, tree_over
 from numba import njit

@@ -39,8 +39,8 @@ from vrut_lite.messages.lamps import ALL_AROUND, NONE, TABLE_SHAPE, SceneLamps
 from vrut_lite.messages.light_map import (
     GroundChart,
     LightMapLaid,
-    Mirrors,
     ProbeGrid,
+    ReflectionProbes,
     SurfaceLightChanged,
 )
 from vrut_lite.messages.moon_path import MoonPathChanged
@@ -117,7 +117,7 @@ NESTED = (
     | PointsAndLines
     | GroundChart
     | ProbeGrid
-    | Mirrors
+    | ReflectionProbes
     | MoonLight
 )
 LAID = LightMapLaid(
@@ -129,7 +129,7 @@ LAID = LightMapLaid(
     part_corner_px=Array(np.zeros((2, 2), np.int32)),
     ground=GroundChart(corner_px=(4, 2), edge_px=4, half_width_m=40.0, warp=3.0),
     probes=ProbeGrid(lower_m=UP, step_m=(1.0, 2.0, 1.0), counts=(3, 2, 4)), source="s",
-    mirrors=Mirrors(
+    mirrors=ReflectionProbes(
         part=Array(np.array([1], np.int32)), centre_m=Array(np.zeros((1, 3))),
         nearness=Array(np.ones((1, 6, 4, 4), np.float32)),
     ),

@@ -71,8 +71,11 @@ def test_values_of_arrays_are_checked_on_request(name, odd):
     ("changes", "says"),
     [
         ({"part": np.array([2], np.int32)}, "mirrors of a LightMapLaid must name parts"),
-        ({"centre_m": np.full((1, 3), np.nan)}, "centre_m of Mirrors must hold numbers"),
-        ({"nearness": np.full((1, 6, 4, 4), -1.0, np.float32)}, "nearness of Mirrors must hold"),
+        ({"centre_m": np.full((1, 3), np.nan)}, "centre_m of ReflectionProbes must hold numbers"),
+        (
+            {"nearness": np.full((1, 6, 4, 4), -1.0, np.float32)},
+            "nearness of ReflectionProbes must hold",
+        ),
     ],
 )
 def test_mirrors_of_a_light_map_name_its_parts(changes, says):

@@ -65,8 +65,8 @@ class Night:
         return direct * LUMENS_PER_WATT, sky * LUMENS_PER_WATT
 
     @property
-    def ledger(self):
-        return self.kernel.seats["night_sky"].module.ledger
+    def counters(self):
+        return self.kernel.seats["night_sky"].module.counters
 
 
 @pytest.fixture(scope="module")
@@ -189,14 +189,14 @@ def test_off_nothing_is_computed_and_the_grey_night_stays(unused):
     by_sun, by_sky = night.at(MOONLESS).lux()
     assert by_sun == 0.0
     assert by_sky == pytest.approx(NIGHT_ILLUMINANCE_LX, rel=0.02)
-    assert not night.ledger.done
+    assert not night.counters.done
     assert night.kernel.last(NightLightChanged) is None
 
 
 def test_without_demand_nothing_is_computed(unused):
     night = unused
     night.at(FULL_MOON)
-    assert not night.ledger.done
+    assert not night.counters.done
 
 
 def test_switched_off_the_night_goes(night):

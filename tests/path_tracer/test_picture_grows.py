@@ -84,8 +84,8 @@ def pictures(heard):
     return [message for message in heard if isinstance(message, PathTracedPicture)]
 
 
-def ledger(stage):
-    return stage[0].seats["path_tracer"].module.ledger
+def counters(stage):
+    return stage[0].seats["path_tracer"].module.counters
 
 
 def demands_of_the_tracer(kernel):
@@ -97,7 +97,7 @@ def test_nothing_is_traced_without_demand(stage):
     kernel, heard = stage
     assert pictures(heard) == []
     assert not demands_of_the_tracer(kernel)
-    assert (ledger(stage).done["picture begun"], ledger(stage).done["sample"]) == (0, 0)
+    assert (counters(stage).done["picture begun"], counters(stage).done["sample"]) == (0, 0)
 
 
 def test_a_late_demand_gets_the_present_view(stage):
@@ -141,9 +141,9 @@ def test_the_same_input_gives_the_same_picture(stage):
 def test_one_change_of_all_light_begins_one_picture(stage):
     """Background, sun and ambient change together: three messages, one start."""
     play(stage, WANT)
-    before = ledger(stage).done["picture begun"]
+    before = counters(stage).done["picture begun"]
     heard = play(stage, Shine(radiance=1.0, irradiance=5.0))
-    assert ledger(stage).done["picture begun"] == before + 1
+    assert counters(stage).done["picture begun"] == before + 1
     assert [picture.samples for picture in pictures(heard)] == [1, 2, 4, 8]
 
 

@@ -11,8 +11,8 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, Input, JobResult, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.recorder import Recorder
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 
 class Poke(Input, frozen=True, kw_only=True):
@@ -109,7 +109,7 @@ def toy_kernel(runner=None):
 def record_inputs(inputs, full=False):
     """A journal's bytes of these inputs, each admitted alone; jobs finish after each."""
     stream = io.BytesIO()
-    runner = HeldRunner()
+    runner = ReplayRunner()
     kernel = toy_kernel(runner)
     recorder = Recorder(kernel, stream, full)
     for message in inputs:

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from vrut_lite.errors import UserError
-from vrut_lite.kernel import beginning
+from vrut_lite.kernel import setup_log
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ChooseSlot,
@@ -251,7 +251,7 @@ def test_what_a_setup_does_not_hold_is_refused(message):
 
 def test_a_setup_does_not_grow_without_end(monkeypatch):
     """A recording after a day of slider moves is refused with a sentence."""
-    monkeypatch.setattr(beginning, "MOST_STEPS", 20)
+    monkeypatch.setattr(setup_log, "MOST_STEPS", 20)
     kernel = kernel_with(*MODULES)
     act(kernel, *(mood(str(number)) for number in range(30)))
     assert kernel.beginning.steps == []

@@ -78,7 +78,7 @@ def test_walls_fade_into_the_air(backend, tmp_path, distance_m, albedo):
     np.testing.assert_allclose(
         picture.radiance, np.broadcast_to(expected, picture.radiance.shape), rtol=0.01
     )
-    assert backend.ledger.done["air"] == 1
+    assert backend.counters.done["air"] == 1
 
 
 def test_sunlit_air_has_its_phase_functions(backend, tmp_path):
@@ -150,7 +150,7 @@ def test_a_pixel_on_an_edge_is_the_mean_of_near_and_far(backend, tmp_path):
 
 
 def test_without_air_the_picture_is_bit_for_bit_the_one_of_before(backend, tmp_path):
-    """Before any air was told, with none, and after some was taken away; the ledger says why."""
+    """Before any air was told, with none, and after some was taken away; the counters says why."""
     backend.change(scene=opened(scene_of(tmp_path, wall(1e3, 0.5))))
     show_light(backend, uniform_sky(4.0))
     view = EYE, np.add(EYE, (300.0, 100.0, -1e3)), 0.8
@@ -161,8 +161,8 @@ def test_without_air_the_picture_is_bit_for_bit_the_one_of_before(backend, tmp_p
         pictures.append(look(backend, *view))
     for picture, same in zip(pictures, (True, False, True), strict=True):
         assert np.array_equal(picture.radiance, before.radiance) is same
-    assert backend.ledger.skipped["air: none to be seen"] == 3
-    assert backend.ledger.done["air"] == 1
+    assert backend.counters.skipped["air: none to be seen"] == 3
+    assert backend.counters.done["air"] == 1
 
 
 def horizon_sky():

@@ -50,7 +50,7 @@ class Glow(FramePart):
         """Add it everywhere."""
         self.screen.set("glow", self.glow)
         self.screen.draw(view)
-        self.gl.ledger.did("glow")
+        self.gl.counters.did("glow")
 
 
 class Broken(FramePart):
@@ -133,7 +133,7 @@ def test_a_part_that_raises_is_left_out_and_named_once(glowing, caplog):
 def test_a_part_without_messages_is_not_made(glowing):
     """Nobody posts: no program is compiled, nothing is drawn."""
     look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0))
-    assert glowing.ledger.done["glow"] == 0
+    assert glowing.counters.done["glow"] == 0
 
 
 class BrokenClouds(FramePart):

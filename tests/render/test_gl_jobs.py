@@ -274,11 +274,11 @@ def test_a_buffer_that_is_there_is_not_sent_again(gl_owner):
         jobs.on_job(job)
         wait(jobs.pending)
         assert np.all(results[-1].value.values == 1.0 + step * SIZE)
-        assert jobs.ledger.skipped.get("gpu job's buffer: still there") == kept
+        assert jobs.counters.skipped.get("gpu job's buffer: still there") == kept
     near = Array(near.values.copy())
     jobs.on_job(msgspec.structs.replace(job, buffers=((1, near), (3, far))))
     wait(jobs.pending)
-    assert jobs.ledger.skipped["gpu job's buffer: still there"] == 3
+    assert jobs.counters.skipped["gpu job's buffer: still there"] == 3
 
 
 def test_jobs_that_take_turns_keep_their_textures(gl_owner):
@@ -360,4 +360,4 @@ def test_of_waiting_jobs_only_the_latest_is_run(gl_owner):
     wait(jobs.pending)
     kernel.pump()
     assert len(kernel.seats["asker"].module.results) == 1
-    assert jobs.ledger.skipped["gpu job outdated"] == 2
+    assert jobs.counters.skipped["gpu job outdated"] == 2

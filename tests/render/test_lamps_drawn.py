@@ -76,7 +76,7 @@ def test_lamps_add_up_and_the_brightest_are_drawn(backend, far_box):
     expected = irradiance_of(lamps_of(*lamps[:MOST_DRAWN]), backend.state.camera) * ALBEDO / np.pi
     np.testing.assert_allclose(found, expected, rtol=0.04)
     np.testing.assert_allclose(found.mean(), expected.mean(), rtol=5e-3)
-    assert backend.ledger.done["lamp"] >= MOST_DRAWN
+    assert backend.counters.done["lamp"] >= MOST_DRAWN
 
 
 @pytest.mark.parametrize("around_deg", [0.0, 40.0, 90.0, 200.0])
@@ -116,10 +116,10 @@ def test_without_lamps_nothing_is_done_for_them(backend, far_box):
     light(backend, 1.0 + 0.0 * texel_directions(8), sun_irradiance=(5.0,) * 3)
     backend.change(scene=opened(far_box, GroundDisc((0.0, 0.0), 0.0, 100.0)))
     before = look(backend, EYE, TARGET).radiance
-    assert backend.ledger.skipped["lamps: none in the scene"] >= 1
+    assert backend.counters.skipped["lamps: none in the scene"] >= 1
     dim = lamps_of({"position_m": (0, 2, 0), "intensity_rgb": (1e-9,) * 3})
     backend.change(scene=msgspec.structs.replace(backend.state.scene, lamps=dim))
     np.testing.assert_allclose(look(backend, EYE, TARGET).radiance, before, rtol=1e-5)
-    faces = backend.ledger.done["lamp shadow face"]
+    faces = backend.counters.done["lamp shadow face"]
     look(backend, EYE, TARGET)
-    assert backend.ledger.done["lamp shadow face"] == faces
+    assert backend.counters.done["lamp shadow face"] == faces

@@ -110,7 +110,7 @@ def test_where_nothing_casts_shafts_change_nothing(backend, tmp_path):
     without = look(backend, *view).radiance
     backend.change(light_shafts=True)
     np.testing.assert_allclose(look(backend, *view).radiance, without, rtol=2e-4)
-    assert backend.ledger.done["light shafts"] == 1
+    assert backend.counters.done["light shafts"] == 1
 
 
 def test_the_sky_behind_a_shadow_is_darker(backend, tmp_path):
@@ -133,5 +133,5 @@ def test_shafts_cost_nothing_when_off_or_without_sun(backend, tmp_path):
     plain = look(backend, *view).radiance
     backend.change(light_shafts=True)
     np.testing.assert_array_equal(look(backend, *view).radiance, plain)
-    assert backend.ledger.done["light shafts"] == 0
-    assert backend.ledger.done["air"] == 2
+    assert backend.counters.done["light shafts"] == 0
+    assert backend.counters.done["air"] == 2

@@ -9,7 +9,7 @@ from stateful_backend import opened
 
 from vrut_lite.array import Array
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.messages.light_map import Mirrors
+from vrut_lite.messages.light_map import ReflectionProbes
 
 pytestmark = pytest.mark.gl
 SIZE, EDGE = 48, 64
@@ -34,7 +34,7 @@ def show(backend, path, cube, part=0, corners=((1, 2),), scale=1.0, room_m=(HALF
     changed = lit(layout, even(layout, *EVEN_LIGHT), scale=scale)
     if cube is not None:
         nearness = (np.abs(texel_directions(EDGE)) / room_m).max(axis=-1)
-        mirrors = Mirrors(
+        mirrors = ReflectionProbes(
             part=Array(np.array([part], np.int32)),
             centre_m=Array(np.zeros((1, 3))),
             nearness=Array(nearness[None].astype(np.float32)),
@@ -109,12 +109,12 @@ def test_what_mirrors_nothing_is_the_same_to_the_bit(backend, tmp_path):
     """The neighbour of a mirror, and all where no part mirrors; frames count how many do."""
     nodes = [{"mesh": 0, "translation": [x, 0, 0]} for x in (-0.5, 0.5)]
     path, corners = square(tmp_path, MIRROR, nodes=nodes), ((1, 2), (11, 3))
-    before = dict(backend.ledger.done)
+    before = dict(backend.counters.done)
     without = show(backend, path, None, corners=corners)
-    assert backend.ledger.done.get("mirror", 0) == before.get("mirror", 0)
-    assert backend.ledger.skipped["mirror: none in view"] > 0
+    assert backend.counters.done.get("mirror", 0) == before.get("mirror", 0)
+    assert backend.counters.skipped["mirror: none in view"] > 0
     beside = show(backend, path, one_value(3.0, 1.0), part=1, corners=corners)
-    assert backend.ledger.done["mirror"] == before.get("mirror", 0) + 1
+    assert backend.counters.done["mirror"] == before.get("mirror", 0) + 1
     np.testing.assert_array_equal(beside[:, : SIZE // 2 - 1], without[:, : SIZE // 2 - 1])
     np.testing.assert_allclose(beside[:, SIZE // 2 + 2 :], 3.0, rtol=0.01)
     np.testing.assert_array_equal(show(backend, path, None, corners=corners), without)

@@ -58,7 +58,7 @@ def test_a_hut_on_a_plain_of_40_km_casts_a_shadow(backend, tmp_path):
         shown.append(look(backend, at + np.array([0.0, 30.0, 0.1]), at, 0.01).radiance[..., 1])
     np.testing.assert_array_equal(shown[0], 0.0)
     np.testing.assert_allclose(shown[1], shown[2], rtol=1e-2)
-    assert backend.ledger.done["near shadow map"] >= 1
+    assert backend.counters.done["near shadow map"] >= 1
 
 
 @pytest.mark.gl
@@ -92,11 +92,11 @@ def test_the_near_map_is_kept_while_the_eye_stays(backend, tmp_path):
     show_land(backend, tmp_path)
     look(backend, (0, 2, 0), (1, 2, 0))
     look(backend, (0, 2, 0), (0, 2, 1))
-    assert backend.ledger.done["near shadow map"] == 1
-    assert backend.ledger.skipped["near shadow map: same scene, same sun"] == 1
+    assert backend.counters.done["near shadow map"] == 1
+    assert backend.counters.skipped["near shadow map: same scene, same sun"] == 1
     look(backend, (100, 2, 0), (200, 2, 0))
-    assert backend.ledger.done["near shadow map"] == 2
-    assert backend.ledger.done["shadow map"] == 1
+    assert backend.counters.done["near shadow map"] == 2
+    assert backend.counters.done["shadow map"] == 1
 
 
 @pytest.mark.gl

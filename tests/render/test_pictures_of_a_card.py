@@ -64,9 +64,9 @@ def test_another_exposure_of_a_cards_still_draws_nothing_anew(card, box_file):
     show_box(card, box_file)
     light(card, uniform_sky(1.0), **SUN)
     first = look(card, EYE, TARGET)
-    drawn = card.ledger.done["picture"]
+    drawn = card.counters.done["picture"]
     card.change(exposure=SetExposure(mode="manual", ev100=first.ev100 + 1.0))
     darker = card.draw()
-    assert card.ledger.done["picture"] == drawn
+    assert card.counters.done["picture"] == drawn
     assert np.array_equal(darker.radiance, first.radiance)
     assert darker.display.mean() < first.display.mean()

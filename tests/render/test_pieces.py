@@ -59,7 +59,7 @@ def test_a_picture_that_is_given_up_leaves_the_next_as_it_would_have_been(backen
     whole = backend.draw()
     for times, after in enumerate((0, 2, 5), 1):
         assert given_up(backend, after)
-        assert backend.ledger.skipped["picture: given up"] == times
+        assert backend.counters.skipped["picture: given up"] == times
     assert np.array_equal(backend.draw().display, whole.display)
 
 
@@ -72,7 +72,7 @@ def test_a_picture_ends_wherever_it_is_given_up(backend):
         times += 1
     # Before and after the passes, and within them.
     assert times > 4
-    assert backend.ledger.skipped["picture: given up"] == times
+    assert backend.counters.skipped["picture: given up"] == times
     assert np.array_equal(backend.draw().display, whole.display)
 
 

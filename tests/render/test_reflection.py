@@ -95,7 +95,7 @@ def filtered_levels(owner, cube):
     from OpenGL import GL
     from OpenGL.raw.GL.VERSION.GL_1_1 import glGetTexImage
 
-    from vrut_lite.kernel.ledger import Ledger
+    from vrut_lite.kernel.work_counters import WorkCounters
     from vrut_lite.render.light import Sky
     from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS, SpecularFilter
 
@@ -105,7 +105,7 @@ def filtered_levels(owner, cube):
         rgba[..., :3] = cube
         source = context.texture_cube((size, size), 4, rgba.tobytes(), dtype="f2")
         context.enable_direct(0x884F)
-        ours = SpecularFilter(context, Ledger())
+        ours = SpecularFilter(context, WorkCounters())
         ours.update(Sky(source, 1.0, source), None)
         levels = []
         GL.glBindTexture(GL.GL_TEXTURE_CUBE_MAP, ours.texture.glo)
@@ -259,7 +259,7 @@ def test_a_film_follows_the_sky_in_slices_and_a_still_is_finished(backend, tmp_p
     reds = [round(float(picture[..., 0].mean()), 2) for picture in shown]
     # White of green's luminance, then green: nothing between.
     assert sorted(set(reds)) == [0.0, 0.72]
-    assert backend.ledger.done["reflection slice"] == 2 * 24
+    assert backend.counters.done["reflection slice"] == 2 * 24
     np.testing.assert_allclose(shown[-1][..., 1], 1.0, rtol=5e-3)
     light(backend, 3.0 * cube)
     look(backend, *view, still=False)
@@ -313,10 +313,10 @@ def test_the_sky_is_filtered_only_when_it_is_seen_to_change(backend, tmp_path):
         light(backend, np.full((6, 16, 16, 3), 2.0 * factor))
         look(backend, *view)
         look(backend, *view)
-        work.append(backend.ledger.done["reflection slice"])
+        work.append(backend.counters.done["reflection slice"])
     assert work == [24, 24, 48]
-    assert backend.ledger.skipped["reflection: no change to be seen"] == 1
-    assert backend.ledger.skipped["reflection: the same sky"] == 3
+    assert backend.counters.skipped["reflection: no change to be seen"] == 1
+    assert backend.counters.skipped["reflection: the same sky"] == 3
 
 
 @pytest.mark.gl

@@ -1,4 +1,4 @@
-"""Work that a frame leaves out: the picture stays within one step of 8 bits, the ledger tells."""
+"""Work that a frame leaves out: the picture stays within one step of 8 bits, the counters tells."""
 
 from dataclasses import fields, replace
 
@@ -46,10 +46,10 @@ def gradient_sky():
 
 
 def counts(backend, draw):
-    """The picture, and what one draw added to the ledger: done, skipped."""
-    before = backend.ledger.done.copy(), backend.ledger.skipped.copy()
+    """The picture, and what one draw added to the counters: done, skipped."""
+    before = backend.counters.done.copy(), backend.counters.skipped.copy()
     picture = draw()
-    return picture, backend.ledger.done - before[0], backend.ledger.skipped - before[1]
+    return picture, backend.counters.done - before[0], backend.counters.skipped - before[1]
 
 
 # What is looked at, and which work that spares: name of the skip, of the work, of the reason.
@@ -125,8 +125,8 @@ def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, bo
     light(backend, gradient_sky(), **SUN)
     backend.change(scene=opened(boxes, GROUND))
     assert counts(backend, backend.draw)[1]["shadow map"] == 1
-    assert backend.ledger.skipped["shadow map: no sun to cast one"] == 1
-    assert backend.ledger.skipped["shadow map: same scene, same sun"] == 1
+    assert backend.counters.skipped["shadow map: no sun to cast one"] == 1
+    assert backend.counters.skipped["shadow map: same scene, same sun"] == 1
 
 
 @pytest.mark.parametrize("metallic", [0.0, 1.0])

@@ -219,7 +219,7 @@ def test_the_map_is_drawn_once_for_a_view_and_not_without_a_sun(plain):
     """The same view needs no other, another view does; by night surfaces are black without one."""
 
     def drawn():
-        return plain.ledger.done["still shadow map"]
+        return plain.counters.done["still shadow map"]
 
     view = (0.0, 2.0, 3.0), (0.0, 0.0, 0.0)
     look_finished(plain, *view)
@@ -233,4 +233,4 @@ def test_the_map_is_drawn_once_for_a_view_and_not_without_a_sun(plain):
         look_finished(plain, (0.0, 3.0, 3.0), (0.0, 0.0, 0.0)).radiance, 0.0
     )
     assert drawn() == before + 1
-    assert plain.ledger.skipped["still shadow map: no sun to cast one"] >= 1
+    assert plain.counters.skipped["still shadow map: no sun to cast one"] >= 1

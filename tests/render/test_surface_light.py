@@ -176,10 +176,10 @@ def test_a_new_hour_uploads_its_light_alone(backend, tmp_path):
     layout, _ = show(backend, matte(tmp_path, 0.5))
     look(backend, *ABOVE)
     for light_of_hour, uploads in ((lit(layout, even(layout, 1.0)), 1), (None, 0)):
-        before = backend.ledger.done["upload"]
+        before = backend.counters.done["upload"]
         backend.change(surface_light=light_of_hour or backend.state.surface_light)
         look(backend, *ABOVE)
-        assert backend.ledger.done["upload"] - before == uploads
+        assert backend.counters.done["upload"] - before == uploads
 
 
 def test_light_is_scaled_by_its_message(backend, tmp_path):
@@ -322,18 +322,18 @@ def test_where_no_sky_arrives_none_is_filtered(backend, tmp_path):
         backend.change(skips=skips)
         light(backend, np.ones((6, 16, 16, 3)))
         show(backend, path, lambda layout: even(layout, 1.0, 0.0))
-        before = backend.ledger.done["reflection slice"]
+        before = backend.counters.done["reflection slice"]
         shown.append(look(backend, *ABOVE).radiance)
-        worked = backend.ledger.done["reflection slice"] > before
+        worked = backend.counters.done["reflection slice"] > before
         assert worked is not skips.unlit
-    assert backend.ledger.skipped["reflection: no sky reaches what is seen"] == 1
+    assert backend.counters.skipped["reflection: no sky reaches what is seen"] == 1
     np.testing.assert_array_equal(*shown)
     show(backend, path, lambda layout: even(layout, 1.0, 0.1))
     backend.change(skips=FrameSkips())
     light(backend, 2.0 * np.ones((6, 16, 16, 3)))
-    before = backend.ledger.done["reflection slice"]
+    before = backend.counters.done["reflection slice"]
     look(backend, *ABOVE)
-    assert backend.ledger.done["reflection slice"] > before
+    assert backend.counters.done["reflection slice"] > before
 
 
 @pytest.mark.parametrize(("share", "glows"), [(0.0, False), (0.5, True)])

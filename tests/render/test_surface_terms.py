@@ -119,12 +119,12 @@ def test_a_body_takes_light_away_by_beer_and_lambert(backend, tmp_path):
 
 def test_glass_that_is_smooth_and_thin_needs_no_copy(backend, tmp_path):
     """Panes, as most windows are, are blended as they are drawn; a body looks up copies."""
-    before = backend.ledger.done.get("backdrop", 0)
+    before = backend.counters.done.get("backdrop", 0)
     seen(backend, tmp_path, material(transmission={"transmissionFactor": 1.0}))
-    assert backend.ledger.done.get("backdrop", 0) == before
+    assert backend.counters.done.get("backdrop", 0) == before
     volume = {"thicknessFactor": 0.1}
     seen(backend, tmp_path, material(transmission={"transmissionFactor": 1.0}, volume=volume))
-    assert backend.ledger.done["backdrop"] == before + len(FEWER_SHIFTS_PX)
+    assert backend.counters.done["backdrop"] == before + len(FEWER_SHIFTS_PX)
 
 
 @pytest.mark.parametrize("ior", [1.0, 1.33, 2.0])

@@ -169,7 +169,7 @@ def test_a_normal_map_tilts_the_light(backend, tmp_path):
 def test_flanks_of_bumps_that_lean_away_from_the_eye_are_not_seen(backend, tmp_path):
     """From low in the west a map that leans east shows its western flanks, as mitsuba has it.
 
-    Unseen flanks would be looked at along their edge, and mirror all of the light.
+    MotionThreshold flanks would be looked at along their edge, and mirror all of the light.
     """
     shown = []
     for leaning in ([218, 128, 218], [38, 128, 218]):

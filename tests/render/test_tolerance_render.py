@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.render.light import Sky
 from vrut_lite.render.passes.specular_filter import CHANGE_SEEN, SpecularFilter, reflection_change
@@ -26,12 +26,12 @@ def test_a_looser_tolerance_never_filters_more():
 
 @pytest.mark.gl
 def test_a_sky_within_it_is_not_filtered_again(gl_owner):
-    """A sky that brightens by 1 % is filtered at 1 % of tolerance and not at 40 %; the ledger says
-    which."""
+    """A sky that brightens by 1 % is filtered at 1 % of tolerance and not at 40 %; the counters
+    say which."""
 
     def slices_for(context, tolerance):
-        ledger = Ledger()
-        ours = SpecularFilter(context, ledger)
+        counters = WorkCounters()
+        ours = SpecularFilter(context, counters)
         ours.change_seen = reflection_change(tolerance)
         skies = [
             context.texture_cube(
@@ -43,7 +43,7 @@ def test_a_sky_within_it_is_not_filtered_again(gl_owner):
             ours.update(Sky(sky, 1.0, sky), None)
         for thing in (ours, *skies):
             thing.release()
-        return ledger
+        return counters
 
     tight, loose = (gl_owner.call(lambda c, t=t: slices_for(c, t)) for t in (0.01, 0.4))
     assert tight.done["reflection slice"] == 2 * loose.done["reflection slice"]

@@ -133,10 +133,10 @@ def test_light_of_another_view_is_not_shown(backend):
 
 def test_a_finished_still_is_the_mean_of_eight_pictures(backend):
     """Pixels stay where they are; each row and column of an edge's pixel is sampled once."""
-    before = backend.ledger.done["picture"]
+    before = backend.counters.done["picture"]
     of_view(backend, np.ones((12, 12)))
     finished = look(backend, *ABOVE).radiance
-    assert backend.ledger.done["picture"] - before == 8
+    assert backend.counters.done["picture"] - before == 8
     np.testing.assert_allclose(finished, backend.by_map, rtol=1e-2, atol=1e-4)
 
 

@@ -120,7 +120,7 @@ def test_air_is_asked_for_and_handed_on(stage):
 
 
 def test_switched_off_air_is_not_demanded(stage):
-    """No demand, no reach, no air in the state, and the ledger counts it; on again all return."""
+    """No demand, no reach, no air in the state, and the counters count it; on again all return."""
     kernel, scene = stage
     for wanted in (False, True):
         play(kernel, SetSetting(module="scene", name="air", value=wanted))
@@ -128,7 +128,7 @@ def test_switched_off_air_is_not_demanded(stage):
         assert (kernel.wanted(AirChanged) is not None) is wanted
         assert (kernel.last(SceneNeeds).air_reach_m > 0.0) is wanted
         assert (scene.state.air is not None) is wanted
-    assert scene.ledger.skipped["air: switched off"] == 2
+    assert scene.counters.skipped["air: switched off"] == 2
 
 
 def test_another_sky_does_not_inherit_the_air(stage):

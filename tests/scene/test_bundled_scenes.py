@@ -142,7 +142,7 @@ def test_street_hides_much_of_the_sky() -> None:
 
 
 def test_spheres_cover_metal_and_matt() -> None:
-    """Mirrors to matt surfaces, metals and non-metals, with an 18 % grey card."""
+    """ReflectionProbes to matt surfaces, metals and non-metals, with an 18 % grey card."""
     scene = load_scene(SCENES / "spheres.glb")
     materials = {p.mesh.material.name: p.mesh.material for p in scene.meshes}
     assert materials["mirror"].roughnessFactor == 0.0

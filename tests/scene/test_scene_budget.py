@@ -28,8 +28,8 @@ from vrut_lite.scene.budget import (
 from vrut_lite.scene.draco_header import read_draco_counts
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import GltfScene
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.loading import LoadedScene, load_scene
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite_lab.broken_files.bombs import BOMBS, Files, bomb, document, gltf, obj, png
 from vrut_lite_lab.broken_files.measure import measured, open_scene, scene_files, table

@@ -7,7 +7,7 @@ import pytest
 
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.sky.sky_of_hour import Background, Hour, Unseen
+from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, SkyInputs
 
 
 def hour(elevation_rad, eye_height_m=0.0, disc=1.0, azimuth_rad=0.0):
@@ -20,11 +20,11 @@ def hour(elevation_rad, eye_height_m=0.0, disc=1.0, azimuth_rad=0.0):
         apparent_elevation_rad=elevation_rad,
         visible_disc_fraction=disc,
     )
-    return Hour(sun, 200.0, eye_height_m)
+    return SkyInputs(sun, 200.0, eye_height_m)
 
 
 SHOWN = hour(0.3, 10.0)
-UNSEEN = Unseen(sun_rad=1e-3, eye_m=2.0)
+UNSEEN = MotionThreshold(sun_rad=1e-3, eye_m=2.0)
 
 
 @pytest.mark.parametrize(

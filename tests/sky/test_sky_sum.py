@@ -67,8 +67,8 @@ class Stage:
         return [message for message in self.heard if isinstance(message, SkyLightChanged)]
 
     @property
-    def ledger(self):
-        return self.kernel.seats["sky_sum"].module.ledger
+    def counters(self):
+        return self.kernel.seats["sky_sum"].module.counters
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_without_layers_the_sum_is_the_clear_sky(stage):
     assert light.key_light is last(KeyLightChanged)
     assert light.ambient is last(AmbientChanged)
     assert light.layers == ()
-    assert stage.ledger.skipped["sum: no layers"] >= 1
+    assert stage.counters.skipped["sum: no layers"] >= 1
     assert stage.kernel.wanted(BackgroundChanged).encoding == ""
 
 

@@ -7,7 +7,7 @@ import pytest
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
 from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.geometry import colour, cube_map, encoding, frames, panorama
 from vrut_lite.geometry import spherical_harmonics as harmonics
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
@@ -202,14 +202,14 @@ def test_rungs_reach(stress):
 
 def test_the_sun_aloft_is_light(stress):
     """From the ground to the moon sunlight is finite, not negative and continuous."""
-    for count in stress.batches("sun_aloft", 3000, most=1000):
+    for count in stress.batches("sunlight_at_altitude", 3000, most=1000):
         special = [1e-6, 10_000.0, 25_000.0, 40_000.0, 80_000.0]
         low = stress.within(count, 0.0, 90_000.0, special)
         altitude = np.where(stress.random.random(count) < 0.9, low, 4e8)
         sine = stress.within(count, -1.0, 1.0 - 2e-6, [0.0, 1e-9, -1e-9])
-        assert_light(sun_aloft(altitude, sine))
-        assert_continuous(lambda at, h: sun_aloft(h, at), sine, altitude)
-        assert_continuous(sun_aloft, low, np.abs(sine))
+        assert_light(sunlight_at_altitude(altitude, sine))
+        assert_continuous(lambda at, h: sunlight_at_altitude(h, at), sine, altitude)
+        assert_continuous(sunlight_at_altitude, low, np.abs(sine))
 
 
 def vectorised():
@@ -219,7 +219,7 @@ def vectorised():
         "srgb": colour.srgb_encode,
         "solar": colour.solar_irradiance,
         "luminance": lambda x: colour.luminance(np.stack([x, x, x], axis=-1)),
-        "sun aloft": partial(sun_aloft, 1000.0),
+        "sun aloft": partial(sunlight_at_altitude, 1000.0),
     }
 
 

@@ -114,7 +114,7 @@ def test_messages_wait_until_the_bridge_holds_the_slot(kernel):
     """Only a slot's holder posts its messages; after a switch the latest is posted at once."""
     tell(kernel, from_afar(SUN), from_afar(BACKGROUND))
     assert kernel.seats["viewer"].module.suns == []
-    assert kernel.seats[NAME].ledger.skipped["SunMoved without slot"] == 1
+    assert kernel.seats[NAME].counters.skipped["SunMoved without slot"] == 1
     tell(kernel, ChooseSlot(slot="sun", module=NAME))
     assert kernel.seats["viewer"].module.suns == [SUN]
     assert kernel.last(BackgroundChanged) is None
@@ -127,7 +127,7 @@ def test_messages_without_slot_are_posted_at_once(kernel):
     """Accepted `SceneNeeds` of another process control the sky computed here."""
     needs = SAMPLES[4]
     tell(kernel, from_afar(needs))
-    assert kernel.seats[NAME].ledger.skipped["SceneNeeds not accepted"] == 1
+    assert kernel.seats[NAME].counters.skipped["SceneNeeds not accepted"] == 1
     tell(kernel, SetSetting(module=NAME, name="accept", value="SceneNeeds"), from_afar(needs))
     assert kernel.last(type(needs)) == needs
 
@@ -144,7 +144,7 @@ def test_refusals_are_counted_and_published(kernel):
     """One readable fault, which never suspends the module."""
     for _ in range(5):
         tell(kernel, BridgeTrouble(sentence="a frame was refused", count=3))
-    assert kernel.seats[NAME].ledger.skipped["bridge trouble"] == 15
+    assert kernel.seats[NAME].counters.skipped["bridge trouble"] == 15
     assert kernel.faults[-1].error == "a frame was refused (and 2 more)"
     assert kernel.seats[NAME].running
 

@@ -82,7 +82,7 @@ def stranger():
 
 
 def refused(end):
-    return end.bridge.ledger.skipped["bridge trouble"]
+    return end.bridge.counters.skipped["bridge trouble"]
 
 
 def test_a_late_joiner_gets_the_last_values(ends):
@@ -98,8 +98,8 @@ def test_a_late_joiner_gets_the_last_values(ends):
     until(lambda: late.kernel.last(BackgroundChanged) == BACKGROUND, "the background")
     until(lambda: late.kernel.last(SunMoved) == SUN, "the sun")
     maker.inject(noon())
-    until(lambda: maker.bridge.ledger.done["BackgroundChanged sent"] == 1, "the second noon")
-    assert maker.bridge.ledger.skipped["KeyLightChanged unwanted there"] == 2
+    until(lambda: maker.bridge.counters.done["BackgroundChanged sent"] == 1, "the second noon")
+    assert maker.bridge.counters.skipped["KeyLightChanged unwanted there"] == 2
     assert late.kernel.last(KeyLightChanged) is None
     late.demand(8)
     until(lambda: late.kernel.last(KeyLightChanged) == SUN_LIGHT, "the light, wanted now")

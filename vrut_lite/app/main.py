@@ -37,7 +37,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     window = MainWindow(session, kept=kept)
     compiling.show_in(window.statusBar())
     # Otherwise garbage collection scans all these objects and stops the window for 0.1 s.
-    session.ready.connect(lambda roster: gc.freeze())
+    session.ready.connect(lambda catalogue: gc.freeze())
     window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
     window.show()
     if safe_mode:

@@ -10,8 +10,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.geometry.cached_table import kept_table
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
-from vrut_lite.geometry.kept_table import kept_table
 
 # Glass, plastic, stone: glTF 2.0, appendix B.2.
 DIELECTRIC_F0 = 0.04

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry import reflection
-from vrut_lite.geometry.kept_table import kept_table
+from vrut_lite.geometry.cached_table import kept_table
 from vrut_lite.geometry.reflection import TABLE_SIZE
 
 _ANGLES, _TURNS = 96, 48

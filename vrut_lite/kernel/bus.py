@@ -16,17 +16,22 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import messages
 from vrut_lite.kernel import settings as setting_rules
-from vrut_lite.kernel.beginning import Beginning, Step
 from vrut_lite.kernel.clock import Clock
 from vrut_lite.kernel.contract import check_module_type
 from vrut_lite.kernel.dispatch import HOST, Act, Dispatcher, Tap
 from vrut_lite.kernel.inbox import Inbox
-from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.job_scheduler import JobScheduler
 from vrut_lite.kernel.jobs import JobRunner, ThreadRunner
 from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION, Lifecycle
+from vrut_lite.kernel.loaded_module import (
+    POSTS_PER_TRANSACTION,
+    KernelServices,
+    LoadedModule,
+    ModuleContext,
+)
 from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, Message
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.seat import POSTS_PER_TRANSACTION, Exchange, ModuleLink, Seat
+from vrut_lite.kernel.setup_log import SetupLog, Step
 from vrut_lite.kernel.slots import Slots
 from vrut_lite.kernel.trace import Trace
 
@@ -39,21 +44,25 @@ class Kernel:
     """Links modules by messages; single-threaded but for `inject`."""
 
     def __init__(self, runner: JobRunner | None = None) -> None:
-        self.seats: dict[str, Seat] = {}
+        self.seats: dict[str, LoadedModule] = {}
         self.slots = Slots(self.seats)
         self.trace = Trace()
         self._inbox = Inbox()
         self._clock = Clock()
         self.runner = runner or ThreadRunner()
-        self.jobs = JobDesk(self.runner, self.inject, self.trace)
-        self.beginning = Beginning(self.jobs)
+        self.jobs = JobScheduler(self.runner, self.inject, self.trace)
+        self.beginning = SetupLog(self.jobs)
         self.dispatcher = Dispatcher(self.seats, self.slots, self.trace)
         self.lifecycle = Lifecycle(
-            self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(links, seat)
+            self.seats,
+            self.dispatcher,
+            self.slots,
+            self.jobs,
+            lambda seat: ModuleContext(links, seat),
         )
         # Seats that have started jobs since the last input other than a job's result.
-        self._job_starters: list[ModuleLink] = []
-        links = Exchange(
+        self._job_starters: list[ModuleContext] = []
+        links = KernelServices(
             put=self.dispatcher.put,
             suspend=self.lifecycle.suspend,
             wanted=self.wanted,
@@ -87,7 +96,7 @@ class Kernel:
         if name in self.seats:
             raise UserError(f"two modules are called '{name}': uninstall one of them")
         try:
-            self.seats[name] = Seat(module_type, services)
+            self.seats[name] = LoadedModule(module_type, services)
         # A module's code may change its manifest after the check.
         except BaseException as error:
             pass_interrupt(error)
@@ -95,7 +104,7 @@ class Kernel:
         self.beginning.note(Step(module=name))
         self.lifecycle.start(self.seats[name])
 
-    def check_module(self, name: str) -> Seat:
+    def check_module(self, name: str) -> LoadedModule:
         """The seat of a module.
 
         Raises:

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.contract import refuse_unrun
+from vrut_lite.kernel.loaded_module import LoadedModule, ModuleContext
 from vrut_lite.kernel.memory import Memory
 from vrut_lite.kernel.messages import JobResult, Message
-from vrut_lite.kernel.seat import ModuleLink, Seat
 from vrut_lite.kernel.slots import Slots
 from vrut_lite.kernel.trace import SLOW_NS, Trace
 
@@ -27,7 +27,7 @@ Handler = Callable[[Any], None]
 
 
 # A bound handler, the link and the name of the instance that it belongs to, its own name.
-Receiver = tuple[Handler, ModuleLink, str, str]
+Receiver = tuple[Handler, ModuleContext, str, str]
 
 
 class Route(NamedTuple):
@@ -48,12 +48,12 @@ class Dispatcher:
     """
 
     act_on: Callable[[type[Message]], Act | None]
-    fail: Callable[[Seat, str, BaseException], None]
+    fail: Callable[[LoadedModule, str, BaseException], None]
 
-    def __init__(self, seats: Mapping[str, Seat], slots: Slots, trace: Trace):
+    def __init__(self, seats: Mapping[str, LoadedModule], slots: Slots, trace: Trace):
         self.memory = Memory()
         self.taps: list[Tap] = []
-        self.posters: list[ModuleLink] = []
+        self.posters: list[ModuleContext] = []
         self._seats = seats
         self._slots = slots
         self._trace = trace
@@ -87,7 +87,7 @@ class Dispatcher:
         self._waiting[place] = envelope
         self._queue.append(envelope)
 
-    def put_again(self, message: Message, sender: str, link: ModuleLink) -> None:
+    def put_again(self, message: Message, sender: str, link: ModuleContext) -> None:
         """Append a message that was delivered before, for one late joiner alone."""
         self._queue.append((message, sender, self._cause, None, link))
 
@@ -147,7 +147,7 @@ class Dispatcher:
                 poster.posts = 0
             self.posters.clear()
 
-    def call(self, seat: Seat, method: str, *arguments: Any) -> Any:
+    def call(self, seat: LoadedModule, method: str, *arguments: Any) -> Any:
         """Call a module outside delivery, as isolated and watched as a handler."""
         start_ns = perf_counter_ns()
         try:
@@ -165,7 +165,7 @@ class Dispatcher:
                 self._trace.slow(seat.name, method, start_ns, end_ns)
 
     def _prepare(
-        self, message: Message, sender: str, cause: int, route: Route, only: ModuleLink | None
+        self, message: Message, sender: str, cause: int, route: Route, only: ModuleContext | None
     ) -> list[Receiver] | None:
         """Run the kernel's own handler and find the receivers.
 
@@ -204,7 +204,7 @@ class Dispatcher:
         self._routes[kind] = route
         return route
 
-    def _handler(self, seat: Seat, method: str) -> Handler | None:
+    def _handler(self, seat: LoadedModule, method: str) -> Handler | None:
         """An instance's method; None, and a Fault, where looking it up raises."""
         try:
             return getattr(seat.module, method)

@@ -10,10 +10,10 @@ from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import settings as setting_rules
 from vrut_lite.kernel.demands import Demands
 from vrut_lite.kernel.dispatch import HOST, Dispatcher
-from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.job_scheduler import JobScheduler
+from vrut_lite.kernel.loaded_module import LoadedModule, ModuleContext, State
 from vrut_lite.kernel.messages import Derived, Fault, SlotChanged
 from vrut_lite.kernel.reload import import_afresh, root_package
-from vrut_lite.kernel.seat import ModuleLink, Seat, State
 from vrut_lite.kernel.slots import Slots
 
 FAULTS_UNTIL_SUSPENSION = 3
@@ -24,11 +24,11 @@ class Lifecycle:
 
     def __init__(
         self,
-        seats: Mapping[str, Seat],
+        seats: Mapping[str, LoadedModule],
         dispatcher: Dispatcher,
         slots: Slots,
-        jobs: JobDesk,
-        make_link: Callable[[Seat], ModuleLink],
+        jobs: JobScheduler,
+        make_link: Callable[[LoadedModule], ModuleContext],
     ):
         self.demands = Demands(lambda name: name in seats and not seats[name].running)
         self._dispatcher = dispatcher
@@ -43,11 +43,11 @@ class Lifecycle:
 
     # --- faults ----------------------------------------------------------------------
 
-    def failed(self, seat: Seat, where: str, error: BaseException) -> None:
+    def failed(self, seat: LoadedModule, where: str, error: BaseException) -> None:
         """Count a module's exception as its Fault."""
         self.count(seat, Fault(module=seat.name, where=where, **described(error)))
 
-    def count(self, seat: Seat, fault: Fault) -> None:
+    def count(self, seat: LoadedModule, fault: Fault) -> None:
         """Post a fault and count it; a UserError counts only against storms."""
         if fault.for_user:
             if seat.link is not None and not seat.link.counts(fault):
@@ -58,7 +58,7 @@ class Lifecycle:
                 fault = msgspec.structs.replace(fault, suspended=True)
         self._tell(seat, fault)
 
-    def suspend(self, seat: Seat, where: str, error: BaseException) -> None:
+    def suspend(self, seat: LoadedModule, where: str, error: BaseException) -> None:
         """Suspend a module at once and post the reason as a Fault."""
         self._tell(seat, Fault(module=seat.name, where=where, suspended=True, **described(error)))
 
@@ -66,7 +66,7 @@ class Lifecycle:
         """Post a Fault for the user about an invalid input."""
         self.say(Fault(module=module, where=where, error=error, for_user=True))
 
-    def _tell(self, seat: Seat, fault: Fault) -> None:
+    def _tell(self, seat: LoadedModule, fault: Fault) -> None:
         if fault.suspended:
             self.stop(seat, "suspended")
         seat.last_fault = fault
@@ -74,7 +74,7 @@ class Lifecycle:
 
     # --- starting and stopping -------------------------------------------------------
 
-    def start(self, seat: Seat) -> None:
+    def start(self, seat: LoadedModule) -> None:
         """Make a fresh instance and deliver the last value of every type that it handles."""
         self._jobs.cancel_all(seat.name)
         try:
@@ -85,7 +85,7 @@ class Lifecycle:
         else:
             self._welcome(seat)
 
-    def stop(self, seat: Seat, state: State) -> None:
+    def stop(self, seat: LoadedModule, state: State) -> None:
         """Drop the instance, its jobs and its slots."""
         self._jobs.cancel_all(seat.name)
         seat.stop(state)
@@ -97,7 +97,7 @@ class Lifecycle:
             self._dispatcher.memory.keep_only(change.name, change.holder)
         self.say(change)
 
-    def _welcome(self, seat: Seat) -> None:
+    def _welcome(self, seat: LoadedModule) -> None:
         """Give a fresh instance its slots, its demands and the last values."""
         self._changed_state()
         for demand in self.demands.of_consumer(seat.name):
@@ -114,7 +114,7 @@ class Lifecycle:
 
     # --- reloading -------------------------------------------------------------------
 
-    def reload(self, seat: Seat) -> None:
+    def reload(self, seat: LoadedModule) -> None:
         """Put the newest version in the old one's place; a broken one leaves the old running."""
         old_type, old_settings = seat.module_type, seat.settings
         state = self._snapshot(seat)
@@ -143,7 +143,7 @@ class Lifecycle:
         if state is not None and seat.running:
             self._dispatcher.call(seat, "restore", state)
 
-    def _snapshot(self, seat: Seat) -> Any:
+    def _snapshot(self, seat: LoadedModule) -> Any:
         """A module's state as built-in types, so that nothing of the old version lives on."""
         if seat.module is None:
             return None

@@ -5,8 +5,8 @@ from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 import msgspec
 
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Demand, Derived, Encoding, Input, Message
+from vrut_lite.kernel.work_counters import WorkCounters
 
 M = TypeVar("M", bound=Message)
 Handler = Callable[[Any, Any], None]
@@ -116,7 +116,7 @@ class Module:
     def __init__(self, link: Link, settings: Any):
         self.link = link
         self.settings = settings
-        self.ledger = Ledger()
+        self.counters = WorkCounters()
 
     def settings_changed(self, name: str) -> None:
         """Called after `self.settings` got a new value for `name`; override to react."""

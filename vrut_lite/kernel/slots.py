@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.loaded_module import LoadedModule
 from vrut_lite.kernel.messages import SlotChanged
-from vrut_lite.kernel.seat import Seat
 
 
 class Slots:
     """The holders of slots; another provider replaces a holder that stops."""
 
-    def __init__(self, seats: Mapping[str, Seat]):
+    def __init__(self, seats: Mapping[str, LoadedModule]):
         self._seats = seats
         self._holders: dict[str, str] = {}
 

@@ -99,7 +99,7 @@ class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         checks.wholes(self, "counts", 2, _MOST_PROBES, most=3, least=3)
 
 
-class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class ReflectionProbes(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parts that reflect their surroundings: each has a cube map.
 
     Attributes:
@@ -174,7 +174,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
     ground: GroundChart | None
     probes: ProbeGrid | None
     source: str
-    mirrors: Mirrors | None = None
+    mirrors: ReflectionProbes | None = None
 
     def shape(self, number: int) -> Shape:
         """Shape of this number."""
@@ -201,7 +201,11 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
                 "part_corner_px": ("<i4", ("P", 2)),
             },
         )
-        for name, kind in (("ground", GroundChart), ("probes", ProbeGrid), ("mirrors", Mirrors)):
+        for name, kind in (
+            ("ground", GroundChart),
+            ("probes", ProbeGrid),
+            ("mirrors", ReflectionProbes),
+        ):
             part = getattr(self, name)
             checks.instance(self, name, (kind, type(None)))
             if part is not None:

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
-from vrut_lite.kernel.beginning import MOST_STEPS
+from vrut_lite.kernel.setup_log import MOST_STEPS
 
 Kind = Literal["input", "derived"]
 _Name = Annotated[str, msgspec.Meta(max_length=200)]

@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 import msgspec
 
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.job_desk import JOBS
+from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import Input
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
 from vrut_lite.recording.codec import decode

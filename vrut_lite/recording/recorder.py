@@ -5,7 +5,7 @@ from typing import Any, BinaryIO
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.job_desk import JOBS
+from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import JobResult, Message
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.recording.codec import Handle, arrays_of, decode

@@ -9,19 +9,19 @@ import msgspec
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError, one_line
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.job_desk import JOBS
+from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Module
 from vrut_lite.recording.codec import decode
 from vrut_lite.recording.comparison import Difference, entry_difference
 from vrut_lite.recording.entry import Entry
 from vrut_lite.recording.gpu_stand_in import GpuStandIn
-from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.observer import Observer, entry_of
 from vrut_lite.recording.recipes import Recipes
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.registry import Registry
+from vrut_lite.recording.replay_runner import ReplayRunner
 from vrut_lite.recording.setup import Services, restore_setup
 from vrut_lite.recording.signature import differences, signature_of
 from vrut_lite.sky.sky_sum import SkySum
@@ -70,7 +70,7 @@ class Replay:
     ):
         known = list(modules) if modules is not None else [*discover()[0], *HEADLESS]
         self._journal = journal
-        self._runner = HeldRunner()
+        self._runner = ReplayRunner()
         self._recipes = Recipes()
         self.kernel = Kernel(runner=self._runner)
         try:

@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.beginning import MOST_STEPS, SETTING_UP, Step
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.dispatch import HOST
-from vrut_lite.kernel.job_desk import JOBS
+from vrut_lite.kernel.job_scheduler import JOBS
+from vrut_lite.kernel.loaded_module import LoadedModule
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     Demand,
@@ -18,7 +18,7 @@ from vrut_lite.kernel.messages import (
     SetSetting,
 )
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.seat import Seat
+from vrut_lite.kernel.setup_log import MOST_STEPS, SETTING_UP, Step
 from vrut_lite.recording.codec import decode, to_plain
 from vrut_lite.recording.earlier_names import settings_in_todays_words
 from vrut_lite.recording.entry import ModuleSetup, Setup, SetupStep
@@ -135,7 +135,7 @@ def _input_of(step: SetupStep, registry: Registry) -> Input:
     return decode(kind, step.message)
 
 
-def _module_setup(seat: Seat) -> ModuleSetup:
+def _module_setup(seat: LoadedModule) -> ModuleSetup:
     return ModuleSetup(
         name=seat.name,
         version=seat.manifest.version,

@@ -10,7 +10,7 @@ import numpy as np
 from vrut_lite.frame_part import Heard, PartFrame
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
@@ -30,7 +30,7 @@ from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.picture_passes import Measure, PicturePasses, Shot
+from vrut_lite.render.picture_passes import FrameInputs, Measure, PicturePasses
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.software.moving_picture import MovingPictures
 from vrut_lite.render.still_picture import StillPictures
@@ -46,19 +46,19 @@ SLICES_A_FRAME = 2
 class Frame:
     """GL objects of the frame; made and used on the GL thread only.
 
-    `ledger` counts what was done and what was skipped.
+    `counters` counts what was done and what was skipped.
     """
 
     def __init__(self, context: Any, choices: Choices, part_failed: PartFailed):
         self._context = context
         self._choices = choices
-        self.ledger = Ledger()
+        self.counters = WorkCounters()
         context.enable_direct(_CUBE_MAP_SEAMLESS)
-        self._passes = PicturePasses.made(context, self.ledger, part_failed)
+        self._passes = PicturePasses.made(context, self.counters, part_failed)
         self._stills = StillPictures(self._passes, several_samples=not choices.takes_over)
         self._moving = MovingPictures(self._passes)
-        self._shadow = ShadowMaps(context, self.ledger)
-        self._filter = SpecularFilter(context, self.ledger)
+        self._shadow = ShadowMaps(context, self.counters)
+        self._filter = SpecularFilter(context, self.counters)
         self._air = AirOnGpu(context)
         self._near_air = NearAirTable(context)
         self._reflectance = _table_texture(context)
@@ -144,7 +144,7 @@ class Frame:
             if passes.parts.prepare(parts):
                 air = air.with_dimmed_sun()
         disc = self._disc(light, state.key_light, state.shown(MoonDiscChanged))
-        shot = Shot(scene, seen, view, light, disc, shadows, reflection, air, parts, state)
+        shot = FrameInputs(scene, seen, view, light, disc, shadows, reflection, air, parts, state)
         return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
 
     def release(self) -> None:
@@ -170,7 +170,7 @@ class Frame:
     ) -> FrameAir:
         """Bind the air of this frame; returns the shaders' defines."""
         if self._air.volume is None:
-            self.ledger.skip("air: none to be seen")
+            self.counters.skip("air: none to be seen")
             return FrameAir()
         shafts = state.light_shafts and any(light.sun_irradiance)
         around = AirSurroundings(
@@ -183,8 +183,8 @@ class Frame:
         if shafts:
             assert shadow is not None
             shadow.texture.use(location=SHADOW_UNIT)
-            self.ledger.did("light shafts")
-        self.ledger.did("air")
+            self.counters.did("light shafts")
+        self.counters.did("air")
         near = None if shafts else self._near_air.draw(self._air.volume, view, state.size_px)
         return FrameAir.of(self._air.volume, around, shafts, near)
 
@@ -194,8 +194,8 @@ class Frame:
             seen = scene.placed
         else:
             seen = [placed for placed in scene.placed if in_view(placed, view)]
-        self.ledger.did("mesh", len(seen))
-        self.ledger.skip("mesh: out of view", len(scene.placed) - len(seen))
+        self.counters.did("mesh", len(seen))
+        self.counters.skip("mesh: out of view", len(scene.placed) - len(seen))
         return seen
 
     def _reflection(
@@ -207,17 +207,17 @@ class Frame:
         glossy = [placed for placed in seen if not placed.primitive.material.matte]
         mirrors = self._passes.surface_light.upload_mirrors(seen)
         if mirrors:
-            self.ledger.did("mirror", mirrors)
+            self.counters.did("mirror", mirrors)
         else:
-            self.ledger.skip("mirror: none in view")
+            self.counters.skip("mirror: none in view")
         if glossy and skips.unlit and not any(map(self._passes.surface_light.sees_sky, glossy)):
-            self.ledger.skip("reflection: no sky reaches what is seen")
+            self.counters.skip("reflection: no sky reaches what is seen")
         elif glossy or not skips.reflection:
             slices = None if still else SLICES_A_FRAME
             always = not skips.reflection
             self._filter.update(light.mirrored, slices, always, mean_level(light.irradiance_sh))
         else:
-            self.ledger.skip("reflection: nothing in view mirrors")
+            self.counters.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture
         if filtered is None:
             # A texture must be bound; no shader reads it.

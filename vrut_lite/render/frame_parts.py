@@ -22,7 +22,7 @@ from vrut_lite.frame_part import (
     heard_by,
 )
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.passes.full_screen import FullScreen
@@ -30,7 +30,7 @@ from vrut_lite.render.passes.view import View
 from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
 from vrut_lite.render.shader_files import Defines, shader_source
 from vrut_lite.render.size_cache import SizeCache
-from vrut_lite.render.tiles import Patience, Pieces
+from vrut_lite.render.tiles import Patience, TiledPass
 from vrut_lite.render.unlocked import build_mipmaps
 from vrut_lite.uniform_block import UniformBlock
 
@@ -47,8 +47,10 @@ def warn_of_part(name: str, error: str) -> None:
 class FrameParts:
     """One of each installed part."""
 
-    def __init__(self, context: Any, ledger: Ledger, patience: Patience, failed: PartFailed):
-        self._context, self._ledger, self._patience = context, ledger, patience
+    def __init__(
+        self, context: Any, counters: WorkCounters, patience: Patience, failed: PartFailed
+    ):
+        self._context, self._counters, self._patience = context, counters, patience
         self._tell_failed = failed
         self._types = frame_parts()
         # Parts are made when they first have something to show.
@@ -70,7 +72,7 @@ class FrameParts:
 
     def _show(self, name: str, heard: Heard) -> None:
         if name not in self._parts:
-            self._made[name] = PartRenderer(self._context, self._ledger, self._patience)
+            self._made[name] = PartRenderer(self._context, self._counters, self._patience)
             self._parts[name] = self._types[name](self._made[name])
         self._parts[name].show(heard)
 
@@ -84,7 +86,7 @@ class FrameParts:
 
     def prepare(self, frame: PartFrame) -> bool:
         """Let parts prepare a picture; whether one of them dims the sun in it."""
-        self._ledger.skip("part: nothing to draw", len(self._types) - len(self._seen()))
+        self._counters.skip("part: nothing to draw", len(self._types) - len(self._seen()))
         for name, part in self._seen().items():
             self._do(name, partial(part.prepare, frame))
         return any(part.shades_sun for part in self._seen().values())
@@ -139,8 +141,8 @@ class PartRenderer:
 
     gl, before_sky = GL, BEFORE_SKY
 
-    def __init__(self, context: Any, ledger: Ledger, patience: Patience):
-        self.context, self.ledger = context, ledger
+    def __init__(self, context: Any, counters: WorkCounters, patience: Patience):
+        self.context, self.counters = context, counters
         self._patience = patience
         self._made: list[Any] = []
 
@@ -150,9 +152,9 @@ class PartRenderer:
         self._made.append(screen)
         return screen
 
-    def tiles(self, most: int | None = None) -> Pieces:
-        """Pieces of a slow pass."""
-        return Pieces(self._patience, most)
+    def tiles(self, most: int | None = None) -> TiledPass:
+        """TiledPass of a slow pass."""
+        return TiledPass(self._patience, most)
 
     def depth_copy(self, size: Size) -> DepthTexture:
         """A texture for the depth of pictures of a size."""

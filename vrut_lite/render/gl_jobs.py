@@ -24,8 +24,8 @@ NAME = "gl_jobs"
 class GlJobs(Module):
     """Queues each GpuJob on the GL thread.
 
-    It demands GpuJobs while it runs, which tells modules that GPU jobs are possible. The ledger
-    counts jobs done, and those skipped for a later one of their key.
+    It demands GpuJobs while it runs, which tells modules that GPU jobs are possible. The counters
+    count jobs done, and those skipped for a later one of their key.
     """
 
     manifest = Manifest(name=NAME, title="GPU jobs", version=__version__)
@@ -51,13 +51,13 @@ class GlJobs(Module):
 
     def _run(self, context: Any, job: GpuJob) -> None:
         if self._latest[job.key()] is not job:
-            self.ledger.skip("gpu job outdated")
+            self.counters.skip("gpu job outdated")
             return
         try:
             value, error = self._compute(context, job), ""
         except Exception as failure:
             value, error = None, f"{type(failure).__name__}: {failure}"
-        self.ledger.did("gpu job")
+        self.counters.did("gpu job")
         self._inject(JobResult(module=job.module, job=job.job, value=value, error=error))
 
     def _compute(self, context: Any, job: GpuJob) -> Array | GpuTexture:
@@ -71,7 +71,7 @@ class GlJobs(Module):
             if name in program:
                 program[name].value = value
         if kept := self._buffers.bind(context, job):
-            self.ledger.skip("gpu job's buffer: still there", kept)
+            self.counters.skip("gpu job's buffer: still there", kept)
         texture.bind_to_image(0, read=False, write=True)
         run_compute(program, *job.groups)
         context.memory_barrier()

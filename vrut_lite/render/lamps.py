@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.lamps import MOST_DRAWN, NONE, TABLE_SHAPE, SceneLamps
 from vrut_lite.numeric_types import Float32Array
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -23,11 +23,11 @@ _SHARPEST_RAMP = 1e-3
 class LampsOnGpu:
     """The brightest lamps of a scene; made and used on the GL thread only."""
 
-    def __init__(self, context: Any, ledger: Ledger):
+    def __init__(self, context: Any, counters: WorkCounters):
         self._context = context
-        self._ledger = ledger
+        self._counters = counters
         self._block = context.buffer(reserve=LAMPS.size_bytes)
-        self._shadows = LampShadows(context, ledger)
+        self._shadows = LampShadows(context, counters)
         self._tables: Any = None
         self._lamps: SceneLamps | None = None
 
@@ -60,7 +60,7 @@ class LampsOnGpu:
     ) -> None:
         """Draw the shadow maps where the scene is another, and hand all to the shaders."""
         if self._lamps is None:
-            self._ledger.skip("lamps: none in the scene")
+            self._counters.skip("lamps: none in the scene")
             return
         count = min(self._lamps.count, MOST_DRAWN)
         shadows = self._shadows.update(meshes, scene, self._lamps, count, always)
@@ -78,7 +78,7 @@ class LampsOnGpu:
         self._block.bind_to_uniform_block(LAMPS.binding)
         shadows.use(location=_SHADOW_UNIT)
         self._tables.use(location=_TABLE_UNIT)
-        self._ledger.did("lamp", count)
+        self._counters.did("lamp", count)
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from vrut_lite.frame_part import PartFrame
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.frame_parts import FrameParts, PartFailed
@@ -32,7 +32,7 @@ def unmeasured(name: str) -> AbstractContextManager[None]:
     return nullcontext()
 
 
-class Shot(NamedTuple):
+class FrameInputs(NamedTuple):
     """A scene in its light, as it is seen from somewhere; `seen`: what may be in the picture."""
 
     scene: PyrenderScene
@@ -51,12 +51,12 @@ class Shot(NamedTuple):
 class PicturePasses:
     """One of each; used on the GL thread only.
 
-    `measure` is entered around each pass, with its name; `ledger` counts what was done and what
+    `measure` is entered around each pass, with its name; `counters` counts what was done and what
     was skipped.
     """
 
     context: Any
-    ledger: Ledger
+    counters: WorkCounters
     patience: Patience
     meshes: MeshRenderer
     sky: SkyPass
@@ -68,25 +68,25 @@ class PicturePasses:
     measure: Measure = unmeasured
 
     @staticmethod
-    def made(context: Any, ledger: Ledger, part_failed: PartFailed) -> "PicturePasses":
+    def made(context: Any, counters: WorkCounters, part_failed: PartFailed) -> "PicturePasses":
         """New ones in a context."""
-        patience = Patience(ledger)
+        patience = Patience(counters)
         return PicturePasses(
             context,
-            ledger,
+            counters,
             patience,
             MeshRenderer(),
             SkyPass(context),
-            FrameParts(context, ledger, patience, part_failed),
+            FrameParts(context, counters, patience, part_failed),
             TonePass(context),
             SurfaceLightOnGpu(context),
-            LampsOnGpu(context, ledger),
+            LampsOnGpu(context, counters),
             Backdrop(context),
         )
 
     def draw_meshes(
         self,
-        shot: Shot,
+        shot: FrameInputs,
         placed: list[PlacedPrimitive],
         defines: Defines,
         blended: bool,

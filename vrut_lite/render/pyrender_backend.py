@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
 from vrut_lite.frame_part import Heard, sun_share
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.messages.gpu_texture import GpuTexture
@@ -40,7 +40,7 @@ _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 class PyrenderBackend:
     """A `SceneBackend`; GL work goes to the owner's thread. UserError without OpenGL.
 
-    The ledger counts "upload" of a part of the state, and skips "upload: unchanged".
+    The counters count "upload" of a part of the state, and skips "upload: unchanged".
     """
 
     def __init__(self, owner: GlOwner, part_failed: PartFailed = warn_of_part):
@@ -144,9 +144,9 @@ class PyrenderBackend:
         return self._rays[1]
 
     @property
-    def ledger(self) -> Ledger:
+    def counters(self) -> WorkCounters:
         """Counts of work that frames did and skipped."""
-        return self._frame.ledger
+        return self._frame.counters
 
     def measure_passes(self, measure: Measure) -> None:
         """Enter `measure(name)` around each pass, on the GL thread."""
@@ -167,11 +167,11 @@ class PyrenderBackend:
         for name, upload in self._uploads.items():
             part = getattr(state, name)
             if part is self._uploaded[name]:
-                self.ledger.skip("upload: unchanged")
+                self.counters.skip("upload: unchanged")
                 continue
             # Noted first, so that a refused shader is reported once and not with every frame.
             self._uploaded[name] = part
-            self.ledger.did("upload")
+            self.counters.did("upload")
             upload(context, part)
 
     def _begin(self, context: Any, scene: SceneOpened) -> None:
@@ -180,7 +180,7 @@ class PyrenderBackend:
         self._frame.begin(self._scene)
         # Noted last: what failed is tried again with the picture, which tells of it.
         self._uploaded["scene"] = scene
-        self.ledger.did("upload")
+        self.counters.did("upload")
 
     def _upload_scene(self, context: Any, scene: SceneOpened) -> None:
         # Its buffers reach the GPU with the next frame.

@@ -11,14 +11,14 @@ from vrut_lite.render.air import SUN_FACTOR
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
-from vrut_lite.render.picture_passes import ONE_SAMPLE, PicturePasses, Shot
+from vrut_lite.render.picture_passes import ONE_SAMPLE, FrameInputs, PicturePasses
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import SAMPLES, Targets
-from vrut_lite.render.tiles import Piece, Pieces
+from vrut_lite.render.tiles import Piece, TiledPass
 from vrut_lite.render.value_light import in_false_colours
 from vrut_lite.scene.scene_state import SceneState
 
@@ -39,7 +39,7 @@ class StillPictures:
         """`several_samples`: what is not finished is one picture with several samples a pixel."""
         self._passes = passes
         self._shifts_px = _UNSHIFTED_PX if several_samples else FEWER_SHIFTS_PX
-        self._pieces = Pieces(passes.patience)
+        self._pieces = TiledPass(passes.patience)
         context = passes.context
         self._of_one = SizeCache(context, lambda size: Targets(context, size, SAMPLES))
         self._of_several = SizeCache(context, lambda size: Targets(context, size, 1))
@@ -55,7 +55,7 @@ class StillPictures:
             return None
         if targets.is_released:
             return None
-        self._passes.ledger.skip("picture: the same but for its exposure")
+        self._passes.counters.skip("picture: the same but for its exposure")
         self._last = state, targets, radiance
         return self._exposed(targets, radiance, view, state)
 
@@ -63,7 +63,7 @@ class StillPictures:
         """Let the last still go: another picture is drawn, perhaps into its targets."""
         self._last = None
 
-    def draw(self, shot: Shot, still: bool, finished: bool) -> Picture:
+    def draw(self, shot: FrameInputs, still: bool, finished: bool) -> Picture:
         """Draw a shot, `finished` by several pictures; a `still` is kept.
 
         Raises:
@@ -73,7 +73,7 @@ class StillPictures:
         shifts = SHIFTS_PX if finished else self._shifts_px
         targets = (self._of_one if len(shifts) == 1 else self._of_several).get(state.size_px)
         passes.meshes.read_finer(shot.scene, np.log2(len(shifts)) / 2.0 if finished else 0.0)
-        passes.ledger.did("picture", len(shifts))
+        passes.counters.did("picture", len(shifts))
         try:
             resolved = self._mean(shot, targets, shifts)
         finally:
@@ -94,7 +94,7 @@ class StillPictures:
         self._of_several.release()
 
     def _mean(
-        self, shot: Shot, targets: Targets, shifts: tuple[tuple[float, float], ...]
+        self, shot: FrameInputs, targets: Targets, shifts: tuple[tuple[float, float], ...]
     ) -> NDArray[np.float32]:
         """The mean (h, w, 4) of pictures shifted so, row 0 at the top."""
         passes, state = self._passes, shot.state
@@ -113,8 +113,8 @@ class StillPictures:
                 total = resolved if total is None else np.add(total, resolved, out=total)
             if state.shows == "picture":
                 drawn = passes.sky.count_samples()
-                passes.ledger.did("sky sample", drawn)
-                passes.ledger.skip("sky sample: covered", targets.samples - drawn)
+                passes.counters.did("sky sample", drawn)
+                passes.counters.skip("sky sample: covered", targets.samples - drawn)
         assert total is not None
         if len(shifts) > 1:
             total /= np.float32(len(shifts))
@@ -132,7 +132,7 @@ class StillPictures:
             passes.tone.draw(targets.radiance, targets.display, ev100, state.exposure, pixel_rad)
         return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
-    def _draw_seen(self, targets: Targets, shot: Shot, sample: int) -> None:
+    def _draw_seen(self, targets: Targets, shot: FrameInputs, sample: int) -> None:
         """Solid surfaces, the sky in what they leave, parts, and what shows all these.
 
         Of values in false colours solid surfaces alone.
@@ -159,14 +159,14 @@ class StillPictures:
         if any(needs_backdrop(placed.primitive.material) for placed in blended):
             with passes.measure("backdrop"):
                 passes.backdrop.take(targets.buffer, targets.size)
-            passes.ledger.did("backdrop")
+            passes.counters.did("backdrop")
         with passes.measure("blended mesh"):
             self._draw_meshes(targets, shot, blended, defines, blended=True)
 
     def _draw_meshes(
         self,
         targets: Targets,
-        shot: Shot,
+        shot: FrameInputs,
         placed: list[PlacedPrimitive],
         defines: Defines,
         blended: bool = False,
@@ -188,7 +188,7 @@ class StillPictures:
         if placed:
             self._pieces.draw(targets.size, draw)
 
-    def _draw_sky(self, targets: Targets, shot: Shot) -> None:
+    def _draw_sky(self, targets: Targets, shot: FrameInputs) -> None:
         passes, skips = self._passes, shot.state.skips
         with passes.measure("sky"):
             pictures = passes.meshes.picture_count
@@ -197,7 +197,7 @@ class StillPictures:
             )
 
 
-def _defines(shot: Shot, of_lamps: Defines) -> Defines:
+def _defines(shot: FrameInputs, of_lamps: Defines) -> Defines:
     """What meshes' shaders are compiled with."""
     if shot.state.shows == "picture":
         return (*shot.air.mesh, *of_lamps)

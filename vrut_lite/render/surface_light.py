@@ -16,9 +16,9 @@ from vrut_lite.messages.sky import mean_level
 from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light
-from vrut_lite.render.mirror_cubes import MirrorCubes
 from vrut_lite.render.open_irradiance import open_irradiance
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.reflection_probes import MirrorCubes
 from vrut_lite.render.relight_scale import age_factor
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import SURFACE_LIGHT

@@ -9,7 +9,7 @@ from time import perf_counter, thread_time
 from typing import NamedTuple
 
 from vrut_lite.errors import GivenUp
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.scene.backend import IsGivenUp
 
@@ -40,12 +40,12 @@ class Piece(NamedTuple):
 class Patience:
     """Ends a picture that its caller has given up.
 
-    `is_given_up` is None for a picture that is finished in any case. The ledger counts, as
+    `is_given_up` is None for a picture that is finished in any case. The counters count, as
     skipped, pictures that were given up.
     """
 
-    def __init__(self, ledger: Ledger):
-        self._ledger = ledger
+    def __init__(self, counters: WorkCounters):
+        self._counters = counters
         self.is_given_up: IsGivenUp | None = None
 
     def check(self) -> None:
@@ -55,12 +55,12 @@ class Patience:
             GivenUp: it is not.
         """
         if self.is_given_up is not None and self.is_given_up():
-            self._ledger.skip("picture: given up")
+            self._counters.skip("picture: given up")
             raise GivenUp
 
 
-class Pieces:
-    """Pieces of one pass, as large as can be drawn in a sixth of a second; on the GL thread only.
+class TiledPass:
+    """Draws one pass in pieces as large as can be drawn in a sixth of a second, on the GL thread.
 
     The pixels equal those of a pass that is drawn whole. The time of a piece sets the size of the
     next, up to `most_tiles` where the next may take many times longer.

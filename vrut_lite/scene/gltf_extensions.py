@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 
 from vrut_lite.scene.gltf_terms import DRAWN_EXTENSIONS
-from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.spec_gloss import NAME as SPEC_GLOSS
 

@@ -15,8 +15,8 @@ from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_extensions import check_extensions
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, MeshoptView, Sparse
 from vrut_lite.scene.gltf_variants import with_variant
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.meshopt_views import admit_meshopt, unpack_meshopt
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.spec_gloss import as_metallic_roughness
 

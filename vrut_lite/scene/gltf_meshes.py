@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.scene.bending import bent_normals, bent_positions, morphed, skin_matrices
 from vrut_lite.scene.draco import decode_draco
-from vrut_lite.scene.gltf_bends import UNBENT, Bend, joints_and_weights
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Primitive
 from vrut_lite.scene.gltf_shapes import TRIANGLES, Shape, shape_of
+from vrut_lite.scene.gltf_skinning import UNBENT, Bend, joints_and_weights
 from vrut_lite.scene.materials import GltfMaterials
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
@@ -22,6 +21,7 @@ from vrut_lite.scene.mesh import (
     used_vertices,
 )
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.skinning import bent_normals, bent_positions, morphed, skin_matrices
 from vrut_lite.scene.vertex_colours import within_range
 
 _FAN = 6

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Node
-from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.placed import SceneCamera, check_places
 from vrut_lite.scene.scene_file_error import SceneFileError
 

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_animation import GltfAnimations
-from vrut_lite.scene.gltf_bends import UNBENT, Bend, Skins, bend_of
 from vrut_lite.scene.gltf_file import GltfFile
 from vrut_lite.scene.gltf_instances import instances_of
 from vrut_lite.scene.gltf_lamps import GltfLamps
@@ -15,9 +14,10 @@ from vrut_lite.scene.gltf_nodes import REST, PlacedNode, cameras_of, placed_node
 from vrut_lite.scene.gltf_notices import tell_unread
 from vrut_lite.scene.gltf_points_and_lines import GltfStrokes, Strokes
 from vrut_lite.scene.gltf_shapes import Sizes
+from vrut_lite.scene.gltf_skinning import UNBENT, Bend, Skins, bend_of
 from vrut_lite.scene.gltf_variants import variant_names
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.lamps import PlacedLamp
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 
 

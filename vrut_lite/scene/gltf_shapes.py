@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Hashable
 from typing import NamedTuple
 
-from vrut_lite.scene.gltf_bends import Bend
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Primitive
+from vrut_lite.scene.gltf_skinning import Bend
 from vrut_lite.scene.mesh import MESH_BYTES, geometry_bytes
 from vrut_lite.scene.placed import check_places, check_triangles
 from vrut_lite.scene.uv_layers import UvLayer, layers_of

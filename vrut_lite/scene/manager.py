@@ -314,7 +314,7 @@ class SceneManager(Module):
     def _want_air(self, useful: bool) -> None:
         """Demand air where it is seen and switched on; remove it elsewhere."""
         if useful and not self.settings.air:
-            self.ledger.skip("air: switched off")
+            self.counters.skip("air: switched off")
         wanted = useful and self.settings.air
         if wanted == self._wants_air:
             return

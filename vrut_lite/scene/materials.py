@@ -13,7 +13,7 @@ from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
 from vrut_lite.scene.gltf_terms import bounded_factors, emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
-from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.scene_file_error import UnreadFile
 from vrut_lite.scene.spec_gloss import roughness_image, spec_gloss_of
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos

@@ -12,8 +12,8 @@ from PIL import Image
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl, tell_mtl
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError, UnreadFile
 
 # How many words follow each option of a map statement (Wavefront MTL, "texture map options").

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_points_and_lines import TOLD_STROKES, Strokes
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
     Geometry,
@@ -20,7 +21,6 @@ from vrut_lite.scene.mesh import (
     used_vertices,
 )
 from vrut_lite.scene.mtl_file import MtlMaterials, portable_name
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_file import ObjFile, parse_obj
 from vrut_lite.scene.obj_strokes import placed_strokes
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles

@@ -10,8 +10,8 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_points_and_lines import Strokes
 from vrut_lite.scene.gltf_scene import GltfScene
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.lamps import PlacedLamp
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 from vrut_lite.scene.scene_file_error import SceneFileError

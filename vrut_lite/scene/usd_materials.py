@@ -11,8 +11,8 @@ from PIL import Image
 from vrut_lite.messages.scene_content import AlphaMode
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.images import PixelBudget, decode_image
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, tell_clipped
-from vrut_lite.scene.notices import Notices
 
 _MASKED = 0.5
 Faces = NDArray[np.int64] | None

@@ -22,6 +22,7 @@ from vrut_lite.messages.placement import (
 )
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import MAX_FILE_BYTES
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, default_material
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
@@ -31,7 +32,6 @@ from vrut_lite.scene.mesh import (
     make_mesh,
     used_vertices,
 )
-from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.usd_materials import UsdMaterials

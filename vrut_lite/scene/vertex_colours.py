@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import srgb_decode
-from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.import_warnings import Notices
 
 # Some programs write bytes. No colour of [0, 1] comes near it.
 _BYTES_FROM = 2.0

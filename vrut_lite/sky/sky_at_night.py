@@ -25,7 +25,7 @@ from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite.sky.night_glow import glow_cube
-from vrut_lite.sky.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
+from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, Sky, SkyInputs, Spectrum, SunDisc
 
 # Edge (texels) of the cube from which the glow's irradiance on the scene is integrated.
 _LIGHT_SIZE = 32
@@ -198,7 +198,7 @@ class SkyAtNight(Sky):
             replace(self, by_sun=_NOBODY, by_moon=None, horizon_rad=0.0),
         )
 
-    def unseen(self, hour: Hour, quality: object) -> Unseen:
+    def unseen(self, hour: SkyInputs, quality: object) -> MotionThreshold:
         """Limits of the sun's sky; the moon's are checked separately."""
         return self.by_sun.unseen(hour, quality)
 

@@ -8,8 +8,8 @@ stays until it ends. With the setting `cube_device` on "gpu" the GPU makes cube 
 does where a demand names the cube's encoding, where the host runs no GPU jobs, after one has
 failed, and where the sky requires it.
 
-The ledger counts messages by type name, posted ("BackgroundChanged") or skipped ("BackgroundChanged
-unwanted", "BackgroundChanged unchanged").
+The counters count messages by type name, posted ("BackgroundChanged") or skipped
+("BackgroundChanged unwanted", "BackgroundChanged unchanged").
 """
 
 from collections.abc import Callable
@@ -45,8 +45,8 @@ from vrut_lite.numeric_types import Vector
 from vrut_lite.sky.air_reach import rung_m
 from vrut_lite.sky.eye import eye_height_m
 from vrut_lite.sky.sky_at_night import SkyAtNight, key_body, night_share, sun_share
-from vrut_lite.sky.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
-from vrut_lite.sky.sky_waiting import SOLVE, AwaitedTextures, Preparation
+from vrut_lite.sky.sky_jobs import SOLVE, AwaitedTextures, Preparation
+from vrut_lite.sky.sky_of_hour import AIR_JOB, CUBE_JOB, Quality, Sky, SkyInputs, Work
 
 SPECTRUM = "spectrum"
 Kinds = tuple[type[Derived], ...]
@@ -81,13 +81,13 @@ class SkyModule(Module):
         self._posted: dict[type[Derived], tuple[object, ...]] = {}
         # The latest sky, and the hour that it shows.
         self._sky: Sky | None = None
-        self._hour: Hour | None = None
+        self._hour: SkyInputs | None = None
         # The moon that lights the sky, and its hour.
-        self._moon: tuple[MoonLight, Hour] | None = None
+        self._moon: tuple[MoonLight, SkyInputs] | None = None
         self._has_night = False
         # Height of the eye (m) and reach of its air (m).
         self._view = (0.0, 0.0)
-        self._preparation = Preparation(link, self.ledger)
+        self._preparation = Preparation(link, self.counters)
         self._refused: tuple[object, ...] = ()
         self._textures = AwaitedTextures()
         self._gpu_failed = False
@@ -108,7 +108,7 @@ class SkyModule(Module):
         """
         return None
 
-    def light(self, hour: Hour, quality: Any, prepared: Any) -> Sky:
+    def light(self, hour: SkyInputs, quality: Any, prepared: Any) -> Sky:
         """The sky of an hour, by `self.settings` and the last preparation (`Prepared`).
 
         Called often, also without a change: the sky's methods must do the computing.
@@ -134,7 +134,7 @@ class SkyModule(Module):
     ) -> None:
         """Post the demanded messages that have changed."""
         if isinstance(message, SunMoved) and self._night_will_follow():
-            self.ledger.skip("sky: the night of this hour follows")
+            self.counters.skip("sky: the night of this hour follows")
             return
         self._update()
 
@@ -164,7 +164,7 @@ class SkyModule(Module):
     def _post_sun(self, made_from: tuple[object, ...], made: Callable[[], SunMoved]) -> None:
         """Post the sun, made if it is from other sources than the last one."""
         if made_from == self._sun_of:
-            self.ledger.skip("SunMoved unchanged")
+            self.counters.skip("SunMoved unchanged")
             return
         self._post(made())
         self._sun_of = made_from
@@ -214,7 +214,7 @@ class SkyModule(Module):
             )
         message = self._textures.next(result.job, GpuTexture.of(result.value))
         if message is None:
-            self.ledger.skip("GpuJob outdated")
+            self.counters.skip("GpuJob outdated")
         else:
             self._post(message)
 
@@ -222,7 +222,7 @@ class SkyModule(Module):
 
     def _update(self, kinds: Kinds = PRODUCTS) -> None:
         if self.link.last(SunMoved) is None or not self.link.holds("sky"):
-            self.ledger.skip("sky: no sun, or another sky is shown")
+            self.counters.skip("sky: no sun, or another sky is shown")
             return
         self._view = self._present_view()
         wanted = {kind: demand for kind in kinds if (demand := self._demand(kind)) is not None}
@@ -246,13 +246,13 @@ class SkyModule(Module):
         if not self._preparation.ready:
             return None
         night = self._present_night(sun)
-        hour = now = Hour(sun, altitude_m, self._view[0], night_apart=night is not None)
+        hour = now = SkyInputs(sun, altitude_m, self._view[0], night_apart=night is not None)
         if self._sky is not None and self._hour is not None:
             hour = self._hour.unless_unseen(now, self._sky.unseen(self._hour, quality))
             if night is not None and sun_share(sun) == sun_share(self._hour.sun) == 0.0:
                 hour = msgspec.structs.replace(hour, sun=self._hour.sun)
             if hour != now:
-                self.ledger.skip("sun or eye moved unseen")
+                self.counters.skip("sun or eye moved unseen")
         self._hour = hour
         sky = self.light(hour, quality, self._preparation.latest)
         if night is not None:
@@ -276,11 +276,13 @@ class SkyModule(Module):
         if night is None or (night.moon is None and night.glow_rgb is None):
             return None
         if night_share(sun) <= 0.0 and night.sun_left_rgb == NO_ECLIPSE:
-            self.ledger.skip("night: outshone by the sun")
+            self.counters.skip("night: outshone by the sun")
             return None
         return night
 
-    def _at_night(self, by_sun: Sky, night: NightLightChanged, hour: Hour, quality: Any) -> Sky:
+    def _at_night(
+        self, by_sun: Sky, night: NightLightChanged, hour: SkyInputs, quality: Any
+    ) -> Sky:
         """The sky of the hour with the night's light in it."""
         moon, by_moon, share = night.moon, None, night_share(hour.sun)
         if moon is not None and share > 0.0:
@@ -310,9 +312,9 @@ class SkyModule(Module):
     def _demand(self, kind: type[Derived]) -> Demand | None:
         demand = self.link.wanted(kind)
         if demand is None:
-            self.ledger.skip(f"{kind.__name__} unwanted")
+            self.counters.skip(f"{kind.__name__} unwanted")
         elif kind is AirChanged and not self._view[1]:
-            self.ledger.skip("AirChanged without things in it")
+            self.counters.skip("AirChanged without things in it")
             return None
         return demand
 
@@ -341,7 +343,7 @@ class SkyModule(Module):
             self._refused = ()
             self._preparation.ask(work)
 
-    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, demand: Demand) -> None:
+    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: SkyInputs, demand: Demand) -> None:
         """Post a message whose sources differ from the last one's."""
         usual = LIGHT_SIZE if kind is SkyRadianceChanged else self._quality.cube_size
         size = demand.size or usual
@@ -358,7 +360,7 @@ class SkyModule(Module):
             on_gpu = self._gpu_serves(type(sky).gpu_air is not Sky.gpu_air)
             made_from = sky, eye_m, self._view[1], on_gpu
         if self._posted.get(kind) == made_from:
-            self.ledger.skip(f"{kind.__name__} unchanged")
+            self.counters.skip(f"{kind.__name__} unchanged")
             return
         if kind is BackgroundChanged:
             self._post(self._background(sky, size, on_gpu))
@@ -379,12 +381,12 @@ class SkyModule(Module):
 
     def _post(self, message: Derived) -> None:
         self.link.post(message)
-        self.ledger.did(type(message).__name__)
+        self.counters.did(type(message).__name__)
 
     def _background(self, sky: Sky, size: int, on_gpu: bool) -> Derived:
         asked = sky.gpu_background(size) if on_gpu else None
         if on_gpu and asked is None:
-            self.ledger.skip("GpuJob: an hour for the CPU")
+            self.counters.skip("GpuJob: an hour for the CPU")
         job, made = (None, sky.background(size)) if asked is None else asked
         return self._first(CUBE_JOB, job, made.message(self.manifest.name))
 
@@ -406,10 +408,10 @@ class SkyModule(Module):
         if not able or getattr(self.settings, "cube_device", "cpu") == "cpu":
             return False
         if self.link.wanted(GpuJob) is None:
-            self.ledger.skip("GpuJob: nobody runs GPU jobs")
+            self.counters.skip("GpuJob: nobody runs GPU jobs")
             return False
         if self._gpu_failed:
-            self.ledger.skip("GpuJob: the GPU failed")
+            self.counters.skip("GpuJob: the GPU failed")
         return not self._gpu_failed
 
 

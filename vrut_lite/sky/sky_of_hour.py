@@ -28,14 +28,14 @@ _USUAL_ALBEDO = 0.1
 CUBE_JOB, AIR_JOB = "cube", "air"
 
 
-class Unseen(NamedTuple):
+class MotionThreshold(NamedTuple):
     """The largest moves of the sun (rad) and of the eye (m, up or down) that change no picture."""
 
     sun_rad: float = 0.0
     eye_m: float = 0.0
 
 
-class Hour(msgspec.Struct, frozen=True):
+class SkyInputs(msgspec.Struct, frozen=True):
     """The inputs of a sky's light besides its settings.
 
     `ground_altitude_m` is the place's above sea level, `eye_height_m` the eye's above that ground.
@@ -56,7 +56,7 @@ class Hour(msgspec.Struct, frozen=True):
         x, _, z = self.sun.direction
         return float(np.arctan2(x, -z))
 
-    def unless_unseen(self, later: "Hour", unseen: Unseen) -> "Hour":
+    def unless_unseen(self, later: "SkyInputs", unseen: MotionThreshold) -> "SkyInputs":
         """A later hour, with this one's sun and eye where their moves are invisible.
 
         While the disc crosses the horizon, every move changes its visible share and counts.
@@ -223,9 +223,9 @@ class Sky:
         """The light on the scene as a value to compare; by default the whole sky."""
         return self
 
-    def unseen(self, hour: Hour, quality: Any) -> Unseen:
+    def unseen(self, hour: SkyInputs, quality: Any) -> MotionThreshold:
         """Moves of sun and eye from this sky's hour that do not need a new sky."""
-        return Unseen()
+        return MotionThreshold()
 
     def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
         """The air up to `reach_m` from the eye; None where it is invisible."""

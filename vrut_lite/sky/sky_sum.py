@@ -36,7 +36,7 @@ class SkySum(Module):
     """Posts `SkyLightChanged` where it is demanded.
 
     Without layers its parts are the clear sky's own messages, in the same transaction; with a
-    layer (`SkyLayer`) or a glow (`SkyGlowAdded`) a background job sums. The ledger counts "sum"
+    layer (`SkyLayer`) or a glow (`SkyGlowAdded`) a background job sums. The counters count "sum"
     posted, and skips "sum: no layers", "sum: unwanted" and "sum: no change to be seen".
     """
 
@@ -133,7 +133,7 @@ class SkySum(Module):
 
     def _update(self) -> None:
         if self._wanted is None:
-            self.ledger.skip("sum: unwanted")
+            self.counters.skip("sum: unwanted")
             self._forget()
             return
         background = self.link.last(BackgroundChanged)
@@ -164,7 +164,7 @@ class SkySum(Module):
         """Without layers the sum is the clear sky."""
         if _same(_parts(clear), self._made_from):
             return
-        self.ledger.skip("sum: no layers")
+        self.counters.skip("sum: no layers")
         self._forget()
         self._made_from = _parts(clear)
         self._post(clear)
@@ -178,7 +178,7 @@ class SkySum(Module):
         glows = tuple(glow.glow_rgb for glow in self._glows.values() if glow.glow_rgb is not None)
         made_from = (*_parts(clear), *layers.values(), scene, self._height_m, size, *glows)
         if _same(made_from, self._made_from):
-            self.ledger.skip("sum: no change to be seen")
+            self.counters.skip("sum: no change to be seen")
             return
         self._made_from, self._layers = made_from, layers
         middle_m, half_width_m = _square(scene)
@@ -211,7 +211,7 @@ class SkySum(Module):
 
     def _post(self, message: SkyLightChanged) -> None:
         self.link.post(message)
-        self.ledger.did("sum")
+        self.counters.did("sum")
 
 
 def sum_up(

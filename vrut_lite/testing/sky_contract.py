@@ -35,10 +35,10 @@ from vrut_lite.messages.sky import (
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay
+from vrut_lite.recording.replay_runner import ReplayRunner
 from vrut_lite.sky.sky_module import PRODUCTS, SkyModule
 from vrut_lite.testing.sky_on_bus import SkyOnBus, SunAndEye
 
@@ -85,10 +85,10 @@ class SkyContract:
         """Without the slot the sky computes nothing."""
         by_day.lose_slot()
         by_day.taken()
-        done = by_day.ledger.done.copy()
+        done = by_day.counters.done.copy()
         by_day.sun(50.0)
         assert by_day.taken() == []
-        assert by_day.ledger.done == done
+        assert by_day.counters.done == done
 
     def test_posts_all_again_when_the_slot_returns(self, by_day: SkyOnBus) -> None:
         """Another sky was shown in between: equal light is posted again."""
@@ -313,7 +313,7 @@ class SkyContract:
     def test_a_recorded_session_replays(self, tmp_path: Any) -> None:
         """The same inputs give the same messages, in the same order."""
         known: list[type[Module]] = [SunAndEye, self.module_type]
-        kernel, stream = Kernel(runner=HeldRunner()), io.BytesIO()
+        kernel, stream = Kernel(runner=ReplayRunner()), io.BytesIO()
         for module in known:
             kernel.add_module(module)
         recorder = Recorder(kernel, stream)

@@ -6,7 +6,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     Demand,
@@ -18,13 +17,14 @@ from vrut_lite.kernel.messages import (
     SetSetting,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneNeeds
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 from vrut_lite.sky.sky_module import PRODUCTS, SkyModule
 
 M = TypeVar("M", bound=Message)
@@ -87,7 +87,7 @@ class SkyOnBus:
     """
 
     def __init__(self, module_type: type[SkyModule], **settings: Any):
-        self._runner = HeldRunner()
+        self._runner = ReplayRunner()
         self.kernel = Kernel(runner=self._runner)
         self.name = module_type.manifest.name
         self.holding = False
@@ -182,6 +182,6 @@ class SkyOnBus:
         return [job for _, job in self._runner.held]
 
     @property
-    def ledger(self) -> Ledger:
-        """The sky's ledger."""
-        return self.kernel.seats[self.name].ledger
+    def counters(self) -> WorkCounters:
+        """The sky's counters."""
+        return self.kernel.seats[self.name].counters

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from light_transport.bake import Bake
 from light_transport.hour.free_points import light_at
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.rays.ray_starts import OFF
 from light_transport.rays.trace import first_hits
@@ -198,7 +198,7 @@ class Found(NamedTuple):
 
 
 def found_in(
-    scene: SceneOpened, hour: Hour, which: Callable[[FloatArray, Bake], BoolArray]
+    scene: SceneOpened, hour: Illumination, which: Callable[[FloatArray, Bake], BoolArray]
 ) -> tuple[Found, Bake, Surfaces]:
     """The light of both at crease points of a scene, at the usual quality."""
     quality = quality_for(DEFAULT_TOLERANCE)
@@ -227,7 +227,7 @@ def found_in(
     return Found(points, light, expected, _LEAST_OF_MEAN * mean), bake, surfaces
 
 
-def by_mitsuba(surfaces: Surfaces, hour: Hour, points: Points) -> FloatArray:
+def by_mitsuba(surfaces: Surfaces, hour: Illumination, points: Points) -> FloatArray:
     """Luminance (P,) of the irradiance at points without the key light's own, path traced."""
     mi = load_mitsuba("scalar")
     parts: dict[str, Any] = {"type": "scene", "sky": sky_emitter(mi, hour.sky)}
@@ -286,7 +286,7 @@ def by_mitsuba(surfaces: Surfaces, hour: Hour, points: Points) -> FloatArray:
 def row(
     caption: str,
     scene: SceneOpened,
-    hour: Hour,
+    hour: Illumination,
     which: Callable[[FloatArray, Bake], BoolArray],
     traced: int,
 ) -> tuple[str, FloatArray]:

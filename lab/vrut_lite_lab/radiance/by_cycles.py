@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import OpenEXR
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 
 from vrut_lite.geometry.cube_map import sample_cube
@@ -21,7 +21,7 @@ _ROWS = 512
 
 
 def irradiance_by_cycles(
-    surfaces: Surfaces, hour: Hour, places_m: FloatArray, samples: int, seed: int
+    surfaces: Surfaces, hour: Illumination, places_m: FloatArray, samples: int, seed: int
 ) -> tuple[FloatArray, float]:
     """Irradiance (P, 3) of level planes without the key light's own, W m^-2, and CPU seconds."""
     found, spent_s = _asked(surfaces, hour, samples, seed, places=turned(places_m))
@@ -30,7 +30,7 @@ def irradiance_by_cycles(
 
 def picture_by_cycles(
     surfaces: Surfaces,
-    hour: Hour,
+    hour: Illumination,
     camera: MoveCamera,
     size_px: tuple[int, int],
     samples: int,
@@ -49,7 +49,7 @@ def picture_by_cycles(
 
 
 def _asked(
-    surfaces: Surfaces, hour: Hour, samples: int, seed: int, **wanted: Any
+    surfaces: Surfaces, hour: Illumination, samples: int, seed: int, **wanted: Any
 ) -> tuple[dict[str, FloatArray], float]:
     reflectance = surfaces.reflectance_rgb.copy()
     reflectance[surfaces.part == GROUND] = hour.ground_albedo_rgb
@@ -77,7 +77,7 @@ def _asked(
         return found, float(found["cpu_s"])
 
 
-def _write_world(hour: Hour, path: Path) -> None:
+def _write_world(hour: Illumination, path: Path) -> None:
     """The sky as Blender's panorama, +Y (our north) a quarter left of its edge, ground below."""
     directions = lat_long_directions(_ROWS)
     up = directions[..., 1:2]

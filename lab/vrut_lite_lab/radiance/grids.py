@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from light_transport.bake import Bake
 from light_transport.hour.free_points import light_at
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
@@ -121,13 +121,13 @@ class Baked:
         self.bake = Bake(self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
         self.bake.add_rays(quality.rays)
 
-    def at_points(self, places_m: FloatArray, hour: Hour, effort: Effort) -> Compared:
+    def at_points(self, places_m: FloatArray, hour: Illumination, effort: Effort) -> Compared:
         """Upwards at points: by rays of their own, which end on the light map's patches."""
         up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
         ours = light_at(self.bake, places_m, up, hour, effort.rays).irradiance_rgb
         return self._compared(ours, places_m, up, hour, effort)
 
-    def on_texels(self, grid: Grid, count: int, hour: Hour, effort: Effort) -> Compared:
+    def on_texels(self, grid: Grid, count: int, hour: Illumination, effort: Effort) -> Compared:
         """Some texels below a grid that face up, not within bodies, as the frame shows them."""
         bake, surfaces = self.bake, self.surfaces
         texels = bake.texels
@@ -148,20 +148,20 @@ class Baked:
         ours: Float32Array,
         places_m: FloatArray,
         normals: FloatArray,
-        hour: Hour,
+        hour: Illumination,
         effort: Effort,
     ) -> Compared:
         theirs = irradiance_by_radiance(self.surfaces, hour, places_m, normals, effort)
         return Compared(np.asarray(luminance(ours), float), np.asarray(luminance(theirs), float))
 
 
-def hour_of(state: SceneState) -> Hour:
+def hour_of(state: SceneState) -> Illumination:
     """What lights a scene, in plain arrays."""
     sky, key_light, ambient = state.background, state.key_light, state.ambient
     assert sky is not None
     assert key_light is not None
     assert ambient is not None
-    return Hour(
+    return Illumination(
         sky=decode_float16(sky.cube.values, sky.radiance_scale),  # type: ignore[union-attr]
         ground_radiance_rgb=sky.ground_radiance_rgb,
         ground_albedo_rgb=state.ground_albedo_rgb,
@@ -173,7 +173,7 @@ def hour_of(state: SceneState) -> Hour:
 
 def compared_hours(
     grid: Grid, sky: str, hours: tuple[str, ...]
-) -> Iterator[tuple[str, Baked, Hour]]:
+) -> Iterator[tuple[str, Baked, Illumination]]:
     """The caption, the scene and the light of each hour."""
     baked: Baked | None = None
     for case, state in states(grid.file, sky, hours):

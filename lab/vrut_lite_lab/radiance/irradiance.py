@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from light_transport.daylight_numbers.glass import Glass
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import Surfaces
 
 from vrut_lite.errors import UserError
@@ -38,7 +38,7 @@ def radiance_folder() -> Path | None:
 
 def irradiance_by_radiance(
     surfaces: Surfaces,
-    hour: Hour,
+    hour: Illumination,
     places_m: FloatArray,
     normals: FloatArray,
     effort: Effort = Effort(),
@@ -54,7 +54,7 @@ def irradiance_by_radiance(
 
 def both_by_radiance(
     surfaces: Surfaces,
-    hour: Hour,
+    hour: Illumination,
     places_m: FloatArray,
     normals: FloatArray,
     effort: Effort = Effort(),
@@ -75,7 +75,7 @@ def both_by_radiance(
 
 
 def radiance_by_radiance(
-    surfaces: Surfaces, hour: Hour, eye_m: Vector, directions: FloatArray, effort: Effort
+    surfaces: Surfaces, hour: Illumination, eye_m: Vector, directions: FloatArray, effort: Effort
 ) -> FloatArray:
     """Radiance (R, 3), W m^-2 sr^-1, that comes to an eye from directions (R, 3), world axes.
 

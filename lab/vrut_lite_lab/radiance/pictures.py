@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from light_transport.hour.free_points import light_at
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.rays.trace import MISS, first_hits
 from light_transport.surfaces.surfaces import GROUND
 
@@ -40,7 +40,7 @@ _CLEARANCE = 1e-5
 _BLACK = 1e-3
 
 
-def our_picture(baked: Baked, hour: Hour, camera: MoveCamera, rays: int) -> FloatArray:
+def our_picture(baked: Baked, hour: Illumination, camera: MoveCamera, rays: int) -> FloatArray:
     """Radiance (height, width, 3), W m^-2 sr^-1, through the middles of pixels."""
     surfaces, tree = baked.surfaces, baked.bake.tree
     directions = _directions(camera)
@@ -72,7 +72,9 @@ def _directions(camera: MoveCamera) -> FloatArray:
     return pixel_rays(camera, _SIZE, x, y).reshape(-1, 3)
 
 
-def pictures(baked: Baked, hour: Hour, camera: MoveCamera) -> dict[str, tuple[FloatArray, float]]:
+def pictures(
+    baked: Baked, hour: Illumination, camera: MoveCamera
+) -> dict[str, tuple[FloatArray, float]]:
     """Each renderer's picture and CPU seconds."""
     start = time.process_time()
     ours = our_picture(baked, hour, camera, _RAYS)

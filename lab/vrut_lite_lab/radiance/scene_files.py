@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from light_transport.daylight_numbers.glass import Glass
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 
 from vrut_lite.geometry.cube_map import sample_cube
@@ -60,7 +60,9 @@ def turned(places: FloatArray) -> FloatArray:
     return np.stack([places[..., 0], -places[..., 2], places[..., 1]], axis=-1)
 
 
-def write_scene(surfaces: Surfaces, hour: Hour, folder: Path, glass: Glass | None = None) -> str:
+def write_scene(
+    surfaces: Surfaces, hour: Illumination, folder: Path, glass: Glass | None = None
+) -> str:
     """Write triangles as `scene.rad`: Lambert's, the ground's with the hour's albedo.
 
     Triangles that `glass` has are Radiance's glass: a pane each, see `_panes`.
@@ -99,7 +101,7 @@ def _panes(glass: Glass, corners: FloatArray) -> list[str]:
     return lines
 
 
-def write_sky(hour: Hour, folder: Path) -> str:
+def write_sky(hour: Illumination, folder: Path) -> str:
     """Write the dome as `sky.rad`, and below the horizon the hour's open ground."""
     turn = np.arange(0.0, 360.0 + 1e-9, _STEP_DEG)
     height, azimuth = np.radians(np.meshgrid(turn[turn <= 90.0], turn, indexing="ij"))

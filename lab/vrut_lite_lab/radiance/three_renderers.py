@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 from light_transport.hour.free_points import light_at
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
@@ -39,7 +39,7 @@ def _row(name: str, work: Callable[[int], tuple[FloatArray, float]], radiance: F
     return f"| {name} | {cells} | {spent_s * (noise / 0.01) ** 2:.2g} |"
 
 
-def compare(baked: Baked, hour: Hour, places_m: FloatArray) -> list[str]:
+def compare(baked: Baked, hour: Illumination, places_m: FloatArray) -> list[str]:
     """The lines of a scene."""
     up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
 

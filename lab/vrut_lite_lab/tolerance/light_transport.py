@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from light_transport.bake import Bake
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import FRONTS, Quality, quality_for
@@ -178,12 +178,12 @@ def _painted(paint: FloatArray) -> SceneMaterials:
     )
 
 
-def hour_of(room: Room) -> Hour:
+def hour_of(room: Room) -> Illumination:
     """An even sky of radiance 1 with a sun of 3 W m^-2, above a ground of albedo 0.2."""
     above = texel_directions(16)[..., 1:2] > 0.0
     ground = 0.2 * (1.0 + 3.0 / np.pi * room.sun[1])
     cube = np.where(above, 1.0, ground).repeat(3, axis=-1).astype(np.float32)
-    return Hour(
+    return Illumination(
         sky=cube,
         ground_radiance_rgb=(ground,) * 3,
         ground_albedo_rgb=(0.2,) * 3,

@@ -39,13 +39,13 @@ _SUN_STEP_RAD = 0.01
 class CloudShadowMap:
     """A texture of optical depths; made and used on the GL thread only.
 
-    The ledger counts "cloud shadow map" done, and skipped: without sun, or where it still holds.
+    The counters count "cloud shadow map" done, and skipped: without sun, or where it still holds.
     """
 
     def __init__(self, gl: PartGl):
         self._gl = gl
         context = self._context = gl.context
-        self._ledger, self._unit = gl.ledger, gl.unit(SAMPLER)
+        self._counters, self._unit = gl.counters, gl.unit(SAMPLER)
         self._screen = gl.screen(SHADERS / "cloud_shadow.frag")
         self._texture = context.texture((_SIZE, _SIZE), 1, dtype="f4")
         self._texture.filter = (context.LINEAR, context.LINEAR)
@@ -89,9 +89,9 @@ class CloudShadowMap:
             self._is_cast = False
         casts = any(lights[-1].sun_irradiance)
         if not casts:
-            self._ledger.skip("cloud shadow map: no sun to cast one")
+            self._counters.skip("cloud shadow map: no sun to cast one")
         elif self._is_cast:
-            self._ledger.skip("cloud shadow map: it still holds")
+            self._counters.skip("cloud shadow map: it still holds")
         else:
             self._draw(clouds)
             self._is_cast = True
@@ -129,7 +129,7 @@ class CloudShadowMap:
             self._volumes.append(CloudLightVolume(self._gl))
         for layer, volume in zip(layers, self._volumes, strict=False):
             volume.fill(layer, sun, centre_m)
-            self._ledger.did("cloud light volume")
+            self._counters.did("cloud light volume")
 
     def _draw(self, clouds: Sequence[CloudsOnGpu]) -> None:
         self._buffer.use()
@@ -145,7 +145,7 @@ class CloudShadowMap:
             # Optical depths of layers add up.
             context.enable(context.BLEND)
         context.disable(context.BLEND)
-        self._ledger.did("cloud shadow map")
+        self._counters.did("cloud shadow map")
 
 
 def _plane(centre_m: NDArray[np.float64]) -> ShadowPlane:

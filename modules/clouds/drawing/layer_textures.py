@@ -17,7 +17,7 @@ from clouds.model.cloud_spread import spread_of
 from clouds.model.cloud_transport import scatterer
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.uniform_block import UniformBlock
@@ -160,7 +160,9 @@ class CloudsOnGpu:
         """The sun at base and top, for all heights of the sun: denser towards the lowest."""
         row = np.linspace(0.0, 1.0, _SUNS)
         sines = _LOWEST_SUN + (1.0 - _LOWEST_SUN) * row * row
-        table = passed * np.stack([sun_aloft(level, sines, haze) for level in (base_m, top_m)])
+        table = passed * np.stack(
+            [sunlight_at_altitude(level, sines, haze) for level in (base_m, top_m)]
+        )
         if self._suns is None:
             self._suns = self._context.texture((_SUNS, 2), 3, dtype="f4", alignment=1)
             self._suns.filter = (self._context.LINEAR, self._context.LINEAR)

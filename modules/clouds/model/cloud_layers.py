@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from clouds.model.cloud_density import sun_transmittance
 from clouds.model.cloud_light import ClearLight
 from clouds.model.cloud_transport import even_transmittance, layer_transmittance
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
 from vrut_lite.messages.clouds import CloudLayer
@@ -33,7 +33,7 @@ def clear_light(
     """The light of a clear sky on clouds; the moon counts as a sun so much fainter."""
     passed, direction = 1.0, key_light.direction
     if key_light.body == "moon":
-        sun = float(luminance(sun_aloft(0.0, direction[1], key_light.haze)))
+        sun = float(luminance(sunlight_at_altitude(0.0, direction[1], key_light.haze)))
         moon = float(luminance(key_light.irradiance_rgb))
         passed = min(moon / sun, 1.0) if sun > 0.0 else 0.0
     irradiance, haze = key_light.irradiance_rgb, key_light.haze
@@ -94,7 +94,7 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
     covered = layer.coverage
     depth = layer.optical_depth * (_ICE_DEPTH if layer.particles == "ice" else 1.0)
     passed = 1.0 - covered + covered * float(layer_transmittance(depth, sine))
-    by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine, light.haze)
+    by_sun = max(sine, 0.0) * light.sun_passed * sunlight_at_altitude(layer.top_m, sine, light.haze)
     even = 1.0 - covered + covered * float(even_transmittance(depth))
     by_sky = light.by_sky * even + max(passed - share, 0.0) * by_sun
     dimmed = share * np.asarray(light.sun_irradiance)

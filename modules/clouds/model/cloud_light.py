@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from clouds.model.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.atmosphere.haze_layer import HazeLayer
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.sky import NO_LAMPS
@@ -57,7 +57,7 @@ def light_from_below(layer: CloudLayer, light: ClearLight) -> FloatArray:
     covered, sine = layer.coverage, light.sun_direction[1]
     clear = evaluate_irradiance(light.irradiance_sh, -_UP) / np.pi
     depth = layer.optical_depth
-    aloft = sun_aloft(layer.top_m, sine, light.haze) * max(sine, 0.0) * light.sun_passed
+    aloft = sunlight_at_altitude(layer.top_m, sine, light.haze) * max(sine, 0.0) * light.sun_passed
     even = even_transmittance(depth)
     albedo = np.minimum(np.pi * clear / light.on_ground, 1.0)
     # The ground's light comes back from the clouds, and so on.

@@ -22,7 +22,7 @@ from clouds.model.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
 from clouds.model.cloud_transport import scatterer, transport_tables
 from vrut_lite.atmosphere.aerosols.phase_table import node_places
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.messages.clouds import CloudLayer, Particles
 from vrut_lite.numeric_types import FloatArray, Vector
 
@@ -118,7 +118,9 @@ def lights_on(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: fl
     return Lights(
         sun=sun,
         suns=light.sun_passed
-        * np.stack([sun_aloft(max(level_m, 0.0), sines, light.haze) for level_m in levels_m]),
+        * np.stack(
+            [sunlight_at_altitude(max(level_m, 0.0), sines, light.haze) for level_m in levels_m]
+        ),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=_phase_seen(layer.particles, pixel_rad),

@@ -1,6 +1,6 @@
 // Light from a point in a cloud towards the eye: the twin of model/cloud_march_kernels.py.
 
-layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and top, by its height
+layout(binding = 3) uniform sampler2D sunlight_at_altitude;       // the sun at base and top, by its height
 layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
 // Fluence; flux along x, up and z.
 //!sampler sampler3D light_diffuse
@@ -99,8 +99,8 @@ vec2 plane_light(vec2 above_below, float there, float facing) {
 // The sun sinks and rises with the way along the planet.
 vec3 sun_at(float sine, float height) {
     float row = sqrt(clamp((sine - LOWEST_SUN) / (1.0 - LOWEST_SUN), 0.0, 1.0));
-    vec2 size = vec2(textureSize(sun_aloft, 0));
-    return textureLod(sun_aloft, (vec2(row, height) * (size - 1.0) + 0.5) / size, 0.0).rgb;
+    vec2 size = vec2(textureSize(sunlight_at_altitude, 0));
+    return textureLod(sunlight_at_altitude, (vec2(row, height) * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 
 // Radiance per diffused optical depth, W m^-2 sr^-1.

@@ -18,9 +18,9 @@ from light_transport.daylight_numbers.operator import Half
 from light_transport.daylight_numbers.sky_cells import CELLS, node_of_cell
 from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import HOURS, YearLight
-from light_transport.giving_up import GoOn, always
-from light_transport.hour.exchange import radiosity
+from light_transport.giving_up import CancelCheck, always
 from light_transport.hour.key_light import free_rays, lit_shares, patch_means
+from light_transport.hour.patch_transfer import radiosity
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.ray_table import columns_and_rays
 from light_transport.rays.sky_nodes import GROUND_NODE, NODES
@@ -81,7 +81,7 @@ class YearMatrices:
     direct: Float32Array
 
 
-def annual(work: Work, light: YearLight, go_on: GoOn = always) -> Year:
+def annual(work: Work, light: YearLight, go_on: CancelCheck = always) -> Year:
     """A year at sensors.
 
     Raises:
@@ -90,7 +90,7 @@ def annual(work: Work, light: YearLight, go_on: GoOn = always) -> Year:
     return year_of(year_matrices(work, light, solved_year(work.bake, light, go_on), go_on), light)
 
 
-def solved_year(bake: Bake, light: YearLight, go_on: GoOn = always) -> SolvedYear:
+def solved_year(bake: Bake, light: YearLight, go_on: CancelCheck = always) -> SolvedYear:
     """Solve bounces of the sky's cells and of some suns.
 
     Raises:
@@ -111,7 +111,7 @@ def solved_year(bake: Bake, light: YearLight, go_on: GoOn = always) -> SolvedYea
 
 
 def year_matrices(
-    work: Work, light: YearLight, solved: SolvedYear, go_on: GoOn = always
+    work: Work, light: YearLight, solved: SolvedYear, go_on: CancelCheck = always
 ) -> YearMatrices:
     """What sensors get of what is solved, and rays from them to the sun of each hour.
 
@@ -176,7 +176,10 @@ def _sent_by_cells(bake: Bake) -> FloatArray:
 
 
 def _in_threads(
-    bake: Bake, direct: Sequence[FloatArray | Float32Array], reflectance: Float32Array, go_on: GoOn
+    bake: Bake,
+    direct: Sequence[FloatArray | Float32Array],
+    reflectance: Float32Array,
+    go_on: CancelCheck,
 ) -> Float32Array:
     """Radiosity (3, M, L) of patches by each of some direct irradiances (M,), alike in colour."""
     assert bake.patches is not None

@@ -19,7 +19,7 @@ from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.side_light import side_light
 from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import YearLight
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # IES LM-83-12: what 2 % of the points get of direct sun when occupants close blinds.
@@ -52,7 +52,7 @@ def shaded_year(
     light: YearLight,
     solved: SolvedYear,
     transmittance: float = TRANSMITTANCE,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
 ) -> Shaded:
     """The year of one room, that of the work plane `plane`, with blinds.
 
@@ -119,7 +119,7 @@ def _stopped(
 
 
 def _on_opening(
-    work: Work, opening: Opening, light: YearLight, solved: SolvedYear, go_on: GoOn
+    work: Work, opening: Opening, light: YearLight, solved: SolvedYear, go_on: CancelCheck
 ) -> FloatArray:
     """Lux (H,) that fall on the openings of a side from outside, behind their panes."""
     places = opening.places_m - _BEFORE_M * opening.outwards

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from vrut_lite.atmosphere.cie_skies import OVERCAST, general_sky
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
@@ -31,7 +31,7 @@ def relative_luminance(sky: CieSky, sine: FloatArray) -> FloatArray:
     return np.asarray(shape.relative_luminance(sine, 0.0) / zenith)
 
 
-def cie_hour(sky: CieSky, ground_albedo: float) -> Hour:
+def cie_hour(sky: CieSky, ground_albedo: float) -> Illumination:
     """A white sky without sun, over ground of this albedo that all of the sky lights."""
     sine = texel_directions(_CUBE)[..., 1]
     luminance = _RADIANCE * relative_luminance(sky, np.maximum(sine, 0.0))
@@ -40,7 +40,7 @@ def cie_hour(sky: CieSky, ground_albedo: float) -> Hour:
     ground = ground_albedo * level / np.pi
     cube = np.where(sine >= 0.0, luminance, ground)
     cube = np.repeat(cube[..., None], 3, axis=-1).astype(np.float32)
-    return Hour(
+    return Illumination(
         sky=cube,
         ground_radiance_rgb=(ground,) * 3,
         ground_albedo_rgb=(ground_albedo,) * 3,

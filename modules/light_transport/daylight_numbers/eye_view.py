@@ -11,7 +11,7 @@ from light_transport.daylight_numbers.glass import Glass
 from light_transport.daylight_numbers.mirrored_sun import Flats, mirrored_suns
 from light_transport.daylight_numbers.sensor_rays import OPEN_GROUND, SKY, ends_of, tree_with_glass
 from light_transport.hour.gather import patches_gathered, sky_gathered
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.rays.sky_nodes import NODES
 from light_transport.surfaces.surfaces import GROUND
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -69,7 +69,7 @@ class EyeView(NamedTuple):
         return np.asarray(luminance(self.sun_irradiance) * LUMENS_PER_WATT)
 
 
-def eye_view(bake: Bake, glass: Glass, flats: Flats, eye: Eye, hour: Hour) -> EyeView:
+def eye_view(bake: Bake, glass: Glass, flats: Flats, eye: Eye, hour: Illumination) -> EyeView:
     """What an eye sees in an hour; diffuse surfaces, and the sun in mirrors."""
     directions, solid_angle, pixel, _ = hemisphere()
     tree = tree_with_glass(bake, glass)
@@ -125,7 +125,7 @@ def hemisphere(edge_px: int = EDGE_PX) -> Hemisphere:
 
 
 def row_radiances(
-    bake: Bake, glass: Glass, hour: Hour, rows: NDArray[np.integer]
+    bake: Bake, glass: Glass, hour: Illumination, rows: NDArray[np.integer]
 ) -> Float32Array | FloatArray:
     """Radiance (rows of the bake, 3) of those rows that are asked for; others are 0.
 

@@ -19,7 +19,7 @@ from light_transport.daylight_numbers.report import Table
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.work import RAYS_SHARE, Work
 from light_transport.daylight_numbers.year_light import YearLight
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import surfaces_of
 from vrut_lite.geometry.false_colours import UNUSED, coloured, scale_of
 from vrut_lite.headless import write_png
@@ -47,7 +47,7 @@ def eyes_of(scene: SceneOpened, work: Work, eyes: Sensors, tolerance: float) -> 
     return Eyes(Work(bake, work.glass, eyes, operator), flats_of(scene, surfaces_of(scene)))
 
 
-def glare_now(eyes: Eyes, hour: Hour) -> list[tuple[Glare, EyeView]]:
+def glare_now(eyes: Eyes, hour: Illumination) -> list[tuple[Glare, EyeView]]:
     """Glare of an hour at each eye, and what the eye sees."""
     work = eyes.work
     lit = hour_at_sensors(work.bake, work.glass, work.operator, work.sensors, hour)

@@ -25,7 +25,7 @@ from light_transport.daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, 
 from light_transport.daylight_numbers.tables import write_tables
 from light_transport.daylight_numbers.work import Grid, Work, work_of
 from light_transport.daylight_numbers.year_pages import Numbers, YearAsked, year_pages
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from vrut_lite.headless import Project, busy_with, tell_notices, tracked, write_png
 from vrut_lite.numeric_types import FloatArray
 
@@ -130,7 +130,7 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked) -> list[str]
     return [*lines, f"the page is {folder / 'report.html'}"]
 
 
-def _now(work: Work, opened: OpenedScene, hour: Hour, asked: Asked) -> Numbers:
+def _now(work: Work, opened: OpenedScene, hour: Illumination, asked: Asked) -> Numbers:
     """Columns (P,) of the present hour, named with their units; errors are standard errors."""
     now = numbers_now(work, hour, asked.cie_sky, asked.ground_albedo)
     lux = now.light
@@ -198,5 +198,5 @@ def _method(work: Work, asked: Asked, moved: float) -> list[str]:
         f"Patches twice as wide move daylight factors by {moved:.1%} of their mean, rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
-        "Lamps are off. Mirrors throw no sun. The view out is not computed.",
+        "Lamps are off. ReflectionProbes throw no sun. The view out is not computed.",
     ]

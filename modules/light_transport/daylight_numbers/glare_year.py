@@ -19,7 +19,7 @@ from light_transport.daylight_numbers.metrics import OCCUPIED_H, occupied
 from light_transport.daylight_numbers.mirrored_sun import Flats, mirrored_suns
 from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import YearLight
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from vrut_lite.numeric_types import FloatArray
 
 # EN 17037: DGP is above its limit in so many of the hours at most.
@@ -27,7 +27,7 @@ _SHARE_OF_HOURS = 0.05
 
 
 def glare_year(
-    work: Work, flats: Flats, light: YearLight, solved: SolvedYear, go_on: GoOn = always
+    work: Work, flats: Flats, light: YearLight, solved: SolvedYear, go_on: CancelCheck = always
 ) -> FloatArray:
     """DGP (P, H) of the eyes that `work` has as sensors; 0 outside 8:00 to 18:00.
 

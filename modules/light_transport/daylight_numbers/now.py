@@ -10,7 +10,7 @@ from light_transport.daylight_numbers.operator import Operator
 from light_transport.daylight_numbers.sensor_rays import SKY, ends_of, tree_with_glass
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.sky_cells import CELL_SR, cell_directions, cell_radiances
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.rays.sky_nodes import NODES
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -36,7 +36,7 @@ class HourAtSensors:
 
 
 def hour_at_sensors(
-    bake: Bake, glass: Glass, operator: Operator, sensors: Sensors, hour: Hour
+    bake: Bake, glass: Glass, operator: Operator, sensors: Sensors, hour: Illumination
 ) -> HourAtSensors:
     """The light of an hour."""
     radiances = np.vstack([cell_radiances(hour.sky), np.asarray(hour.ground_radiance_rgb)])
@@ -72,14 +72,14 @@ def sun_shares(bake: Bake, glass: Glass, sensors: Sensors, directions: FloatArra
     return found
 
 
-def open_irradiance(hour: Hour) -> FloatArray:
+def open_irradiance(hour: Illumination) -> FloatArray:
     """Irradiance (3,) of an hour's sky on open level ground, without the key light."""
     sine = cell_directions()[..., 1].mean(axis=1)
     return np.asarray((cell_radiances(hour.sky) * sine[:, None]).sum(axis=0) * CELL_SR)
 
 
 def daylight_factor(
-    bake: Bake, glass: Glass, operator: Operator, sensors: Sensors, hour: Hour
+    bake: Bake, glass: Glass, operator: Operator, sensors: Sensors, hour: Illumination
 ) -> tuple[FloatArray, FloatArray]:
     """Daylight factor (P,) in percent under a sky without sun, and its standard error (P,)."""
     found = hour_at_sensors(bake, glass, operator, sensors, hour)

@@ -10,8 +10,8 @@ from light_transport.daylight_numbers.now import (
     sky_view,
 )
 from light_transport.daylight_numbers.work import Work
-from light_transport.giving_up import GoOn, always
-from light_transport.hour.hour import Hour
+from light_transport.giving_up import CancelCheck, always
+from light_transport.hour.illumination import Illumination
 from vrut_lite.numeric_types import FloatArray
 
 GROUND_ALBEDO = 0.2
@@ -30,10 +30,10 @@ class NumbersNow:
 
 def numbers_now(
     work: Work,
-    hour: Hour,
+    hour: Illumination,
     cie_sky: CieSky = "16",
     ground_albedo: float = GROUND_ALBEDO,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
 ) -> NumbersNow:
     """The numbers of an hour.
 

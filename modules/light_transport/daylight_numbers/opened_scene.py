@@ -7,7 +7,7 @@ from datetime import datetime
 
 import msgspec
 
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.jobs import hour_of
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.headless import (
@@ -113,7 +113,7 @@ class OpenedScene:
         self._kernel.inject(SetClock(instant=instant))
         self._settle()
 
-    def hour(self) -> Hour:
+    def hour(self) -> Illumination:
         """The light of the present hour, layers such as clouds included."""
         return hour_of(self._light)
 

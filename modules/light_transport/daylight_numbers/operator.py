@@ -17,7 +17,7 @@ from light_transport.daylight_numbers.sampling import Ends, Traced, sampled_ends
 from light_transport.daylight_numbers.sensor_rays import BODY, OPEN_GROUND, SKY, tree_with_glass
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.sky_cells import CELLS, cell_of
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from light_transport.rays.sky_nodes import NODES
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import BoolArray, FloatArray
@@ -87,7 +87,7 @@ def operator_of(
     sensors: Sensors,
     tolerance: float,
     threads: int = 1,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
 ) -> Operator:
     """The matrix of sensors in a scene whose rays are traced.
 

@@ -7,7 +7,7 @@ import numpy as np
 from light_transport.daylight_numbers.now import daylight_factor
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.work import RAYS_SHARE, Work, baked
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from vrut_lite.messages.glazing import Glazing
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
@@ -22,7 +22,7 @@ def patch_error(
     work: Work,
     glazing: Mapping[str, Glazing],
     tolerance: float,
-    light: Hour,
+    light: Illumination,
     factor: FloatArray,
 ) -> float:
     """How far daylight factors (P,) move with patches twice as wide: rms, a share of their mean.

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from light_transport.bake import Bake
+from light_transport.cached_cuts import kept_cut_texels
+from light_transport.cached_rays import add_kept_rays
 from light_transport.daylight_numbers.glass import Glass, glass_of, with_glazing
 from light_transport.daylight_numbers.operator import Operator, operator_of
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.work_planes import work_planes
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from light_transport.jobs import first_rays
-from light_transport.kept_cuts import kept_cut_texels
-from light_transport.kept_rays import add_kept_rays
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
 from light_transport.tolerance import quality_for
@@ -49,7 +49,7 @@ def baked(
     scene: SceneOpened,
     tolerance: float,
     share_of_texels: float = 1.0,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
     glazing: Mapping[str, Glazing] | None = None,
 ) -> Bake:
     """A scene's bake by all rays of a tolerance; kept on disk by its content.
@@ -82,7 +82,7 @@ def baked(
     return bake
 
 
-def _is_over(go_on: GoOn) -> bool:
+def _is_over(go_on: CancelCheck) -> bool:
     try:
         go_on()
     except GivenUp:
@@ -94,7 +94,7 @@ def work_of(
     scene: SceneOpened,
     sensors: Sensors | Grid,
     tolerance: float,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
     bake: Bake | None = None,
     glazing: Mapping[str, Glazing] | None = None,
 ) -> Work:

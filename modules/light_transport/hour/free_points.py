@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from light_transport.bake import Bake
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from light_transport.hour.gather import patches_gathered, sky_gathered
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.rays.ray_starts import Probes
 from light_transport.rays.ray_table import columns_and_rays, empty_rows, slice_of, with_rays
 from light_transport.rays.sky_nodes import NODES
@@ -40,10 +40,10 @@ def light_at(
     bake: Bake,
     places_m: FloatArray,
     normals: FloatArray,
-    hour: Hour,
+    hour: Illumination,
     rays: int,
     threads: int = 1,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
     first_ray: int = 0,
 ) -> PointLight:
     """Light of an hour at `places_m` (P, 3) on planes with unit `normals` (P, 3), world axes.

@@ -6,7 +6,7 @@ between patches next, and what they bring to rows last. Each entry of the table 
 
 import numpy as np
 
-from light_transport.hour.four_sums import counted_sums
+from light_transport.hour.simd_gather import counted_sums
 from light_transport.kernels import hot
 
 

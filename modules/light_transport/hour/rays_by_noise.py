@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.bake import Bake
-from light_transport.giving_up import GoOn
+from light_transport.giving_up import CancelCheck
 from light_transport.hour.free_points import PointLight, light_at
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.hour.view_reflections import SeenPoints
 from light_transport.hour.view_smoothing import PointGrid, is_noisy, noise_shares
 from light_transport.rays.ray_starts import OFF
@@ -33,13 +33,13 @@ _MOST = 0.75
 
 def light_by_noise(
     bake: Bake,
-    hour: Hour,
+    hour: Illumination,
     points: SeenPoints,
     seen: NDArray[np.intp],
     grid: PointGrid,
     rays: int,
     threads: int,
-    go_on: GoOn,
+    go_on: CancelCheck,
 ) -> PointLight:
     """Light of an hour at the points that are `seen`, by their numbers, by at most so many rays."""
     surfaces, few = bake.surfaces, max(1, rays // _FEWER)

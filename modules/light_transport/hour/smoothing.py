@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.hour.four_sums import four_sums
+from light_transport.hour.simd_gather import four_sums
 from light_transport.kernels import hot, kernel
 from light_transport.surfaces.map_texels import Texels
 from vrut_lite.numeric_types import BoolArray, Float32Array

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from light_transport.bake import Bake
-from light_transport.giving_up import GoOn
+from light_transport.giving_up import CancelCheck
 from light_transport.hour.free_points import PointLight
-from light_transport.hour.hour import Hour
+from light_transport.hour.illumination import Illumination
 from light_transport.hour.rays_by_noise import light_by_noise
 from light_transport.hour.view_reflections import LobeLight, SeenPoints, lobe_light
 from light_transport.hour.view_smoothing import PointGrid, is_noisy, smoothed
@@ -44,13 +44,13 @@ class ViewLight(NamedTuple):
 
 def view_light(
     bake: Bake,
-    hour: Hour,
+    hour: Illumination,
     camera: MoveCamera,
     size_px: tuple[int, int],
     edge_px: int,
     rays: int,
     threads: int,
-    go_on: GoOn,
+    go_on: CancelCheck,
 ) -> ViewLight:
     """Light of an hour on what the middles of squares of `edge_px` pixels see.
 

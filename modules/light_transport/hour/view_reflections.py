@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.bake import Bake
-from light_transport.giving_up import GoOn
-from light_transport.hour.hour import Hour
+from light_transport.giving_up import CancelCheck
+from light_transport.hour.illumination import Illumination
 from light_transport.kernels import dot, inlined, kernel
 from light_transport.lighting import reflectance_of
 from light_transport.rays.ray_starts import OFF, SEQUENCES, TURNS, across, evenly, shift
@@ -73,11 +73,11 @@ class LobeLight(NamedTuple):
 
 def lobe_light(
     bake: Bake,
-    hour: Hour,
+    hour: Illumination,
     points: SeenPoints,
     rays: int,
     threads: int,
-    go_on: GoOn,
+    go_on: CancelCheck,
     noisy: Callable[[LobeLight], BoolArray] | None = None,
 ) -> LobeLight:
     """The light of an hour that surfaces mirror towards the eye, the key light's own left out.

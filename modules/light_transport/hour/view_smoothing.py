@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.giving_up import GoOn
+from light_transport.giving_up import CancelCheck
 from light_transport.kernels import inlined, kernel
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
@@ -49,7 +49,11 @@ class PointGrid(NamedTuple):
 
 
 def smoothed(
-    values: Float32Array, grid: PointGrid, room: Float32Array, error: Float32Array, go_on: GoOn
+    values: Float32Array,
+    grid: PointGrid,
+    room: Float32Array,
+    error: Float32Array,
+    go_on: CancelCheck,
 ) -> Float32Array:
     """Means of values (H, W, 4) of this room (H, W), in radii, and error (H, W), rms."""
     # The larger of the two: a single point's rays may have hit a small bright surface.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from light_transport.layout.ground_chart import EDGE_PX, ground_chart, ground_owners
 from light_transport.layout.mesh_shapes import WIDEST_PX, MeshShape
 from light_transport.layout.part_shapes import PartShapes, part_shapes
@@ -73,7 +73,7 @@ def lay_out(
     texel_m: float | None = None,
     texels: int = TEXELS,
     threads: int = 1,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
 ) -> Layout:
     """A light map for a scene.
 
@@ -103,7 +103,9 @@ def lay_out_probes(scene: SceneOpened, surfaces: Surfaces) -> Layout:
     return _placed(scene, surfaces, shapes, always)
 
 
-def _placed(scene: SceneOpened, surfaces: Surfaces, shapes: PartShapes, go_on: GoOn) -> Layout:
+def _placed(
+    scene: SceneOpened, surfaces: Surfaces, shapes: PartShapes, go_on: CancelCheck
+) -> Layout:
     """Shapes side by side in one map, and what follows from their places."""
     sizes = [shapes.shapes[shape].size for shape in shapes.of if shape != NOT_MAPPED]
     if scene.ground is not None:

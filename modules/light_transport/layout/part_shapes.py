@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.giving_up import GoOn
+from light_transport.giving_up import CancelCheck
 from light_transport.layout.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
 from light_transport.layout.texel_owners import UNUSED
 from light_transport.layout.unwrapping import Charts
@@ -73,7 +73,9 @@ class _Each(Protocol):
     def __call__(self, make: Callable[[int], _Made], count: int) -> list[_Made]: ...
 
 
-def _each(threads: int, go_on: GoOn, make: Callable[[int], _Made], count: int) -> list[_Made]:
+def _each(
+    threads: int, go_on: CancelCheck, make: Callable[[int], _Made], count: int
+) -> list[_Made]:
     """What is made of each number below `count`; `go_on` is asked before each."""
 
     def asked(number: int) -> _Made:
@@ -113,7 +115,7 @@ class _Cut:
 
 
 def part_shapes(
-    geometry: SceneGeometry, texel_m: float | None, texels: int, threads: int, go_on: GoOn
+    geometry: SceneGeometry, texel_m: float | None, texels: int, threads: int, go_on: CancelCheck
 ) -> PartShapes:
     """Shapes for all parts of a scene, as `layout.lay_out` explains."""
     each = partial(_each, threads, go_on)

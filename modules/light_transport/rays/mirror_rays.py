@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import CancelCheck, always
 from light_transport.kernels import hot
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.ray_starts import Receivers, scratch
@@ -60,7 +60,7 @@ def mirror_rays(
     tree: Tree,
     receivers: Receivers,
     threads: int,
-    go_on: GoOn = always,
+    go_on: CancelCheck = always,
 ) -> MirrorRays | None:
     """Trace the cubes of parts, `part_of` (F,) being each triangle's.
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from light_transport.kernels import kernel
 from vrut_lite.geometry import cube_map
+from vrut_lite.geometry.cached_table import kept_table
 from vrut_lite.geometry.cube_map import (
     FACE_NORMALS,
     FACE_S_AXES,
@@ -21,7 +22,6 @@ from vrut_lite.geometry.cube_map import (
     texel_directions,
     texel_solid_angles,
 )
-from vrut_lite.geometry.kept_table import kept_table
 from vrut_lite.numeric_types import FloatArray
 
 EDGE, GROUND_EDGE = 24, 6
@@ -110,7 +110,7 @@ def _shares_table(size: int) -> FloatArray:
     solid_angle = np.broadcast_to(texel_solid_angles(fine), above.shape)[above]
     row, column = np.indices((fine, fine)) // _PIECES
     texel = (np.arange(6)[:, None, None] * size * size + row * size + column)[above]
-    # Pieces of one texel in one cell are one.
+    # TiledPass of one texel in one cell are one.
     key = _nodes_of(d) * np.int64(6 * size * size) + texel
     keys, where = np.unique(key, return_inverse=True)
     weight = np.bincount(where.ravel(), solid_angle)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import dot, kernel
-from light_transport.rays.cut_texels import apart, middle_place
+from light_transport.rays.split_texels import apart, middle_place
 from light_transport.rays.tree import STACK, Tree
 from light_transport.row_numbers import row_numbers
 from light_transport.surfaces.map_texels import NOBODY, MapGeometry, Texels

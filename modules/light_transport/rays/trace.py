@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot, inlined, kernel
-from light_transport.rays.lanes import LANES, boxes_entered, lowest, triangles_crossed
+from light_transport.rays.simd_intersection import LANES, boxes_entered, lowest, triangles_crossed
 from light_transport.rays.tree import LEAF_BITS, STACK, Tree
 from vrut_lite.numeric_types import Float32Array, FloatArray
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import inlined
-from light_transport.rays.lanes import LANES
+from light_transport.rays.simd_intersection import LANES
 from vrut_lite.njit import njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 

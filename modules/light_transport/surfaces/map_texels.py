@@ -61,7 +61,7 @@ class Texels(NamedTuple):
         row_of: (height, width) int32, the number of each texel, for padding that of the texel
             that it copies, or NOBODY.
         cut: (N,) int32, the number of each among the texels (C) that something stands across, or
-            NOBODY; `cut_texels.py` finds them.
+            NOBODY; `split_texels.py` finds them.
         cell_row: (C, CELLS^2) int32, whose light each cell of these shows: its own, or a
             neighbour's that most of the cell lies on the side of.
         middle: (C, 2) float32, where in the texel the place is whose side it is of.

@@ -10,7 +10,7 @@ from dynamic_skylight.sun.events import sun_events
 
 from vrut_lite.app.engine.day import MARKS, Day, day_of
 from vrut_lite.app.engine.moon_day import moon_of
-from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.preview_kernel import PreviewKernel
 from vrut_lite.array import Array
 from vrut_lite.messages.moon_path import MoonPathChanged
 from vrut_lite.messages.place import SetPlace
@@ -25,7 +25,7 @@ PLACES = [
 
 @pytest.fixture(scope="module")
 def second():
-    return SecondKernel()
+    return PreviewKernel()
 
 
 def day_at(second, latitude_deg, longitude_deg, zone, day, altitude_m=0.0):

@@ -6,7 +6,7 @@ from vrut_lite.app.engine.revision_gate import RevisionGate
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Input
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.recording.held_runner import HeldRunner
+from vrut_lite.recording.replay_runner import ReplayRunner
 
 
 class Ask(Input, frozen=True, kw_only=True):
@@ -35,7 +35,7 @@ class Drag:
 
     def __init__(self):
         self.now_s = 100.0
-        self.kernel = Kernel(runner=HeldRunner())
+        self.kernel = Kernel(runner=ReplayRunner())
         self.kernel.add_module(Light)
         self.gate = RevisionGate(0.25, lambda: self.now_s)
         self.pump()

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 from window_driver import NOON, PATIENCE_MS, SCENES, HeadlessStage, WindowDriver
 
 from vrut_lite.app.compare import sky_comparison
-from vrut_lite.app.engine import day_scout
+from vrut_lite.app.engine import sun_day_finder
 from vrut_lite.app.engine.engine import Engine
 from vrut_lite.app.engine.session import Session
 from vrut_lite.errors import UserError
@@ -163,7 +163,7 @@ def test_what_a_thread_finds_after_the_window_was_closed_is_told_to_nobody(
         raise UserError("too late")
 
     if work == "day":
-        monkeypatch.setattr(day_scout, "day_of", lambda *wish: found.set() or goes_on.wait())
+        monkeypatch.setattr(sun_day_finder, "day_of", lambda *wish: found.set() or goes_on.wait())
         monkeypatch.setattr(driver.window.desk.scout, "_take", lambda *found: told.append(found))
         driver.session.send(SetClock(instant=NOON.replace(month=3)))
     else:

@@ -137,7 +137,7 @@ def test_every_setting_can_be_changed_by_its_row_and_taken_back(shared_headless_
 
     driver.session.send(EnableModule(module="clouds", enabled=False))
     panels = driver.window.findChildren(ModulePanel)
-    specs = driver.session.roster.modules
+    specs = driver.session.catalogue.modules
     assert {panel.title for panel in panels} == {m.title for m in specs.values() if m.specs}
     for panel in panels:
         for row in panel.rows.values():

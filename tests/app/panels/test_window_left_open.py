@@ -19,7 +19,7 @@ from vrut_lite.kernel.settings import describe, parse
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.sun import SunMoved
 from vrut_lite.render.light_meter import Illuminance
-from vrut_lite.sky.left_open import left_open, presets_of
+from vrut_lite.sky.effective_defaults import left_open, presets_of
 
 HAZE = SetHaze(optical_depth_550=0.4, aerosol="one-lobe")
 
@@ -119,7 +119,7 @@ def test_a_preset_by_name_sets_what_it_says(driver):
 
 def test_labels_are_words_that_people_know(driver):
     """Labels contain no identifiers."""
-    specs = driver.session.roster.modules["bruneton_sky"].specs
+    specs = driver.session.catalogue.modules["bruneton_sky"].specs
     assert label_of(specs["cube_device"]) == "Computed on"
     texts = [row.editor.itemText(0) for row in [rows(driver, "bruneton_sky")["cube_device"]]]
     assert texts == ["CPU"]

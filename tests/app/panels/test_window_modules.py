@@ -185,8 +185,8 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
 
     driver.asked(lambda stage: stage.kernel.add_module(growing_module.Growing))
     driver.session.renew_roster()
-    driver.until(lambda: "growing" in driver.session.roster.modules)
-    found = docks.module_docks(driver.session.roster).docks
+    driver.until(lambda: "growing" in driver.session.catalogue.modules)
+    found = docks.module_docks(driver.session.catalogue).docks
     (spec,) = (spec for spec in found if spec.name == "module growing")
     driver.window.board.add(spec)
     driver.window.show_dock(spec.name)
@@ -227,7 +227,7 @@ class OwnPanel(QLabel):
     keys = "Ctrl+Alt+O"
 
     def __init__(self, session):
-        super().__init__(f"of {len(session.roster.modules)} modules")
+        super().__init__(f"of {len(session.catalogue.modules)} modules")
 
 
 class RaisingPanel(QLabel):
@@ -249,7 +249,9 @@ def test_a_module_brings_a_panel_and_a_bad_one_is_told(qtbot, tmp_path, monkeypa
     points = [EntryPoint(name, value, docks.PANEL_GROUP) for name, value in panels.items()]
     monkeypatch.setattr(docks, "entry_points", lambda group: points)
     driver = WindowDriver(qtbot, HeadlessStage, tmp_path)
-    assert driver.panel("panel clouds").text() == f"of {len(driver.session.roster.modules)} modules"
+    assert driver.panel("panel clouds").text() == (
+        f"of {len(driver.session.catalogue.modules)} modules"
+    )
     assert driver.window.docks["panel clouds"].isHidden()
     driver.window.actions_by_name["panel clouds"].trigger()
     driver.until(lambda: driver.panel("panel clouds").isVisible())

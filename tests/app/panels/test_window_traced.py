@@ -48,7 +48,7 @@ def test_the_path_traced_picture_grows_while_it_is_seen(driver):
     driver.qtbot.keyClick(driver.window, Qt.Key.Key_T)
     assert not panel.isVisible()
     driver.until(lambda: demands(driver) == [None, 0])
-    begun = driver.asked(lambda stage: stage.kernel.seats["path_tracer"].ledger.done.copy())
+    begun = driver.asked(lambda stage: stage.kernel.seats["path_tracer"].counters.done.copy())
     driver.session.send(SetSetting(module="path_tracer", name="spp", value=5))
     driver.settled()
-    assert driver.asked(lambda stage: stage.kernel.seats["path_tracer"].ledger.done) == begun
+    assert driver.asked(lambda stage: stage.kernel.seats["path_tracer"].counters.done) == begun

@@ -20,7 +20,7 @@ class Sleeping(Module):
     @handles(ClockMoved)
     def on_clock(self, message):
         time.sleep(0.5)
-        self.ledger.skip("dreaming", 3)
+        self.counters.skip("dreaming", 3)
 
 
 @pytest.fixture
@@ -132,7 +132,7 @@ def test_a_profile_holds_what_happened_since_the_one_before(stage):
     tick(stage, 3)
     again = profiler.take()
     assert again.skipped[("sleeping", "dreaming")] == 6
-    stage.frame_ledger.skip("mesh: out of view", 5)
+    stage.frame_counters.skip("mesh: out of view", 5)
     assert profiler.take().skipped == {(FRAME, "mesh: out of view"): 5}
 
 

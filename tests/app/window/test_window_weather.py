@@ -42,8 +42,8 @@ def test_a_year_opens_with_its_place_its_sky_and_its_clouds(driver, qtbot):
     assert strip.isHidden()
     window.files.open_weather("year.epw")
     driver.until_heard(SetPlace, lambda place: place.latitude_deg == 30.1)
-    driver.until(lambda: driver.session.roster.holders["sky"] == "weather_sky")
-    assert driver.session.roster.holders["sun"] == "weather_sky"
+    driver.until(lambda: driver.session.catalogue.holders["sky"] == "weather_sky")
+    assert driver.session.catalogue.holders["sun"] == "weather_sky"
     driver.until(lambda: not strip.isHidden())
     assert window.files.present_project.weather == "year.epw"
     # The 100th day, a quarter down: the hour from 6 to 7 of standard time, in its middle.

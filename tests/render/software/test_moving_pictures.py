@@ -65,20 +65,20 @@ def test_another_exposure_of_a_finished_picture_draws_nothing_anew(backend, box_
     held = SetExposure(mode="manual", ev100=10.0)
     backend.change(exposure=held)
     wanted = look(backend, around(20), TARGET)
-    drawn = backend.ledger.done["picture"]
+    drawn = backend.counters.done["picture"]
     for exposure in (SetExposure(), held):
         backend.change(exposure=exposure)
         again = backend.draw()
         assert (again.ev100 == 10.0) == (exposure is held)
-    assert backend.ledger.skipped["picture: the same but for its exposure"] == 2
-    assert backend.ledger.done["picture"] == drawn
+    assert backend.counters.skipped["picture: the same but for its exposure"] == 2
+    assert backend.counters.done["picture"] == drawn
     assert np.array_equal(again.display, wanted.display)
     assert np.array_equal(again.radiance, wanted.radiance)
     light(backend, uniform_sky(2.0), **SUN)
     assert backend.draw().radiance.mean() > 1.1 * again.radiance.mean()
     backend.change(exposure=SetExposure())
     other = look(backend, around(40), TARGET)
-    assert backend.ledger.done["picture"] == drawn + 2 * len(FEWER_SHIFTS_PX)
+    assert backend.counters.done["picture"] == drawn + 2 * len(FEWER_SHIFTS_PX)
     # False colours are drawn into the same targets.
     backend.change(shows="illuminance")
     backend.draw()
@@ -196,11 +196,11 @@ def test_shadows_wait_in_moving_pictures_until_the_sun_has_left_its_width(backen
     look(backend, around(0), TARGET)
     drawn = []
     for elevation_deg, still in ((35.4, False), (35.7, False), (36.2, False), (36.2, True)):
-        before = backend.ledger.done["shadow map"]
+        before = backend.counters.done["shadow map"]
         moved = {**SUN, "sun_direction": sun_at(elevation_deg, 40.0)}
         light(backend, uniform_sky(0.1), **moved)
         look(backend, around(0), TARGET, still=still)
-        drawn.append(backend.ledger.done["shadow map"] - before)
+        drawn.append(backend.counters.done["shadow map"] - before)
     assert drawn == [0, 1, 0, 1]
 
 
@@ -234,10 +234,10 @@ def test_a_picture_of_few_pixels_shows_the_finer_shadows_that_it_finds(backend, 
     light(backend, uniform_sky(0.1), **{**SUN, "sun_direction": sun_at(30.0, 100.0)})
     drawn, seen = [], []
     for size_px in ((160, 120), (640, 480), (160, 120)):
-        before = backend.ledger.done["shadow map"]
+        before = backend.counters.done["shadow map"]
         backend.change(size_px=size_px)
         seen.append(look(backend, around(0), TARGET, still=False).radiance.mean((0, 1)))
-        drawn.append(backend.ledger.done["shadow map"] - before)
+        drawn.append(backend.counters.done["shadow map"] - before)
     assert drawn == [1, 1, 0]
     np.testing.assert_allclose(seen[0], seen[1], rtol=1e-2)
 

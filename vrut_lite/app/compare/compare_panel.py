@@ -16,7 +16,7 @@ from vrut_lite.app.compare.sky_comparison import (
     comparable,
 )
 from vrut_lite.app.compare.sky_disc import SkyDisc
-from vrut_lite.app.engine.roster import ModuleInfo, Roster
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
@@ -81,10 +81,10 @@ class ComparePanel(QWidget):
         )
         session.ready.connect(self._fill)
 
-    def _fill(self, roster: Roster) -> None:
-        shown = roster.holders.get(SLOT)
+    def _fill(self, catalogue: ModuleCatalogue) -> None:
+        shown = catalogue.holders.get(SLOT)
         # The window's own sky first.
-        self._modules = sorted(comparable(roster), key=lambda module: module.name != shown)
+        self._modules = sorted(comparable(catalogue), key=lambda module: module.name != shown)
         for side, chooser in enumerate(self.choosers):
             for module in self._modules:
                 chooser.addItem(module.title, module.name)

@@ -16,8 +16,8 @@ from vrut_lite.app.compare.two_skies import (
     meridian_luminance,
     spectra_along,
 )
-from vrut_lite.app.engine.roster import ModuleInfo, Roster
-from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, ModuleInfo
+from vrut_lite.app.engine.preview_kernel import PreviewKernel
 from vrut_lite.app.engine.session import Session
 from vrut_lite.atmosphere.aerosol import LEAST_TURBIDITY, optical_depth_of_turbidity
 from vrut_lite.errors import UserError
@@ -145,7 +145,7 @@ class SkyComparison(QObject):
         if ours and message.name in self.shared:
             value = message.value
             if value is None:
-                module = self._session.roster.modules[message.module]
+                module = self._session.catalogue.modules[message.module]
                 value = module.left_open(self._set).get(message.name)
             if value is not None:
                 self.shared[message.name] = float(value)
@@ -156,13 +156,13 @@ class SkyComparison(QObject):
         place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
         if not self._active or self._modules is None or place is None or clock is None:
             return
-        roster = self._session.roster
+        catalogue = self._session.catalogue
         # As a number, since a preset's own haze would differ.
         alike = {**self.shared, OWN_HAZE: max(self.haze.turbidity, LEAST_TURBIDITY)}
-        settings = {key: alike.get(key[1], value) for key, value in roster.settings_of().items()}
+        settings = {key: alike.get(key[1], value) for key, value in catalogue.settings_of().items()}
         wish = SkyWish(
             modules=self._modules,
-            sun=roster.holders.get("sun", ""),
+            sun=catalogue.holders.get("sun", ""),
             place=place,
             clock=SetClock(instant=clock.instant),
             haze=self.haze,
@@ -177,7 +177,7 @@ class SkyComparison(QObject):
                     partial(question, asked), self._take, partial(self._refuse, asked)
                 )
 
-    def _compare(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Compared | None:
+    def _compare(self, asked: tuple[SkyWish, Vector], second: PreviewKernel) -> Compared | None:
         """On the second kernel's thread: both skies, unless they exist or others were requested."""
         wish, _ = asked
         if asked is not self._asked or wish == self._made:
@@ -192,7 +192,7 @@ class SkyComparison(QObject):
         self._made = wish
         return answer
 
-    def _see_spectra(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Spectra | None:
+    def _see_spectra(self, asked: tuple[SkyWish, Vector], second: PreviewKernel) -> Spectra | None:
         """On the same thread: the spectra of the latest skies."""
         wish, direction = asked
         if asked is not self._asked or wish != self._made:
@@ -242,9 +242,9 @@ def _alike(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
     return [next((s for s in pair if s.default is not None), pair[0]) for pair in both]
 
 
-def comparable(roster: Roster) -> list[ModuleInfo]:
+def comparable(catalogue: ModuleCatalogue) -> list[ModuleInfo]:
     """The modules with a sky that share a setting with another sky."""
-    skies = roster.providers(SLOT)
+    skies = catalogue.providers(SLOT)
     return [
         module
         for module in skies

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.preview_kernel import PreviewKernel
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -58,7 +58,7 @@ class TwoSkies(NamedTuple):
     sun: SunMoved
 
 
-def look_at_skies(second: SecondKernel, wish: SkyWish) -> TwoSkies:
+def look_at_skies(second: PreviewKernel, wish: SkyWish) -> TwoSkies:
     """Both skies of a request.
 
     Raises:
@@ -77,7 +77,7 @@ def look_at_skies(second: SecondKernel, wish: SkyWish) -> TwoSkies:
 
 
 def spectra_along(
-    second: SecondKernel, wish: SkyWish, direction: Vector
+    second: PreviewKernel, wish: SkyWish, direction: Vector
 ) -> list[SpectrumSeen | None]:
     """The spectra of both skies in a world direction; None for a module without spectra."""
     _set_up(second, wish)
@@ -91,7 +91,7 @@ def spectra_along(
     return spectra
 
 
-def _set_up(second: SecondKernel, wish: SkyWish) -> SunMoved:
+def _set_up(second: PreviewKernel, wish: SkyWish) -> SunMoved:
     second.kernel.inject(wish.haze)
     second.set_up(wish.place, wish.sun, wish.settings)
     sun = second.sun_at(wish.clock.instant)
@@ -100,7 +100,7 @@ def _set_up(second: SecondKernel, wish: SkyWish) -> SunMoved:
     return sun
 
 
-def _sky_of(second: SecondKernel, module: str) -> SkyLook:
+def _sky_of(second: PreviewKernel, module: str) -> SkyLook:
     _hold_sky(second, module)
     second.faults.raise_first()
     background = second.kernel.last(BackgroundChanged)
@@ -110,12 +110,12 @@ def _sky_of(second: SecondKernel, module: str) -> SkyLook:
     return SkyLook(module, decode_float16(background.cube.values, background.radiance_scale))
 
 
-def _hold_sky(second: SecondKernel, module: str) -> None:
+def _hold_sky(second: PreviewKernel, module: str) -> None:
     second.kernel.inject(ChooseSlot(slot="sky", module=module))
     second.kernel.pump_until_idle()
 
 
-def _demand_sky(second: SecondKernel, size: int) -> None:
+def _demand_sky(second: PreviewKernel, size: int) -> None:
     demand = Demand(consumer="comparison", message=BackgroundChanged.__name__, size=size)
     second.kernel.inject(demand)
     second.kernel.pump()

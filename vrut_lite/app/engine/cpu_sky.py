@@ -14,7 +14,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import pixel_rays
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
@@ -77,7 +77,7 @@ class CpuSkyStage:
         self.renderer = "CPU, sky alone"
         self.device: Device | None = None
         self.pass_seconds: dict[str, float] = {}
-        self.frame_ledger = Ledger()
+        self.frame_counters = WorkCounters()
 
     def measure_next(self) -> None:
         """Nothing: there are no passes."""

@@ -14,7 +14,7 @@ from datetime import UTC, date, datetime, time, timedelta, tzinfo
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.preview_kernel import PreviewKernel
 from vrut_lite.messages.sun import SunMoved
 
 _STEP = timedelta(minutes=5)
@@ -105,7 +105,7 @@ class Day:
         return bool(self._falls()[index])
 
 
-def day_of(second: SecondKernel, day: date, zone: tzinfo) -> Day | None:
+def day_of(second: PreviewKernel, day: date, zone: tzinfo) -> Day | None:
     """A civil day of a time zone, where `second` is set up; None if no module holds the sun."""
     start, end = (
         datetime.combine(day + timedelta(days=n), time(), tzinfo=zone).astimezone(UTC)
@@ -129,7 +129,7 @@ def day_of(second: SecondKernel, day: date, zone: tzinfo) -> Day | None:
 
 
 def _marks(
-    second: SecondKernel, instants: list[datetime], suns: list[SunMoved]
+    second: PreviewKernel, instants: list[datetime], suns: list[SunMoved]
 ) -> dict[str, datetime]:
     def crossing(height: Height, rising: bool) -> datetime | None:
         """The first upward crossing of zero, or the last downward one, to half a second."""

@@ -19,9 +19,9 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.app.engine.adaptation import LISTENED_TO, Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
 from vrut_lite.app.engine.finishing import Finishing
+from vrut_lite.app.engine.module_catalogue import catalogue_of
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
 from vrut_lite.app.engine.revision_gate import DEADLINE_S, RevisionGate
-from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.errors import GivenUp
@@ -202,7 +202,7 @@ class Engine:
         stage.kernel.on_inject(self._awake.set)
         for failure in stage.failures:
             self._tell((PROBLEM, next(self._numbers)), failure)
-        self._tell(READY, roster_of(stage))
+        self._tell(READY, catalogue_of(stage))
         return stage
 
     def _live(self, stage: Stage) -> None:

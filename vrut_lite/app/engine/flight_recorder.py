@@ -20,8 +20,8 @@ import zstandard
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Message
-from vrut_lite.recording.as_delivered import as_delivered
 from vrut_lite.recording.entry import Entry, Kind
+from vrut_lite.recording.frozen_copy import frozen_copy
 from vrut_lite.recording.journal_writer import JournalWriter
 from vrut_lite.recording.observer import Observer, entry_of
 from vrut_lite.recording.registry import Registry
@@ -80,7 +80,7 @@ class FlightRecorder:
     def _saw(self, kind: Kind, message: Message, sender: str) -> None:
         try:
             self._observer.check_modules()
-            still = as_delivered(message)
+            still = frozen_copy(message)
         # For example endless nesting in a message: recording ends, the session goes on.
         except Exception as problem:
             error = problem

@@ -5,7 +5,7 @@ from time import perf_counter_ns
 from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.device import Device
 
 FRAME = "frame"
@@ -28,9 +28,9 @@ class Profile(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """A ledger, with its counts of skipped work at one moment."""
+    """A counters, with its counts of skipped work at one moment."""
 
-    ledger: Ledger
+    counters: WorkCounters
     skipped: Counter[str]
 
 
@@ -77,9 +77,12 @@ class Profiler:
         return {name: ns / 1e6 for name, ns in spent.most_common()}
 
     def _snapshot(self) -> dict[str, Counts]:
-        ledgers = {name: seat.ledger for name, seat in self._stage.kernel.seats.items()}
-        ledgers[FRAME] = self._stage.frame_ledger
-        return {owner: Counts(ledger, ledger.skipped.copy()) for owner, ledger in ledgers.items()}
+        counters_by_owner = {name: seat.counters for name, seat in self._stage.kernel.seats.items()}
+        counters_by_owner[FRAME] = self._stage.frame_counters
+        return {
+            owner: Counts(counters, counters.skipped.copy())
+            for owner, counters in counters_by_owner.items()
+        }
 
 
 def _grown(before: dict[str, Counts], after: dict[str, Counts]) -> dict[tuple[str, str], int]:
@@ -87,7 +90,7 @@ def _grown(before: dict[str, Counts], after: dict[str, Counts]) -> dict[tuple[st
     grown = {}
     for owner, counts in after.items():
         old = before.get(owner)
-        known = old.skipped if old and old.ledger is counts.ledger else Counter()
+        known = old.skipped if old and old.counters is counts.counters else Counter()
         for work, count in (counts.skipped - known).items():
             grown[owner, work] = count
     return grown

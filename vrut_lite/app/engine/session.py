@@ -19,8 +19,8 @@ from vrut_lite.app.engine.engine import Engine, Shown
 from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
 from vrut_lite.app.engine.garbage import GarbageOnQtThread
 from vrut_lite.app.engine.history import History
-from vrut_lite.app.engine.roster import Roster, roster_of
-from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, catalogue_of
+from vrut_lite.app.engine.preview_kernel import PreviewKernel
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
@@ -39,18 +39,19 @@ _STEPS = "steps"
 class Session(QObject):
     """One host behind a window.
 
-    Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `roster_renewed` when
-    a reload may have changed a module's settings, `sent` (an input) whenever something was sent,
+    Signals, all on Qt's thread: `ready` (a `ModuleCatalogue`) once the host is open,
+    `catalogue_renewed` when a reload may have changed a module's settings, `sent` (an input)
+    whenever something was sent,
     `heard` (message, sender), `picture_shown` (a `Shown`), `waits_changed` (names of the modules
     that the next state of the scene waits for), `camera_moved` (the `MoveCamera` of the
     view), `steps_changed` (`Steps` to take back and to do again), `problem` (a sentence),
     `closing` when closing starts, `ended` when all threads have ended.
 
-    `roster` follows every change of a setting or a slot; listeners find the new value in it.
+    `catalogue` follows every change of a setting or a slot; listeners find the new value in it.
     """
 
     ready = Signal(object)
-    roster_renewed = Signal()
+    catalogue_renewed = Signal()
     sent = Signal(object)
     heard = Signal(object, str)
     picture_shown = Signal(object)
@@ -64,7 +65,7 @@ class Session(QObject):
 
     def __init__(self, open_stage: Callable[[], Stage] = best_stage, parent: QObject | None = None):
         super().__init__(parent)
-        self.roster = Roster({}, {}, "")
+        self.catalogue = ModuleCatalogue({}, {}, "")
         self.shown: Shown | None = None
         self.camera: MoveCamera | None = None
         self.waits_for: tuple[str, ...] = ()
@@ -73,7 +74,7 @@ class Session(QObject):
         self._numbers = count()
         self._has_ended = self._is_closing = False
         self._mailbox = Mailbox(self._mail_came.emit)
-        self._second = SecondKernel()
+        self._second = PreviewKernel()
         self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
         self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
         self._recorder: FlightRecorder | None = None
@@ -176,7 +177,7 @@ class Session(QObject):
 
     def look_up(
         self,
-        question: Callable[[SecondKernel], T],
+        question: Callable[[PreviewKernel], T],
         then: Callable[[T], None],
         failed: Callable[[str], None] | None = None,
     ) -> None:
@@ -251,7 +252,7 @@ class Session(QObject):
         elif kind == engine.PROBLEM:
             self.problem.emit(one_line(value))
         elif kind == engine.READY:
-            self.roster = value
+            self.catalogue = value
             self.ready.emit(value)
         elif kind == engine.ENDED:
             self._has_ended = True
@@ -264,7 +265,7 @@ class Session(QObject):
 
     def _hear(self, message: Message, sender: str) -> None:
         self._last[type(message)] = message
-        self.roster.note(message)
+        self.catalogue.note(message)
         for listener in tuple(self._listeners[type(message)]):
             listener(message)
         self.heard.emit(message, sender)
@@ -275,11 +276,11 @@ class Session(QObject):
 
     def renew_roster(self) -> None:
         """Ask the kernel for its modules again."""
-        self.ask(roster_of, self._take_roster)
+        self.ask(catalogue_of, self._take_roster)
 
-    def _take_roster(self, roster: Roster) -> None:
-        self.roster = roster
-        self.roster_renewed.emit()
+    def _take_roster(self, catalogue: ModuleCatalogue) -> None:
+        self.catalogue = catalogue
+        self.catalogue_renewed.emit()
 
     def _begin_to_end(self) -> None:
         self._is_closing = True

@@ -22,9 +22,9 @@ from vrut_lite.scene.settings import SCENE
 
 def project_of(session: Session) -> Project:
     """The present session as a project, with the settings that differ from their defaults."""
-    modules = session.roster.modules
+    modules = session.catalogue.modules
     fields: dict[str, object] = dict(modules[SCENE].values) if SCENE in modules else {}
-    fields["slots"] = {slot: holder for slot, holder in session.roster.holders.items() if holder}
+    fields["slots"] = {slot: holder for slot, holder in session.catalogue.holders.items() if holder}
     fields["settings"] = {
         name: changed
         for name, module in modules.items()

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
 from vrut_lite.render.light_meter import Illuminance
@@ -53,7 +53,7 @@ class Stage(Protocol):
         """Measure the next frame."""
 
     @property
-    def frame_ledger(self) -> Ledger:
+    def frame_counters(self) -> WorkCounters:
         """Counts of work that frames did and skipped."""
 
     def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
@@ -103,9 +103,9 @@ class GlStage:
         return self._host.revision
 
     @property
-    def frame_ledger(self) -> Ledger:
+    def frame_counters(self) -> WorkCounters:
         """Counts of work that frames did and skipped."""
-        return self._host.frame_ledger
+        return self._host.frame_counters
 
     def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
         """Draw a state; GivenUp is raised when `is_given_up()`."""

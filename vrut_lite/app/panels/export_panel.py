@@ -18,10 +18,10 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app.engine.day import Day
-from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.export import FORMATS, export_picture
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import folder_of, project_of
+from vrut_lite.app.engine.sun_day_finder import SunDayFinder
 from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
@@ -48,7 +48,7 @@ class ExportPanel(QWidget):
     def __init__(
         self,
         session: Session,
-        scout: DayScout,
+        scout: SunDayFinder,
         open_workers: Callable[[], Executor] = one_process,
     ):
         super().__init__()

@@ -4,8 +4,8 @@ import re
 from datetime import datetime
 from pathlib import Path
 
-from vrut_lite.app.engine.day_scout import place_of
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.sun_day_finder import place_of
 from vrut_lite.app.panels.place_panel import name_of
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.messages.place import SetPlace

@@ -103,7 +103,7 @@ class MessageInspector(QWidget):
 
     def _set_watching(self) -> None:
         wished = self._wishes_to_watch
-        if not self._session.roster.modules or (self._watch is None and not wished):
+        if not self._session.catalogue.modules or (self._watch is None and not wished):
             return
         self._session.ask(lambda stage: self._switch(stage, wished))
         if wished:

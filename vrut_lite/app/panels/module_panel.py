@@ -14,7 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.engine.roster import ModuleInfo
+from vrut_lite.app.engine.module_catalogue import ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore, Values
 from vrut_lite.app.panels.setting_row import SettingRow
@@ -47,11 +47,11 @@ class ModulePanel(QWidget):
         session.listen(SettingChanged, self._changed)
         session.listen(SetHaze, lambda _: self._show_left_open())
         session.listen(Fault, self._refused)
-        session.roster_renewed.connect(self._renew)
+        session.catalogue_renewed.connect(self._renew)
 
     @property
     def _module(self) -> ModuleInfo:
-        return self._session.roster.modules[self._name]
+        return self._session.catalogue.modules[self._name]
 
     @property
     def title(self) -> str:

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.engine.day_scout import place_of
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.sun_day_finder import place_of
 from vrut_lite.app.panels.cities import City, all_cities, find_cities
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.world_map import WorldMap

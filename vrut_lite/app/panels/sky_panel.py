@@ -4,7 +4,7 @@ import msgspec
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.haze_field import HazeField
 from vrut_lite.app.panels.module_panel import ModulePanel
@@ -75,14 +75,14 @@ class SkyPanel(QWidget):
         for kind in (SlotChanged, Fault):
             session.listen(kind, lambda _: self._show_holders())
 
-    def _fill(self, roster: Roster) -> None:
+    def _fill(self, catalogue: ModuleCatalogue) -> None:
         # A slot that one module alone can hold needs no chooser.
-        contested = [slot for slot in roster.slots if len(roster.providers(slot)) > 1]
+        contested = [slot for slot in catalogue.slots if len(catalogue.providers(slot)) > 1]
         for slot in sorted(contested, key=lambda slot: (slot != SHOWN_SLOT, slot)):
             chooser = Chooser()
             chooser.setAccessibleName(slot)
             chooser.setPlaceholderText(_EMPTY)
-            for module in roster.providers(slot):
+            for module in catalogue.providers(slot):
                 chooser.addItem(module.title, module.name)
             chooser.activated.connect(lambda _, slot=slot: self._choose(slot))
             self.choosers[slot] = chooser
@@ -90,7 +90,7 @@ class SkyPanel(QWidget):
         self._choices.addRow("Haze", self.haze)
         self._choices.addRow("Aerosol", self.aerosol)
         self._choices.addRow("Tolerance", self.tolerance)
-        for module in roster.providers(SHOWN_SLOT):
+        for module in catalogue.providers(SHOWN_SLOT):
             panel = ModulePanel(self._session, module.name, self._presets)
             panel.hide()
             self.panels[module.name] = panel
@@ -118,10 +118,10 @@ class SkyPanel(QWidget):
 
     def _show_holders(self) -> None:
         """Show the holders, also after a choice that was refused."""
-        for slot, holder in self._session.roster.holders.items():
+        for slot, holder in self._session.catalogue.holders.items():
             if slot in self.choosers:
                 self._show(slot, holder)
-        empty = [slot for slot, holder in self._session.roster.holders.items() if not holder]
+        empty = [slot for slot, holder in self._session.catalogue.holders.items() if not holder]
         self.lack.setText(lack_line(sorted(empty)))
         self.lack.setVisible(bool(empty))
 

@@ -5,9 +5,9 @@ from math import degrees
 
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 
-from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.moon_day import MoonDay
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.sun_day_finder import SunDayFinder
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import aligned_form
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -27,7 +27,7 @@ _NO_MOON = "below the horizon"
 class SunPanel(QWidget):
     """A typed angle sets the clock to the hour at which the sun has it."""
 
-    def __init__(self, session: Session, scout: DayScout):
+    def __init__(self, session: Session, scout: SunDayFinder):
         super().__init__()
         self._session, self._scout = session, scout
         self.elevation = _angle(-90.0, 90.0, "Type an elevation: the nearest hour that has it")

@@ -13,8 +13,8 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app.engine.day import Day
-from vrut_lite.app.engine.day_scout import DayScout, place_of
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.sun_day_finder import SunDayFinder, place_of
 from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_bar import DayBar
@@ -93,7 +93,7 @@ class Player(QObject):
 class TimePanel(QWidget):
     """Edits the clock: sends SetClock, SetClockRate and Tick."""
 
-    def __init__(self, session: Session, scout: DayScout):
+    def __init__(self, session: Session, scout: SunDayFinder):
         super().__init__()
         self._session = session
         self._place = Place(0.0, 0.0)

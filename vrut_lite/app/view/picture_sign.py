@@ -53,5 +53,5 @@ class PictureSign(QObject):
         return f"refining: {refining}" if refining else ""
 
     def _titles(self, names: tuple[str, ...]) -> str:
-        modules = self._session.roster.modules
+        modules = self._session.catalogue.modules
         return ", ".join(modules[name].title if name in modules else name for name in names)

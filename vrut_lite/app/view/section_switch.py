@@ -17,6 +17,6 @@ class SectionSwitch:
     def cut(self, on: bool) -> None:
         """Cut the picture, or show all of it again."""
         if not on:
-            self._axis = str(self._session.roster.modules[_SCENE].values[_SETTING])
+            self._axis = str(self._session.catalogue.modules[_SCENE].values[_SETTING])
         value = self._axis if on else _OFF
         self._session.send(SetSetting(module=_SCENE, name=_SETTING, value=value))

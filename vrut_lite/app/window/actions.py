@@ -9,8 +9,8 @@ from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.hand import CameraMode
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.section_switch import SectionSwitch
-from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.files import Files
+from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.scene.scene_state import Shown
 
@@ -70,7 +70,7 @@ class Window(Protocol):
 
 
 def action_specs(
-    window: Window, desk: Desk, files: Files, profiler: ProfilerOverlay
+    window: Window, desk: PanelContext, files: Files, profiler: ProfilerOverlay
 ) -> list[ActionSpec]:
     """The actions; they look up panels when triggered, since panels are made later."""
     viewport, session, dots = desk.viewport, desk.session, "\N{HORIZONTAL ELLIPSIS}"

@@ -146,9 +146,9 @@ def dock_entries(
 
 def slot_entries(session: Session) -> Iterator[PaletteEntry]:
     """Each module that can hold a slot."""
-    roster = session.roster
-    for slot in roster.slots:
-        for module in roster.providers(slot):
+    catalogue = session.catalogue
+    for slot in catalogue.slots:
+        for module in catalogue.providers(slot):
             choice = ChooseSlot(slot=slot, module=module.name)
             title = f"{slot.replace('_', ' ').capitalize()} by {module.title}"
             yield PaletteEntry(title, f"slot {slot}", partial(session.send, choice))

@@ -5,14 +5,14 @@ from functools import partial
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabWidget, QWidget
 
-from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.widgets import make_timer
 from vrut_lite.app.window.actions import ActionSpec
-from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.dock_title import DockTitle
 from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks, scrolled
 from vrut_lite.app.window.keys import KeyJudge
 from vrut_lite.app.window.menus import Menus
+from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 
@@ -25,7 +25,7 @@ _TIME = "time"
 class DockBoard:
     """The `docks` of a window, and the `panels` in them, by name; menus show them too."""
 
-    def __init__(self, window: QMainWindow, desk: Desk, menus: Menus):
+    def __init__(self, window: QMainWindow, desk: PanelContext, menus: Menus):
         self._window, self._desk, self._menus = window, desk, menus
         self.docks: dict[str, QDockWidget] = {}
         self.panels: dict[str, QWidget] = {}
@@ -38,9 +38,9 @@ class DockBoard:
             self.add(spec)
         self._arrange()
 
-    def add_modules(self, roster: Roster) -> list[str]:
+    def add_modules(self, catalogue: ModuleCatalogue) -> list[str]:
         """Make the docks of the modules; a sentence for each that failed."""
-        docks, failures = module_docks(roster)
+        docks, failures = module_docks(catalogue)
         for spec in docks:
             try:
                 self.add(spec)

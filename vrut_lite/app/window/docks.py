@@ -15,7 +15,7 @@ from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from vrut_lite.app.compare.compare_panel import ComparePanel
-from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.export_panel import ExportPanel
 from vrut_lite.app.panels.message_inspector import MessageInspector
@@ -27,7 +27,7 @@ from vrut_lite.app.panels.scene_panel import ScenePanel
 from vrut_lite.app.panels.sky_panel import SHOWN_SLOT, SkyPanel
 from vrut_lite.app.panels.sun_panel import SunPanel
 from vrut_lite.app.panels.time_panel import TimePanel
-from vrut_lite.app.window.desk import Desk
+from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
@@ -48,7 +48,7 @@ class DockSpec(NamedTuple):
     name: str
     title: str
     group: str
-    make: Callable[[Desk], QWidget]
+    make: Callable[[PanelContext], QWidget]
     shown: bool = True
     scrolled: bool = True
     keys: str = ""
@@ -87,7 +87,7 @@ class ModulePanels(NamedTuple):
     failures: list[str]
 
 
-def module_docks(roster: Roster) -> ModulePanels:
+def module_docks(catalogue: ModuleCatalogue) -> ModulePanels:
     """A dock for the settings of each module, and one for each panel that a module brings.
 
     The dock of the sky shows the settings of the modules that provide it.
@@ -100,12 +100,12 @@ def module_docks(roster: Roster) -> ModulePanels:
             partial(_settings_panel, module.name),
             shown=not module.auxiliary,
         )
-        for module in roster.modules.values()
+        for module in catalogue.modules.values()
         if module.specs and SHOWN_SLOT not in module.provides
     ]
     failures = []
     for point in sorted(entry_points(group=PANEL_GROUP), key=lambda point: point.name):
-        if point.name.partition(".")[0] in roster.modules:
+        if point.name.partition(".")[0] in catalogue.modules:
             try:
                 docks.append(_own_dock(point.name, point.load()))
             except BaseException as error:
@@ -156,6 +156,6 @@ def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
     )
 
 
-def _settings_panel(module: str, desk: Desk) -> QWidget:
+def _settings_panel(module: str, desk: PanelContext) -> QWidget:
     make = ScenePanel if module == SCENE else ModulePanel
     return make(desk.session, module, desk.presets)

@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog
 from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.file_title import file_title
-from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
@@ -40,7 +40,7 @@ class Files:
     """
 
     def __init__(
-        self, desk: Desk, kept: Kept, status: StatusLine, title_changed: Callable[[], None]
+        self, desk: PanelContext, kept: Kept, status: StatusLine, title_changed: Callable[[], None]
     ):
         self._desk, self._session, self._status = desk, desk.session, status
         self.kept = kept

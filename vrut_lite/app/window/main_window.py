@@ -10,10 +10,10 @@ from PySide6.QtWidgets import (
     QMainWindow,
 )
 
-from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.engine import Shown
-from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.sun_day_finder import SunDayFinder
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
@@ -30,12 +30,12 @@ from vrut_lite.app.window.command_palette import (
     recent_entries,
     slot_entries,
 )
-from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.dock_board import DockBoard
 from vrut_lite.app.window.files import Files
 from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.app.window.logged_warnings import LoggedWarnings
 from vrut_lite.app.window.menus import Menus
+from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
@@ -60,9 +60,9 @@ class MainWindow(QMainWindow):
         self.setWindowTitle(TITLE)
         self.session = session
         sun_path, compass = SunPath(self), Compass(self)
-        self.desk: Desk = Desk(
+        self.desk: PanelContext = PanelContext(
             session=session,
-            scout=DayScout(session, self),
+            scout=SunDayFinder(session, self),
             sun_path=sun_path,
             compass=compass,
             viewport=Viewport(session, sun_path, compass),
@@ -179,8 +179,8 @@ class MainWindow(QMainWindow):
 
     # --- messages ----------------------------------------------------------------------------
 
-    def _ready(self, roster: Roster) -> None:
-        for failure in self.board.add_modules(roster):
+    def _ready(self, catalogue: ModuleCatalogue) -> None:
+        for failure in self.board.add_modules(catalogue):
             self.session.problem.emit(failure)
         shape = self.files.kept.shape()
         if shape is not None:
@@ -208,7 +208,7 @@ class MainWindow(QMainWindow):
         self._status.show_news(mode.value)
 
     def _show_facts(self, shown: Shown) -> None:
-        self._status.show_facts(shown, self.session.roster.renderer)
+        self._status.show_facts(shown, self.session.catalogue.renderer)
 
     # --- the end -----------------------------------------------------------------------------
 
@@ -228,7 +228,7 @@ class MainWindow(QMainWindow):
 
     def _keep(self) -> None:
         """Keep the project and the window's layout for the next start, if the host was opened."""
-        if not self.session.roster.modules:
+        if not self.session.catalogue.modules:
             return
         geometry, docks = self.saveGeometry().data(), self.saveState().data()
         try:

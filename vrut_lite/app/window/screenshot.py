@@ -5,11 +5,11 @@ from itertools import count
 from pathlib import Path
 
 from vrut_lite.app.panels.file_title import file_title
-from vrut_lite.app.window.desk import Desk
+from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.errors import UserError
 
 
-def save_screenshot(desk: Desk, folder: Path) -> Path:
+def save_screenshot(desk: PanelContext, folder: Path) -> Path:
     """Write the viewport as PNG, named by scene, place and local hour; no file is overwritten.
 
     Raises:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.light import Shadow
@@ -36,12 +36,12 @@ class DepthRange(NamedTuple):
 class LampShadows:
     """The maps of the lamps that are drawn; made and used on the GL thread only.
 
-    The ledger counts faces, and skips those that a spot does not reach and maps that are there.
+    The counters count faces, and skips those that a spot does not reach and maps that are there.
     """
 
-    def __init__(self, context: Any, ledger: Ledger):
+    def __init__(self, context: Any, counters: WorkCounters):
         self._context = context
-        self._ledger = ledger
+        self._counters = counters
         self._texture: Any = None
         self._buffer: Any = None
         self._drawn: tuple[Any, ...] = ()
@@ -57,7 +57,7 @@ class LampShadows:
     ) -> Any:
         """The texture for the first `count` lamps; `always` draws it also when nothing changed."""
         if not always and self._drawn == (scene, lamps):
-            self._ledger.skip("lamp shadows: same scene")
+            self._counters.skip("lamp shadows: same scene")
             return self._texture
         self._make(count)
         near_m, far_m = _NEAR_RADII * scene.radius_m, _farthest_m(scene, lamps)
@@ -71,13 +71,13 @@ class LampShadows:
             place = lamps.position_m.values[lamp]
             for face in range(FACES):
                 if not _reaches(lamps, lamp, face):
-                    self._ledger.skip("lamp shadow face: the spot shines elsewhere")
+                    self._counters.skip("lamp shadow face: the spot shines elsewhere")
                     continue
                 self._buffer.viewport = (face * EDGE_PX, lamp * EDGE_PX, EDGE_PX, EDGE_PX)
                 self._buffer.use()
                 matrix = face_matrix(face, near_m, far_m)
                 meshes.draw_depth(scene, Shadow(self._texture, matrix, 0.0, place))
-                self._ledger.did("lamp shadow face")
+                self._counters.did("lamp shadow face")
         self._drawn = (scene, lamps)
         return self._texture
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.light import Light, Shadow, Shadows
 from vrut_lite.render.passes.light_axes import light_axes, light_matrix
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
@@ -38,14 +38,18 @@ _STEP = 1.0 / 64.0
 class ShadowMap:
     """A depth texture; made and used on the GL thread only.
 
-    The ledger counts its name as done, and as skipped without sun or where scene, sun and place are
-    unchanged.
+    The counters count its name as done, and as skipped without sun or where scene, sun and place
+    are unchanged.
     """
 
     def __init__(
-        self, context: Any, ledger: Ledger, name: str = "shadow map", size: int = SHADOW_SIZE
+        self,
+        context: Any,
+        counters: WorkCounters,
+        name: str = "shadow map",
+        size: int = SHADOW_SIZE,
     ):
-        self._ledger = ledger
+        self._counters = counters
         self._name = name
         self._size = size
         self._textures = ShadowTextures(context, size)
@@ -75,13 +79,13 @@ class ShadowMap:
         )
         now = _content(scene, light, centre_m, radius_m)
         if not always and not any(light.sun_irradiance):
-            self._ledger.skip(f"{self._name}: no sun to cast one")
+            self._counters.skip(f"{self._name}: no sun to cast one")
         elif not always and self._drawn == now:
-            self._ledger.skip(f"{self._name}: same scene, same sun")
+            self._counters.skip(f"{self._name}: same scene, same sun")
         else:
             self._textures.draw(meshes, scene, [(shadow, (0, 0))], self._size)
             self._drawn = now
-            self._ledger.did(self._name)
+            self._counters.did(self._name)
         return shadow
 
     def shows(
@@ -102,9 +106,9 @@ class ShadowMaps:
     of a sun that stood less than its diameter away: shadows then lie within half of their penumbra.
     """
 
-    def __init__(self, context: Any, ledger: Ledger):
+    def __init__(self, context: Any, counters: WorkCounters):
         self._context = context
-        self._ledger = ledger
+        self._counters = counters
         self._maps: dict[tuple[str, int], ShadowMap] = {}
         # Of the sun whose maps were drawn last.
         self._direction = (0.0, 0.0, 0.0)
@@ -152,7 +156,7 @@ class ShadowMaps:
     ) -> Shadows:
         """Those of a finished still, and of the whole scene where its air has `shafts`."""
         if self._still is None:
-            self._still = StillShadowMap(self._context, self._ledger)
+            self._still = StillShadowMap(self._context, self._counters)
         still = self._still.update(meshes, scene, seen, light, view, size_px, always)
         whole = None
         if shafts:
@@ -170,7 +174,7 @@ class ShadowMaps:
 
     def _map(self, name: str, size: int) -> ShadowMap:
         if (name, size) not in self._maps:
-            self._maps[name, size] = ShadowMap(self._context, self._ledger, name, size)
+            self._maps[name, size] = ShadowMap(self._context, self._counters, name, size)
         return self._maps[name, size]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.tolerance import budget
 from vrut_lite.render.light import Sky
 from vrut_lite.render.relight_scale import age_factor
@@ -48,14 +48,14 @@ class SpecularFilter:
     """Filters the latest sky; used on the GL thread only.
 
     Work is done on a copy and shown when it is whole, so that a sky that changes in every
-    frame neither tears a reflection nor starves it. The ledger counts each "reflection slice",
+    frame neither tears a reflection nor starves it. The counters count each "reflection slice",
     and skips where the sky is the same or differs by `change_seen` at most.
     """
 
-    def __init__(self, context: Any, ledger: Ledger):
+    def __init__(self, context: Any, counters: WorkCounters):
         self.change_seen = CHANGE_SEEN
         self._context = context
-        self._ledger = ledger
+        self._counters = counters
         self._programs = {
             name: context.compute_shader(shader_source(f"{name}.comp"))
             for name in ("specular_filter", "cube_copy", "cube_summary")
@@ -118,7 +118,7 @@ class SpecularFilter:
     def _begin(self, sky: Sky, always: bool) -> None:
         """Copy the sky and queue its slices, if its change is visible."""
         if sky.owner is self._measured and not always:
-            self._ledger.skip("reflection: the same sky")
+            self._counters.skip("reflection: the same sky")
             return
         self._measured = sky.owner
         average_down_for_compute(sky.texture)
@@ -126,7 +126,7 @@ class SpecularFilter:
         sky.texture.use(location=0)
         cells = self._coarse_cells() * sky.scale
         if not always and self._looks_like(cells):
-            self._ledger.skip("reflection: no change to be seen")
+            self._counters.skip("reflection: no change to be seen")
             return
         self._cells, self._source_scale, self._source_level = cells, sky.scale, self._level
         size = sky.texture.size[0]
@@ -168,7 +168,7 @@ class SpecularFilter:
         self._next.bind_to_image(0, read=False, write=True, level=level)
         groups = -(-(self._next.size[0] >> level) // _GROUP)
         run_compute(program, groups, groups, 1)
-        self._ledger.did("reflection slice")
+        self._counters.did("reflection slice")
 
     def _show(self) -> None:
         """Show what was filtered; the map that was shown so far becomes the next to fill."""

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.light import Light, Shadow, StillShadow
 from vrut_lite.render.passes.light_axes import light_axes, light_matrix
@@ -48,12 +48,12 @@ class Square(NamedTuple):
 class StillShadowMap:
     """One texture of squares; made and used on the GL thread only.
 
-    The ledger counts "still shadow map" as done, and as skipped without sun or where nothing has
+    The counters count "still shadow map" as done, and as skipped without sun or where nothing has
     changed.
     """
 
-    def __init__(self, context: Any, ledger: Ledger):
-        self._ledger = ledger
+    def __init__(self, context: Any, counters: WorkCounters):
+        self._counters = counters
         self._textures = ShadowTextures(context, 2 * SQUARE_TEXELS)
         # Each texel is compared with a depth of its own.
         self._textures.depth.compare_func = ""
@@ -75,10 +75,10 @@ class StillShadowMap:
         eye = (view.eye_m.tobytes(), view.clip_from_eye.tobytes(), meshes.section)
         now = (scene, light.sun_direction, light.sun_radius_rad, size_px, *eye)
         if not always and self._shadow is not None and self._drawn == now:
-            self._ledger.skip("still shadow map: same scene, same sun, same view")
+            self._counters.skip("still shadow map: same scene, same sun, same view")
             return self._shadow
         if not always and not any(light.sun_irradiance):
-            self._ledger.skip("still shadow map: no sun to cast one")
+            self._counters.skip("still shadow map: no sun to cast one")
             return self._shadow_of(scene, light, [])
         points = self._grid.points(meshes, seen, view, size_px)
         middle_m = scene.centre_m - view.eye_m
@@ -105,7 +105,7 @@ class StillShadowMap:
         self._textures.draw(meshes, scene, places, SQUARE_TEXELS)
         self._shadow = self._shadow_of(scene, light, squares)
         self._drawn = now
-        self._ledger.did("still shadow map")
+        self._counters.did("still shadow map")
         return self._shadow
 
     def _shadow_of(self, scene: PyrenderScene, light: Light, squares: list[Square]) -> StillShadow:

@@ -1,5 +1,5 @@
 // The surroundings of a glossy part as a cube map seen from its middle: radiance weighed by
-// alpha, the share that is neither sky nor open ground. render/mirror_cubes.py uploads it.
+// alpha, the share that is neither sky nor open ground. render/reflection_probes.py uploads it.
 
 layout(binding = 16) uniform samplerCube mirror;
 layout(binding = 17) uniform samplerCube mirror_nearness;  // one over distances, 1/m

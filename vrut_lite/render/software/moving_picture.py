@@ -7,7 +7,7 @@ from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.picture_passes import ONE_SAMPLE, PicturePasses, Shot
+from vrut_lite.render.picture_passes import ONE_SAMPLE, FrameInputs, PicturePasses
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
@@ -27,13 +27,13 @@ class MovingPictures:
         self._targets = SizeCache(context, lambda size: MovingTargets(context, size))
         self._reprojection = TemporalReprojection()
 
-    def draw(self, shot: Shot) -> Picture:
+    def draw(self, shot: FrameInputs) -> Picture:
         """Draw a shot."""
         passes, view, state = self._passes, shot.view, shot.state
         targets = self._targets.get(state.size_px)
         solid, blended = in_order(shot.seen, view.eye_m)
         passes.meshes.read_finer(shot.scene, 0.0)
-        passes.ledger.did("picture")
+        passes.counters.did("picture")
         defines: Defines = (ONE_SAMPLE, *shot.air.mesh, *passes.lamps.defines)
         targets.begin()
         with reversed_depth():

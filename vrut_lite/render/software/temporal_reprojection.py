@@ -15,7 +15,7 @@ from OpenGL import GL
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.passes.view import View, translation
-from vrut_lite.render.picture_passes import Shot
+from vrut_lite.render.picture_passes import FrameInputs
 from vrut_lite.render.software.moving_targets import Drawn, MovingTargets
 from vrut_lite.render.software.row_threads import run_in_halves
 from vrut_lite.render.unlocked import read_rgba
@@ -28,7 +28,7 @@ _NOTHING = np.array([0.0, 0.0, 0.0, 1.0], np.float32)
 class _Before(NamedTuple):
     radiance: NDArray[np.float32]
     depth: NDArray[np.float32]
-    shot: Shot
+    shot: FrameInputs
 
 
 class TemporalReprojection:
@@ -40,7 +40,7 @@ class TemporalReprojection:
         self._filled: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._turn = 0
 
-    def begin(self, targets: MovingTargets, shot: Shot) -> None:
+    def begin(self, targets: MovingTargets, shot: FrameInputs) -> None:
         """Fill a target, in which the depth of solid surfaces is, with what is taken over.
 
         Depth is then such that surfaces and sky are drawn elsewhere alone. Of what is not solid
@@ -54,7 +54,9 @@ class TemporalReprojection:
         else:
             self._take_over(targets.now, before, shot, brighter)
 
-    def _take_over(self, drawn: Drawn, before: _Before, shot: Shot, brighter: FloatArray) -> None:
+    def _take_over(
+        self, drawn: Drawn, before: _Before, shot: FrameInputs, brighter: FloatArray
+    ) -> None:
         # numba, which a start without such pictures does not need.
         from vrut_lite.render.software.reprojection_kernel import edge_blocks, take_over
 
@@ -87,7 +89,7 @@ class TemporalReprojection:
         drawn.radiance.write(radiance)
         drawn.depth.write(depth)
 
-    def keep(self, targets: MovingTargets, shot: Shot) -> NDArray[np.float32]:
+    def keep(self, targets: MovingTargets, shot: FrameInputs) -> NDArray[np.float32]:
         """Let the next picture take over what is drawn now; returns it (h, w, 4), from below."""
         drawn = targets.now
         radiance = read_rgba(drawn.radiance)
@@ -101,7 +103,7 @@ class TemporalReprojection:
         self._before = self._filled = None
 
 
-def _sun_matrix(shot: Shot) -> NDArray[np.float64]:
+def _sun_matrix(shot: FrameInputs) -> NDArray[np.float64]:
     """The matrix (4, 4) of the shadow map, which may be that of an earlier sun near by."""
     assert shot.shadows.scene is not None
     return shot.shadows.scene.matrix

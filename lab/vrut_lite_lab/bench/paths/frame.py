@@ -147,7 +147,7 @@ class Stage:
     @property
     def pictures(self) -> int:
         """Number of pictures drawn so far, moving or still."""
-        return self.host.frame_ledger.done["picture"]
+        return self.host.frame_counters.done["picture"]
 
     def _frame(self) -> Picture:
         self.host.frame_skips = NOTHING

@@ -13,7 +13,7 @@ import numpy as np
 from dynamic_skylight import HosekWilkieSky
 from light_transport.bake import Bake
 from light_transport.hour.free_points import light_at
-from light_transport.hour.hour import Hour, HourLight
+from light_transport.hour.illumination import HourLight, Illumination
 from light_transport.jobs import first_rays
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
@@ -70,13 +70,15 @@ def _layout(texels: int) -> Layout:
 
 
 @lru_cache
-def _hour(elevation_deg: float) -> Hour:
+def _hour(elevation_deg: float) -> Illumination:
     """Hosek and Wilkie's sky, in units of its zenith, and a sun in proportion."""
     sun = sun_at(elevation_deg)
     sky = HosekWilkieSky(turbidity=3.0, albedo=0.2, sun_elevation_rad=np.radians(elevation_deg))
     cube = np.asarray(sky.cube_map(size=64)[..., :3], np.float32)
     cube /= cube[2].mean()
-    return Hour(cube, (0.2,) * 3, (0.2,) * 3, tuple(sun), (9.0,) * 3, irradiance_coefficients(cube))
+    return Illumination(
+        cube, (0.2,) * 3, (0.2,) * 3, tuple(sun), (9.0,) * 3, irradiance_coefficients(cube)
+    )
 
 
 def groups(quick: bool) -> list[Group]:

@@ -3,7 +3,7 @@
 from collections import Counter
 
 
-class Ledger:
+class WorkCounters:
     """Counts of work done and skipped, by the name of the work."""
 
     def __init__(self) -> None:

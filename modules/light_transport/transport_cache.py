@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.hour.exchange import Exchange, enclosure, exchange_of
 from light_transport.hour.filling import takes_light_of
 from light_transport.hour.gather import sky_gathered
 from light_transport.hour.key_light import KeyShadows, key_rays_of
@@ -17,6 +16,7 @@ from light_transport.hour.lamp_light import (
     patch_lamp_light,
 )
 from light_transport.hour.mirror_light import asked_for_key_light
+from light_transport.hour.patch_transfer import PatchTransfer, enclosure, exchange_of
 from light_transport.hour.smoothing import (
     STEPS,
     Smoothing,
@@ -38,7 +38,7 @@ class Finished:
     """Values derived from the present table."""
 
     good: BoolArray
-    exchange: Exchange
+    exchange: PatchTransfer
     smoothing: Smoothing
     source: NDArray[np.int32]
     """Whose light each texel (N,) shows, or NOBODY."""

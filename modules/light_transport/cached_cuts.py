@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.digests import code_digest, digest_of
-from light_transport.rays.cut_texels import OverRows, cut_texels
+from light_transport.rays.split_texels import OverRows, cut_texels
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.map_texels import CELLS, MapGeometry, Texels
 from vrut_lite.array_cache import ArrayCache

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.hour.four_sums import four_sums
+from light_transport.hour.simd_gather import four_sums
 from light_transport.kernels import hot, inlined, kernel
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_table import Rows, column_at, rays_at
@@ -25,7 +25,7 @@ _MOST_PARTNERS = 192
 _SMALL = 65_536
 
 
-class Exchange(NamedTuple):
+class PatchTransfer(NamedTuple):
     """The share of each other patch's radiosity that each patch (M) receives.
 
     Patch i has the entries `start[i]` to `start[i + 1]`; columns count patches from 0.
@@ -36,21 +36,21 @@ class Exchange(NamedTuple):
     share: Float32Array
 
 
-def exchange_of(table: Rows, patches: Patches) -> Exchange:
+def exchange_of(table: Rows, patches: Patches) -> PatchTransfer:
     """Means of the table's rows over patches."""
     total = len(patches.area)
     most = _most_entries(table, patches, NODES + total + 1)
-    made = Exchange(
+    made = PatchTransfer(
         np.zeros(total + 1, np.int64),
         np.empty(most, np.uint16 if total <= _SMALL else np.int32),
         np.empty(most, np.float32),
     )
     _fill(table, patches, NODES + total + 1, made)
     entries = int(made.start[-1])
-    return Exchange(made.start, made.column[:entries].copy(), made.share[:entries].copy())
+    return PatchTransfer(made.start, made.column[:entries].copy(), made.share[:entries].copy())
 
 
-def enclosure(exchange: Exchange) -> Float32Array:
+def enclosure(exchange: PatchTransfer) -> Float32Array:
     """Share (M,) of a patch's view that is other patches."""
     running = np.append(0.0, np.cumsum(exchange.share, dtype=np.float64))
     return np.diff(running[exchange.start]).astype(np.float32)
@@ -134,7 +134,7 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
 
 
 def radiosity(
-    exchange: Exchange,
+    exchange: PatchTransfer,
     direct_rgb: Float32Array,
     emitted_rgb: Float32Array,
     reflectance_rgb: Float32Array,

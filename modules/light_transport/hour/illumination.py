@@ -7,7 +7,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
 
 @dataclass(frozen=True, eq=False)
-class Hour:
+class Illumination:
     """The light that falls on a scene; linear sRGB, world axes.
 
     Attributes:

@@ -10,8 +10,8 @@ from loaded_scenes import WriteScene, add_array, give
 from scene_files import png_bytes
 
 from vrut_lite.errors import UserError
+from vrut_lite.scene.import_warnings import MOST_KINDS, Notices
 from vrut_lite.scene.loading import load_scene
-from vrut_lite.scene.notices import MOST_KINDS, Notices
 
 
 def test_each_kind_is_told_once_with_its_count() -> None:

@@ -17,7 +17,7 @@ T = TypeVar("T")
 _SLOTS = {"sun", "sky"}
 
 
-class SecondKernel:
+class PreviewKernel:
     """Holds the modules that can provide the sun or the sky, and nothing that draws.
 
     Questions are answered one at a time on its own thread. Only questions may use `kernel`, which
@@ -28,7 +28,7 @@ class SecondKernel:
         self._thread = ThreadPoolExecutor(1, "vrut-lite second kernel")
         self._closed = False
 
-    def ask(self, question: Callable[["SecondKernel"], T]) -> "Future[T]":
+    def ask(self, question: Callable[["PreviewKernel"], T]) -> "Future[T]":
         """Answer a question in the background; from any thread, before `close`."""
         return self._thread.submit(self._answer, question)
 
@@ -39,7 +39,7 @@ class SecondKernel:
             self._thread.submit(self._close_kernel)
             self._thread.shutdown(wait=False)
 
-    def _answer(self, question: Callable[["SecondKernel"], T]) -> T:
+    def _answer(self, question: Callable[["PreviewKernel"], T]) -> T:
         if self._closed:
             raise CancelledError
         try:

@@ -10,10 +10,10 @@ import msgspec
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.job import Work
-from vrut_lite.kernel.job_desk import JobDesk
-from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.job_scheduler import JobScheduler
 from vrut_lite.kernel.messages import Demand, Derived, Encoding, Fault, Message
 from vrut_lite.kernel.module import Manifest, Module, Role
+from vrut_lite.kernel.work_counters import WorkCounters
 
 M = TypeVar("M", bound=Message)
 State = Literal["running", "disabled", "suspended"]
@@ -24,24 +24,24 @@ POSTS_PER_TRANSACTION = 10_000
 JOBS_IN_A_CHAIN = 10_000
 
 
-class Exchange(NamedTuple):
+class KernelServices(NamedTuple):
     """The kernel's functions that module links call."""
 
     put: Callable[[Message, str], None]
-    suspend: Callable[["Seat", str, BaseException], None]
+    suspend: Callable[["LoadedModule", str, BaseException], None]
     wanted: Callable[[type[Message]], Demand | None]
     last: Callable[[type[Message]], Any]
     holder: Callable[[str], str]
-    jobs: JobDesk
+    jobs: JobScheduler
     # Links that posted in this transaction, and that started jobs after this input.
-    posters: list["ModuleLink"]
-    job_starters: list["ModuleLink"]
+    posters: list["ModuleContext"]
+    job_starters: list["ModuleContext"]
 
 
-class ModuleLink:
+class ModuleContext:
     """See `vrut_lite.kernel.module.Link`; once `alive` is false, the instance is not heard."""
 
-    def __init__(self, kernel: Exchange, seat: "Seat"):
+    def __init__(self, kernel: KernelServices, seat: "LoadedModule"):
         self.alive = True
         self.name = seat.name
         self.posts = 0
@@ -75,7 +75,7 @@ class ModuleLink:
         except UserError as error:
             raise ValueError(str(error)) from None
         if message.slot is not None and not self.holds(message.slot):
-            self.seat.ledger.skip(f"post {type(message).__name__} without slot")
+            self.seat.counters.skip(f"post {type(message).__name__} without slot")
             return False
         return True
 
@@ -154,14 +154,14 @@ class ModuleLink:
             self._kernel.jobs.cancel((self.name, name))
 
 
-class Seat:
+class LoadedModule:
     """Settings, faults and state of one module; the instance comes and goes."""
 
     def __init__(self, module_type: type[Module], services: dict[str, Any]):
         self.module: Module | None = None
-        self.link: ModuleLink | None = None
+        self.link: ModuleContext | None = None
         # The instance's counts of work, or empty ones.
-        self.ledger = Ledger()
+        self.counters = WorkCounters()
         self.state: State = "disabled"
         self.faults = 0
         self.last_fault: Fault | None = None
@@ -191,20 +191,20 @@ class Seat:
         """Whether the module hears messages."""
         return self.state == "running"
 
-    def start(self, link: ModuleLink) -> None:
+    def start(self, link: ModuleContext) -> None:
         """Put a fresh instance with the present settings in place of any other.
 
         An exception of the module's constructor passes on; the seat is then unchanged.
         """
         try:
             module = self.module_type(link, self.settings, **self._services)
-            ledger = _ledger_of(module)
+            counters = _ledger_of(module)
             link.check_storm()
         except BaseException:
             link.alive = False
             raise
         self._cut()
-        self.module, self.link, self.ledger = module, link, ledger
+        self.module, self.link, self.counters = module, link, counters
         self.faults = 0
         self.state = "running"
 
@@ -212,7 +212,7 @@ class Seat:
         """Drop the instance; the settings stay."""
         self._cut()
         self.module = self.link = None
-        self.ledger = Ledger()
+        self.counters = WorkCounters()
         self.state = state
 
     def _cut(self) -> None:
@@ -220,9 +220,9 @@ class Seat:
             self.link.alive = False
 
 
-def _ledger_of(module: Module) -> Ledger:
+def _ledger_of(module: Module) -> WorkCounters:
     """An instance's counts; one that never called Module's constructor has none."""
-    ledger = getattr(module, "ledger", None)
-    if not isinstance(ledger, Ledger):
+    counters = getattr(module, "counters", None)
+    if not isinstance(counters, WorkCounters):
         raise TypeError("its constructor must call super().__init__(link, settings)")
-    return ledger
+    return counters

@@ -8,7 +8,7 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.messages import Message, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec, describe
 from vrut_lite.messages.haze import SetHaze
-from vrut_lite.sky.left_open import Preset, left_open, presets_of
+from vrut_lite.sky.effective_defaults import Preset, left_open, presets_of
 
 
 class ModuleInfo(NamedTuple):
@@ -40,7 +40,7 @@ class ModuleInfo(NamedTuple):
         }
 
 
-class Roster(NamedTuple):
+class ModuleCatalogue(NamedTuple):
     """All modules in load order, the holder of each slot ("" for none), and the renderer."""
 
     modules: dict[str, ModuleInfo]
@@ -72,8 +72,8 @@ class Roster(NamedTuple):
             self.modules[message.module].values[message.name] = message.value
 
 
-def roster_of(stage: Stage) -> Roster:
-    """The roster at this moment; on the engine's thread."""
+def catalogue_of(stage: Stage) -> ModuleCatalogue:
+    """The catalogue at this moment; on the engine's thread."""
     kernel = stage.kernel
     modules = {
         name: ModuleInfo(
@@ -89,4 +89,6 @@ def roster_of(stage: Stage) -> Roster:
         for name, seat in kernel.seats.items()
     }
     slots = {slot for module in modules.values() for slot in module.provides}
-    return Roster(modules, {slot: kernel.slots.holder(slot) for slot in slots}, stage.renderer)
+    return ModuleCatalogue(
+        modules, {slot: kernel.slots.holder(slot) for slot in slots}, stage.renderer
+    )

@@ -20,7 +20,7 @@ M = TypeVar("M", bound=Message)
 _UNCHANGING = frozenset({bool, int, float, str, bytes, type(None), datetime, Array})
 
 
-def as_delivered(message: M) -> M:
+def frozen_copy(message: M) -> M:
     """The message, or a copy of it that shares nothing mutable with it.
 
     Both have the same journal entry. Copies cost as much as is copied; what cannot change is

@@ -4,7 +4,7 @@ from itertools import count
 
 import numpy as np
 import pytest
-from dynamic_skylight import kept_cubes
+from dynamic_skylight import cached_cubes
 from dynamic_skylight.daylight import Daylight
 
 NOON = {
@@ -25,7 +25,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def start(monkeypatch):
     """What a new process knows."""
-    return lambda: monkeypatch.setattr(kept_cubes, "_asked", count())
+    return lambda: monkeypatch.setattr(cached_cubes, "_asked", count())
 
 
 def background(elevation_rad=0.8):

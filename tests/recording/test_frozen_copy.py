@@ -16,8 +16,8 @@ from vrut_lite.kernel.messages import SettingChanged, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.recording.as_delivered import as_delivered
 from vrut_lite.recording.codec import to_plain
+from vrut_lite.recording.frozen_copy import frozen_copy
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.replay import Replay
 
@@ -80,7 +80,7 @@ def test_later_changes_change_no_record(value):
     """A journal says the same of the message then and of the one that was kept, later."""
     message = SettingChanged(module="m", name="x", value=value)
     then = copy.deepcopy(to_plain(message))
-    kept = as_delivered(message)
+    kept = frozen_copy(message)
     assert to_plain(kept) == then
     spoil(value)
     assert to_plain(kept) == then
@@ -96,14 +96,14 @@ def test_what_cannot_change_is_shared():
         visible_disc_fraction=1.0,
     )
     cube = SettingChanged(module="m", name="x", value=(Array(np.zeros(3)), ("a", (1, 2.5))))
-    assert as_delivered(sun) is sun
-    assert as_delivered(cube) is cube
+    assert frozen_copy(sun) is sun
+    assert frozen_copy(cube) is cube
 
 
 def test_a_description_does_not_keep_its_texture():
     """Unused texels are freed, also before the journal is written."""
     texture = GpuTexture(size=4, format="rgba16f", recipe="ab").holding(object())
-    kept = as_delivered(SettingChanged(module="m", name="x", value=texture))
+    kept = frozen_copy(SettingChanged(module="m", name="x", value=texture))
     assert to_plain(kept.value) == to_plain(texture)
     assert not isinstance(kept.value, GpuTexture)
 

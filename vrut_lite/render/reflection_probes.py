@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.messages.light_map import Mirrors, SurfaceLightChanged
+from vrut_lite.messages.light_map import ReflectionProbes, SurfaceLightChanged
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 
 # As mirror.glsl binds them.
@@ -17,7 +17,7 @@ class MirrorCubes:
 
     def __init__(self, context: Any):
         self._context = context
-        self._mirrors: Mirrors | None = None
+        self._mirrors: ReflectionProbes | None = None
         self._light: SurfaceLightChanged | None = None
         # By number: radiance and nearness, with their light and layout.
         self._textures: dict[int, tuple[Any, Any]] = {}
@@ -28,7 +28,7 @@ class MirrorCubes:
         """Whether there are cubes to reflect."""
         return self._mirrors is not None and self._light is not None
 
-    def show(self, mirrors: Mirrors | None, light: SurfaceLightChanged | None) -> None:
+    def show(self, mirrors: ReflectionProbes | None, light: SurfaceLightChanged | None) -> None:
         """Take the light of an hour in place of the last."""
         if mirrors is not self._mirrors:
             self.release()

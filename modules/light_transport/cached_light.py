@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from light_transport.cached_layout import BakeRecipe
 from light_transport.digests import digest_of
-from light_transport.hour.hour import Hour
-from light_transport.kept_layout import BakeRecipe
+from light_transport.hour.illumination import Illumination
 from vrut_lite.array_cache import ArrayCache, Arrays
 
 # A map's and a view's together take some 10 MB.
@@ -19,7 +19,7 @@ _LIMIT_BYTES = 1 << 28
 
 
 def kept_light(
-    bake: BakeRecipe, hour: Hour, view: tuple[object, ...], make: Callable[[], Arrays]
+    bake: BakeRecipe, hour: Illumination, view: tuple[object, ...], make: Callable[[], Arrays]
 ) -> Arrays:
     """What `make` makes of these, or made in another session; `view` is all else that it needs."""
     recipe = (*bake, digest_of(map(np.asarray, vars(hour).values())), view)

@@ -1,15 +1,15 @@
 """A still's light, its layout and that one's cut texels kept on disk: the same bytes, sooner."""
 
 import light_transport.bake
+import light_transport.cached_cuts
 import light_transport.hour.view_light
-import light_transport.kept_cuts
 import light_transport.layout.layout
 import numpy as np
 import pytest
 from boxes import box, floor, quads
 from light_stage import COARSE, LightStage, Look, Shine, Show, box_file, lights
 from light_transport.bake import Bake
-from light_transport.kept_cuts import kept_cut_texels
+from light_transport.cached_cuts import kept_cut_texels
 
 from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, JobResult
 from vrut_lite.messages.light_map import SurfaceLightChanged
@@ -39,7 +39,7 @@ def made(monkeypatch):
 
     note(light_transport.bake, "hour_light")
     note(light_transport.hour.view_light, "view_light")
-    note(light_transport.kept_cuts, "cut_texels")
+    note(light_transport.cached_cuts, "cut_texels")
     note(light_transport.layout.layout, "lay_out")
     return names
 

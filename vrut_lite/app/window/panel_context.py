@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.sun_day_finder import SunDayFinder
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.sun_path import SunPath
@@ -11,11 +11,11 @@ from vrut_lite.app.view.viewport import Viewport
 
 
 @dataclass
-class Desk:
+class PanelContext:
     """A window's session, and the objects that several panels use."""
 
     session: Session
-    scout: DayScout
+    scout: SunDayFinder
     sun_path: SunPath
     compass: Compass
     viewport: Viewport

@@ -8,7 +8,7 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_a
 from bruneton_sky.sun_light import haze_layers, sun_irradiance
 
 from vrut_lite.atmosphere.haze_layer import HAZE_NM
-from vrut_lite.atmosphere.sun_aloft import sun_aloft
+from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum
 from vrut_lite.kernel.messages import Demand, SetClock
@@ -33,8 +33,10 @@ def test_sunlight_aloft_is_that_of_the_layered_air(haze, altitude_m, within):
     truth = luminance(rgb_from_spectrum(spectral, air.wavelength_nm, 0.0))
     named = haze_layers(atmosphere_at(HAZE_NM, settings, 0.0, haze))
     for layers in (haze.layers, named):
-        assert luminance(sun_aloft(altitude_m, sines, layers)) == pytest.approx(truth, rel=within)
-    assert (luminance(sun_aloft(altitude_m, sines)) > truth).all()
+        assert luminance(sunlight_at_altitude(altitude_m, sines, layers)) == pytest.approx(
+            truth, rel=within
+        )
+    assert (luminance(sunlight_at_altitude(altitude_m, sines)) > truth).all()
 
 
 @pytest.mark.parametrize("haze", HAZES)
@@ -48,5 +50,5 @@ def test_at_the_ground_it_is_the_key_light(haze):
     kernel.pump_until_idle()
     key = kernel.last(KeyLightChanged)
     kernel.close()
-    seen = sun_aloft(0.0, key.direction[1], key.haze)
+    seen = sunlight_at_altitude(0.0, key.direction[1], key.haze)
     assert luminance(seen) == pytest.approx(float(luminance(key.irradiance_rgb)), rel=0.01)

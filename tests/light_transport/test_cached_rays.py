@@ -5,7 +5,7 @@ import pytest
 from boxes import box, floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file, lights
 from light_transport.bake import Bake
-from light_transport.kept_rays import add_kept_rays
+from light_transport.cached_rays import add_kept_rays
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 

@@ -4,9 +4,9 @@ from collections import deque
 
 import msgspec
 
-from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Derived, JobResult
 from vrut_lite.kernel.module import Link, Role
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
@@ -29,8 +29,8 @@ class Preparation:
         ready: whether light can be made.
     """
 
-    def __init__(self, link: Link, ledger: Ledger):
-        self._link, self._ledger = link, ledger
+    def __init__(self, link: Link, counters: WorkCounters):
+        self._link, self._counters = link, counters
         self.latest: Prepared | None = None
         self.ready = False
         self._done: Work | None = None
@@ -56,7 +56,7 @@ class Preparation:
         if self._drafted or work in (self._failed, self._done):
             self.drop()
         elif self._asked is not None:
-            self._ledger.skip("preparation overtaken by a newer one")
+            self._counters.skip("preparation overtaken by a newer one")
         if work == self._failed:
             return
         self._failed = None
@@ -74,7 +74,7 @@ class Preparation:
     def drop(self) -> None:
         """Cancel the running work."""
         if self._asked is not None:
-            self._ledger.skip("preparation overtaken by a newer one")
+            self._counters.skip("preparation overtaken by a newer one")
             self._asked = None
             self._drafted = False
             self._started.clear()
@@ -91,7 +91,7 @@ class Preparation:
                 self._failed, self._asked, self._drafted = asked, None, False
             return False
         self._done, self.latest, self.ready = work, Prepared(work.of, result.value), True
-        self._ledger.did("preparation")
+        self._counters.did("preparation")
         if work == asked:
             self._asked, self._drafted = None, False
         elif not self._started:

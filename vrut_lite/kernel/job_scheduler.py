@@ -17,7 +17,7 @@ from vrut_lite.kernel.trace import Trace
 JOBS = "jobs"
 
 
-class JobDesk:
+class JobScheduler:
     """One running and one pending job for each module and name; the latest pending wins.
 
     `revision` is that of the running transaction: of its input, of the job whose result it

@@ -7,7 +7,7 @@ from PySide6.QtCore import QObject, Signal
 
 from vrut_lite.app.engine.day import Day, day_of
 from vrut_lite.app.engine.moon_day import MoonDay, moon_of
-from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.preview_kernel import PreviewKernel
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import make_timer
 from vrut_lite.kernel.messages import ClockMoved, Demand, SettingChanged, SlotChanged
@@ -30,7 +30,7 @@ class _Wanted(NamedTuple):
     settings: dict[tuple[str, str], object]
 
 
-class DayScout(QObject):
+class SunDayFinder(QObject):
     """Emits `day_changed` (a `Day`) whenever place, date or the sun's module change it.
 
     The day is computed in the background. `moon_changed` (a `MoonDay`, or None) follows, if a
@@ -79,10 +79,10 @@ class DayScout(QObject):
 
     def _present(self) -> _Wanted | None:
         place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
-        holder = self._session.roster.holders.get("sun", "")
+        holder = self._session.catalogue.holders.get("sun", "")
         if place is None or clock is None or not holder:
             return None
-        settings = self._session.roster.settings_of(holder)
+        settings = self._session.catalogue.settings_of(holder)
         return _Wanted(place, local_date(clock.instant, place), holder, settings)
 
     def _search_anew(self) -> None:
@@ -94,7 +94,7 @@ class DayScout(QObject):
             lambda second: self._search(second, wanted), lambda day: self._take(wanted, day)
         )
 
-    def _search(self, second: SecondKernel, wanted: _Wanted) -> Day | None:
+    def _search(self, second: PreviewKernel, wanted: _Wanted) -> Day | None:
         """Compute the day, on the second kernel's thread; None if another day was requested
         since."""
         if wanted is not self._wanted:

@@ -4,7 +4,7 @@ from vrut_lite.kernel.job import Job, Key
 from vrut_lite.kernel.jobs import Finish
 
 
-class HeldRunner:
+class ReplayRunner:
     """Keeps each job until `release` runs it and injects its result.
 
     So a replay admits every result at the place where the journal has it. Work whose result the

@@ -26,7 +26,7 @@ _SUN_RADIUS_RAD = 0.004675
 _LEAST_DEPTH = 1e-12
 
 
-def sun_aloft(
+def sunlight_at_altitude(
     altitude_m: ArrayLike, sine: ArrayLike, haze: tuple[HazeLayer, ...] = ()
 ) -> FloatArray:
     """Irradiance (..., 3) of a plane that faces the sun, linear sRGB in W m^-2.

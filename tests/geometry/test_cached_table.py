@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vrut_lite.geometry.kept_table import kept_table
+from vrut_lite.geometry.cached_table import kept_table
 
 
 def test_a_table_is_made_anew_only_when_its_formula_is_another(monkeypatch, tmp_path):

@@ -6,7 +6,7 @@ order of the steps; they cannot be derived from a list of final values.
 
 from typing import NamedTuple
 
-from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.job_scheduler import JobScheduler
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     Demand,
@@ -29,10 +29,10 @@ class Step(NamedTuple):
     input: Input | None = None
 
 
-class Beginning:
+class SetupLog:
     """The steps so far, until an input ends it: `ended_by` is the sentence that says which."""
 
-    def __init__(self, jobs: JobDesk) -> None:
+    def __init__(self, jobs: JobScheduler) -> None:
         self.steps: list[Step] = []
         self.ended_by = ""
         self._jobs = jobs
