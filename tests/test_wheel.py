@@ -14,17 +14,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PACKAGES = {
-    "aurora": ROOT / "modules" / "aurora",
     "vrut_lite": ROOT / "vrut_lite",
-    "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
-    "clouds": ROOT / "modules" / "clouds",
-    "light_transport": ROOT / "modules" / "light_transport",
-    "path_tracer": ROOT / "modules" / "path_tracer",
-    "night_sky": ROOT / "modules" / "night_sky",
-    "photo_sky": ROOT / "modules" / "photo_sky",
-    "weather_sky": ROOT / "modules" / "weather_sky",
-    "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
-    "bruneton_sky": ROOT / "modules" / "bruneton_sky",
+    **{path.parent.name: path.parent for path in sorted((ROOT / "modules").glob("*/module.py"))},
 }
 
 

@@ -52,6 +52,13 @@ with all modules showed.
 """
 
 
+def skies() -> list[str]:
+    """Names of the installed skies; the first module of the `sun` last, which holds it too."""
+    found, _ = discover()
+    manifests = [module.manifest for module in found if "sky" in module.manifest.provides]
+    return [each.name for each in sorted(manifests, key=lambda each: "sun" in each.provides)]
+
+
 def session() -> Iterator[tuple[Input, ...]]:
     """Inputs, one gesture each."""
     yield (SetPlace(latitude_deg=60.0, longitude_deg=10.0),)
@@ -62,7 +69,7 @@ def session() -> Iterator[tuple[Input, ...]]:
         yield (SetSetting(module="light_transport", name=name, value=value),)
     yield (LoadScene(path=str(ROOT / "scenes" / "sundial.glb")),)
     yield (SetClock(instant=_NIGHT - timedelta(hours=10)),)
-    for sky in ("bruneton_sky", "weather_sky", "photo_sky", "dynamic_skylight"):
+    for sky in skies():
         yield (ChooseSlot(slot="sky", module=sky),)
         yield (LookAlong(direction=(0.0, 1.0, 0.0)),)
     yield (SetSetting(module="clouds", name="coverage", value=0.5),)

@@ -41,6 +41,7 @@ class Aurora(Module):
 
     def __init__(self, link: Link, settings: AuroraSettings):
         super().__init__(link, settings)
+        self._shown: AuroraShown | None = None
         self._glow_sources: tuple[object, ...] = ()
 
     @handles(ClockMoved, SetPlace, SetHaze, SunMoved, SlotChanged, Demand)
@@ -66,7 +67,9 @@ class Aurora(Module):
         if shown.edge_km > _FARTHEST_KM or shown.edge_km + shown.width_km < -_FARTHEST_KM:
             self._end("aurora: below the horizon")
             return
-        if shown != last(AuroraShown):
+        # Not compared with the last message: enabled again, the scene has dropped that.
+        if shown != self._shown:
+            self._shown = shown
             self.link.post(shown)
             self.counters.did("aurora")
         sources = place, self.settings, haze, clock.instant.timestamp() // _SERVES_S
@@ -77,17 +80,18 @@ class Aurora(Module):
     @handles(JobResult)
     def glow_made(self, result: JobResult) -> None:
         """Light the scene by it."""
-        shown = self.link.last(AuroraShown)
+        shown = self._shown
         if not result.error and shown is not None and shown.kilorayleigh > 0.0:
             self.link.post(SkyGlowAdded(glow_rgb=result.value, of_slot=SLOT, source=NAME))
             self.counters.did("glow")
 
     def _end(self, reason: str) -> None:
         self.counters.skip(reason)
-        last = self.link.last(AuroraShown)
+        last = self._shown
         if last is not None and last.kilorayleigh > 0.0:
             self._glow_sources = ()
-            self.link.post(msgspec.structs.replace(last, kilorayleigh=0.0))
+            self._shown = msgspec.structs.replace(last, kilorayleigh=0.0)
+            self.link.post(self._shown)
             self.link.post(SkyGlowAdded(glow_rgb=None, of_slot=SLOT, source=NAME))
 
 

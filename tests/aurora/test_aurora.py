@@ -142,6 +142,17 @@ def test_it_lights_the_ground_and_goes_with_its_setting_and_its_module(kernel):
     assert again == dark
 
 
+def test_enabled_again_it_is_shown_again(kernel):
+    """Whoever dropped it with the module gets it anew, though nothing else has changed."""
+    act(kernel, SetSetting(module="aurora", name="on", value=True))
+    shown = []
+    kernel.tap(lambda message, _: shown.append(message))
+    act(kernel, EnableModule(module="aurora", enabled=False))
+    lit, _ = act(kernel, EnableModule(module="aurora"))
+    assert sum(isinstance(message, AuroraShown) for message in shown) == 1
+    assert lit.layers == ("glow",)
+
+
 def test_by_day_it_is_outshone(kernel):
     """Nothing is computed, and the counters says so."""
     on = SetSetting(module="aurora", name="on", value=True)

@@ -67,7 +67,8 @@ def _view_options(command: Command) -> Command:
         click.option("--target", "target_m", type=_point, metavar="X,Y,Z", help="Where the camera "
                      "looks, with --eye."),
         click.option("--fov", "vertical_field_of_view_deg", type=FiniteRange(1.0, 150.0),
-                     metavar="DEG", help="Vertical view angle."),
+                     metavar="DEG", help="Vertical view angle, with --eye and --target or a "
+                     "project's camera."),
         click.option("--exposure", "exposed", type=_exposure, metavar="EV100", help="'auto' "
                      "(default) or a fixed EV100."),
         click.option("--compensation", "compensation_ev", type=FiniteRange(-20.0, 20.0),

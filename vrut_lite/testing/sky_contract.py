@@ -19,7 +19,7 @@ from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Demand
+from vrut_lite.kernel.messages import ChooseSlot, Demand
 from vrut_lite.kernel.module import Module
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
@@ -320,7 +320,8 @@ class SkyContract:
         demands = [Demand(consumer="test", message=k.__name__, size=8) for k in PRODUCTS]
         suns = [SetPlace(latitude_deg=e, longitude_deg=0.0) for e in (30.0, 40.0, -3.0, 40.0)]
         eye = MoveCamera(eye_m=(0.0, 2.0, 0.0), target_m=(0.0, 2.0, -5000.0))
-        for message in (*demands, *suns, eye, LookAlong(direction=(0.0, 1.0, 0.0))):
+        chosen = ChooseSlot(slot="sky", module=self.module_type.manifest.name)
+        for message in (chosen, *demands, *suns, eye, LookAlong(direction=(0.0, 1.0, 0.0))):
             kernel.inject(message)
             kernel.pump_until_idle()
         recorder.close()
