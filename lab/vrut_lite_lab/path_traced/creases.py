@@ -4,12 +4,13 @@
 
 Creases are places within two texels of a surface that faces otherwise by more than 20 degrees:
 edges, corners, and the feet of what stands on a surface. At random visible points of them the map
-is looked up as the frame does it. The reference are 4,096 rays from each point, which end on the
-patches of a map of twice as many texels. Errors are of luminance, without the key light's own,
-relative to the reference plus a twentieth of the geometric mean of all points. Scenes have the
-light of noon in Prague; their points are those that an eye at their own camera sees that turns
-around. Rooms, under an even sky and a sun, are random ones with columns, tables and beams. With
-`--mitsuba N`, N of the points also have the light that mitsuba finds there.
+is looked up as the frame does it. The reference are 4,096 rays from each point, spread around the
+shading normal as the map's own, which end on the patches of a map of twice as many texels. Errors
+are of luminance, without the key light's own, relative to the reference plus a twentieth of the
+geometric mean of all points. Scenes have the light of noon in Prague; their points are those that
+an eye at their own camera sees that turns around. Rooms, under an even sky and a sun, are random
+ones with columns, tables and beams. With `--mitsuba N`, N of the points also have the light that
+mitsuba finds there.
 """
 
 import argparse
@@ -57,13 +58,15 @@ _SAMPLES, _BOUNCES = 2048, 24
 
 
 class Points(NamedTuple):
-    """Points (P) on surfaces: world places and face normals (P, 3), places in the map (P, 2).
+    """Points (P) on surfaces: world places and normals (P, 3), places in the map (P, 2).
 
-    `look_up_px` is where the frame looks: in charts of one texel's width that texel's middle.
+    `normal` are of faces, `shading` those interpolated between corners. `look_up_px` is where the
+    frame looks: in charts of one texel's width that texel's middle.
     """
 
     place_m: FloatArray
     normal: FloatArray
+    shading: FloatArray
     uv_px: FloatArray
     look_up_px: FloatArray
 
@@ -88,7 +91,10 @@ def crease_points(
     place = np.einsum("pk,pkc->pc", weights, surfaces.corners_m[own[drawn]])
     uv = np.einsum("pk,pkc->pc", weights, layout.uv_px[own[drawn]].astype(float))
     look_up = np.einsum("pk,pkc->pc", weights, look_ups_px(layout)[own[drawn]])
-    found = Points(place, faces[own[drawn]], uv, look_up)
+    shading = np.einsum("pk,pkc->pc", weights, surfaces.normals[own[drawn]].astype(float))
+    length = np.linalg.norm(shading, axis=1)[:, None]
+    shading = np.where(length > 1e-6, shading / np.maximum(length, 1e-6), faces[own[drawn]])
+    found = Points(place, faces[own[drawn]], shading, uv, look_up)
     share = np.full(_CANDIDATES, area.sum() / _CANDIDATES)
     ground = _ground_points(bake, rng)
     found = Points(*(np.concatenate(both) for both in zip(found, ground[0], strict=True)))
@@ -115,8 +121,7 @@ def crease_points(
     kept = rng.choice(kept, min(3 * count, int(np.count_nonzero(chance))), replace=False, p=chance)
     return Points(
         found.place_m[kept] + surfaces.centre_m,
-        found.normal[kept],
-        *(each[kept] for each in found[2:]),
+        *(each[kept] for each in found[1:]),
     )
 
 
@@ -169,7 +174,7 @@ def _ground_points(bake: Bake, rng: np.random.Generator) -> tuple[Points, FloatA
     x, z = (away + geometry.ground[5:7]).T
     place = np.stack([x, np.full(len(x), geometry.ground[7]), z], axis=1) * radius
     normal = np.tile([0.0, 1.0, 0.0], (len(rows), 1))
-    return Points(place, normal, at, at), texels.area[rows].astype(float)
+    return Points(place, normal, normal, at, at), texels.area[rows].astype(float)
 
 
 def looked_up(texels: FloatArray, uv_px: FloatArray) -> FloatArray:
@@ -213,13 +218,13 @@ def found_in(
     points = crease_points(bake, surfaces, layout, which)
     # An even chance for points on facets: a hair off the surface, as the map's own rays.
     places_m = points.place_m + OFF * surfaces.radius_m * points.normal
-    true = light_at(fine, places_m, points.normal, hour, _RAYS // 32, 2)
+    true = light_at(fine, places_m, points.shading, hour, _RAYS // 32, 2)
     column, line = np.floor(points.uv_px).astype(int).T
     width_m = bake.texels.width[bake.texels.row_of[line, column]] * surfaces.radius_m
     seen = (true.free >= _LEAST_FREE) & (true.room_m >= _LEAST_ROOM * width_m)
     seen = np.flatnonzero(seen)[:_POINTS]
     points = Points(*(each[seen] for each in points))
-    true = light_at(fine, places_m[seen], points.normal, hour, _RAYS, 2)
+    true = light_at(fine, places_m[seen], points.shading, hour, _RAYS, 2)
     by_map = luminance(bake.light(hour).texels[..., :3].astype(float))
     light = looked_up(by_map, points.look_up_px)
     expected = np.asarray(luminance(true.irradiance_rgb), float)
@@ -263,7 +268,7 @@ def by_mitsuba(surfaces: Surfaces, hour: Illumination, points: Points) -> FloatA
     places = points.place_m - surfaces.centre_m + 2.0 * OFF * surfaces.radius_m * points.normal
     sampler = mi.load_dict({"type": "independent"})
     rng = np.random.default_rng(1)
-    for n, (place, normal) in enumerate(zip(places, points.normal, strict=True)):
+    for n, (place, normal) in enumerate(zip(places, points.shading, strict=True)):
         sampler.seed(n)
         across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
         across /= np.linalg.norm(across)

@@ -4,7 +4,9 @@ The bound is the harmonic mean distance R to the surfaces that a texel sees (War
 1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel, and by a
 half at least: along an edge, where R is small, light changes slowly too. All of it is multiplied by
 (R_i / R_j)^4, the smaller above: towards an edge light changes as R does, and the dark foot of a
-wall must not spread. Neighbours exchange light symmetrically, so that none is lost.
+wall must not spread; and by the 32nd power of the cosine between both normals: facets of a column
+15 degrees apart mix by a third, for they see different things. Neighbours exchange light
+symmetrically, so that none is lost.
 
 Near edges light bends within few texels, and steps as many as noise asks for take some of it away.
 There what they took is smoothed alike and given back ("twicing", Tukey 1977): noise is not even
@@ -25,7 +27,7 @@ STEPS = 8
 _SHARE_OF_ROOM = 0.3
 # With four neighbours the texel itself keeps as much as each of them gives.
 _MOST = 0.2
-_ALIKE_POWER = 8
+_ALIKE_POWER = 32
 # Neighbours with the same room mix at least so much; with a third of it hardly at all.
 _SAME_ROOM, _ROOM_POWER = 0.5, 4
 # Rooms of more texels count as so many: where few rays meet anything their mean is noise.
