@@ -96,7 +96,10 @@ class Bake(RayScene):
         self._finished = self._light = self._column_light = None
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
-        """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
+        """Trace so many more rays for each row; False, and nothing has changed, if cancelled.
+
+        Texels at creases get more of them, texels inside bodies none: see `ray_table.py`.
+        """
         column_of = np.arange(NODES + self.rows, dtype=np.int32)
         if self.patches is not None:
             column_of = self.patches.column_of
@@ -129,7 +132,7 @@ class Bake(RayScene):
 
     def _make_patches(self, table: Rows, rays: int) -> None:
         self.first_rays = rays
-        good = are_good(table, rays)
+        good = are_good(table)
         self.patches = patches_of(
             self.surfaces,
             self.receivers,

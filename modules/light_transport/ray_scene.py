@@ -50,7 +50,7 @@ class RayScene:
 
     Attributes:
         rows: how many there are.
-        rays: how many each row has.
+        rays: how many each row has; texels at creases have more, those inside bodies fewer.
         table: where they end.
         beside, links: (N, 4) int32, the texels around each in the map, and those of them that
             nothing parts from it.
@@ -110,7 +110,7 @@ class RayScene:
     @property
     def good(self) -> BoolArray:
         """Which rows (N,) do not lie inside bodies."""
-        return are_good(self.table, self.rays)
+        return are_good(self.table)
 
     @property
     def arrays(self) -> list[NDArray]:
@@ -145,6 +145,6 @@ class RayScene:
             return list(pool.map(work, firsts))
 
 
-def are_good(table: Rows, rays: int) -> BoolArray:
+def are_good(table: Rows) -> BoolArray:
     """Which rows (N,) do not lie inside bodies."""
-    return np.asarray(table.valid > _LEAST_FREE * rays)
+    return np.asarray(table.valid > _LEAST_FREE * table.traced)

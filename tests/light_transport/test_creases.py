@@ -16,6 +16,7 @@ from light_transport.surfaces.surfaces import surfaces_of
 from mesh_scenes import grid, opened
 
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite_lab.path_traced.creases import look_ups_px, looked_up
 
 TEXEL_M = 0.1
 
@@ -44,9 +45,31 @@ def test_the_dark_foot_of_a_box_does_not_spread(high_m):
     assert abs(error.mean()) < 0.02
 
 
+def test_corners_of_rooms_get_twice_as_many_rays_and_bodies_no_more():
+    """In a shut room with a body light varies most between texels in corners and at edges, where
+    smoothing takes little noise. In how many rounds rays come does not matter."""
+    body = box((0.4, -0.1, 0.4), (0.9, 0.3, 0.9))
+    scene = quads(*box((-1, 0, -1), (1, 2, 1), inwards=True), *body, texels=24)
+    bake, rounds = Bake(*scene), Bake(*scene)
+    bake.add_rays(64)
+    for count in (8, 8, 8, 40):
+        rounds.add_rays(count)
+    for column in ("traced", "valid", "nearness", "free"):
+        np.testing.assert_array_equal(getattr(rounds.table, column), getattr(bake.table, column))
+    traced, texels = bake.table.traced[: len(bake.texels.pixel)], bake.texels
+    place = texels.place * scene[0].radius_m + scene[0].centre_m
+    aside = np.sort(1.0 - np.abs(place - [0.0, 1.0, 0.0]), axis=1)
+    on_room = texels.triangle < 12
+    assert np.all(traced[on_room & (aside[:, 1] < 0.05) & (place[:, 1] > 0.5)] == 128)
+    assert np.all(traced[on_room & (aside[:, 1] > 0.9) & (place[:, 1] > 0.5)] == 64)
+    inside = on_room & (np.abs(place - [0.65, 0.0, 0.65]) < 0.15).all(axis=1)
+    assert inside.sum() > 5
+    assert np.all(traced[inside] == 16)
+
+
 def test_light_around_a_column_does_not_spread():
     """A black column of 24 facets before a window: texels around it see different things, so that
-    they mix by a third at most. Then the map errs by less than 8.5 % of the mean light (by 13.9 %
+    they mix by a third at most. Then the map errs by less than 7 % of the mean light (by 12.8 %
     if texels of neighbouring facets mixed by three quarters)."""
     walls = [side for k, side in enumerate(box((-3, 0, -3), (3, 3, 3), inwards=True)) if k != 0]
     points = np.array(walls, float).reshape(-1, 3)
@@ -63,19 +86,22 @@ def test_light_around_a_column_does_not_spread():
     scene = opened((points, triangles, inwards), (column, facets, outwards))
     surfaces = surfaces_of(scene)
     surfaces = replace(surfaces, reflectance_rgb=np.zeros_like(surfaces.reflectance_rgb))
-    bake = Bake(surfaces, lay_out(scene, surfaces, 0.08))
+    layout = lay_out(scene, surfaces, 0.08)
+    bake = Bake(surfaces, layout)
     bake.add_rays(256)
-    light, texels = bake.light(hour(1.0)), bake.texels
-    places_m = texels.place * surfaces.radius_m + surfaces.centre_m
-    own = (np.hypot(places_m[:, 0], places_m[:, 2]) < 0.31) & (texels.side > 0.0)
-    own &= np.abs(places_m[:, 1] - 1.5) < 1.0
-    assert own.sum() > 500
-    places_m = places_m[own] + 1e-3 * texels.normal[own]
-    true = light_at(bake, places_m, texels.normal[own], hour(1.0), 1024).irradiance_rgb[:, 1]
-    column, row = texels.pixel[own].T
-    error = (light.texels[row, column, 1] - true) / true.mean()
+    rng = np.random.default_rng(0)
+    triangle = np.repeat(np.arange(len(surfaces.part) - len(facets), len(surfaces.part)), 20)
+    weights = rng.dirichlet(np.ones(3), len(triangle))
+    places_m, normal, at_px = (
+        np.einsum("pk,pkc->pc", weights, of_corners[triangle])
+        for of_corners in (surfaces.corners_m, surfaces.normals, look_ups_px(layout))
+    )
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    places_m += surfaces.centre_m + 1e-3 * normal
+    true = light_at(bake, places_m, normal, hour(1.0), 1024).irradiance_rgb[:, 1]
+    error = (looked_up(bake.light(hour(1.0)).texels[..., 1], at_px) - true) / true.mean()
     print(f"\ncolumn: {np.sqrt(np.mean(error**2)):.1%} rms")
-    assert np.sqrt(np.mean(error**2)) < 0.085
+    assert np.sqrt(np.mean(error**2)) < 0.07
 
 
 def test_a_shadows_edge_stays_where_it_is_wider_than_noise():

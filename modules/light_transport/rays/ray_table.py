@@ -1,5 +1,10 @@
 """Where the rays of each row end, as counts that rounds of rays add to.
 
+The first rays of a texel tell how many it gets in all. At creases, where the harmonic mean distance
+of what it sees is short, light varies between neighbouring texels: little of their noise can be
+smoothed. If they see little sky too, they get twice as many rays as others; texels inside
+bodies, none of whose rays count, get no more. All of it is the same for any number of rounds.
+
 A row's entries are a column and a count in one number. Columns are nodes of the sky and of open
 ground, then the rows that rays met, later replaced by patches.
 """
@@ -15,12 +20,17 @@ from light_transport.rays.sky_nodes import NODES, node_of
 from light_transport.rays.trace import MISS, mixed, nearest_along
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.groups import NO_GROUP
-from light_transport.surfaces.map_texels import NOBODY, cell_at, ground_at
+from light_transport.surfaces.map_texels import NOBODY, Texels, cell_at, ground_at
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 _DROPPED, _BACK = -1, -2
 # So many first rays of a row may begin inside a body before the row is held to have no free one.
 TRIED = 8
+# Number of first rays that tell how many more a texel gets.
+_TELLING = 16
+# Harmonic mean distance, in texels, below which a texel is at a crease, the share of its rays below
+# which it sees little sky, and what the number of its rays is multiplied by where both hold.
+_CREASE_TEXELS, _LITTLE_SKY, _AT_CREASES = 8.0, 0.125, 2
 # So many bits of an entry, of 16 or 32, are its column; those above are its rays less one.
 SMALL_BITS, LARGE_BITS = 14, 24
 
@@ -34,6 +44,7 @@ class Rows(NamedTuple):
         entry: (E,) uint16 or int32, see `columns_and_rays`; what has more rays than an entry can
             say has several. A row's nodes come before all else.
         nodes: (R,) uint16, how many of each row's entries are of nodes.
+        traced: (R,) int32, rays that began.
         valid: (R,) int32, rays that count: those that did not begin inside a body.
         nearness: (R,) float32, sum of 1 / distance over rays that met something, in 1 / radius.
         free: (R,) uint8, the first ray that counts, or TRIED.
@@ -43,6 +54,7 @@ class Rows(NamedTuple):
     start: IntArray
     entry: NDArray[np.uint16] | NDArray[np.int32]
     nodes: NDArray[np.uint16]
+    traced: NDArray[np.int32]
     valid: NDArray[np.int32]
     nearness: Float32Array
     free: NDArray[np.uint8]
@@ -55,6 +67,7 @@ def empty_rows(first: int, number: int) -> Rows:
         np.zeros(number + 1, np.int64),
         np.empty(0, np.int32),
         np.zeros(number, np.uint16),
+        np.zeros(number, np.int32),
         np.zeros(number, np.int32),
         np.zeros(number, np.float32),
         np.full(number, TRIED, np.uint8),
@@ -69,6 +82,7 @@ def slice_of(rows: Rows, first: int, last: int) -> Rows:
         rows.start[first : last + 1] - rows.start[first],
         rows.entry[here],
         rows.nodes[first:last],
+        rows.traced[first:last],
         rows.valid[first:last],
         rows.nearness[first:last],
         rows.free[first:last],
@@ -85,6 +99,7 @@ def joined(blocks: list[Rows]) -> Rows:
         np.concatenate([*starts, offsets[-1:]]),
         np.concatenate([block.entry for block in blocks]),
         np.concatenate([block.nodes for block in blocks]),
+        np.concatenate([block.traced for block in blocks]),
         np.concatenate([block.valid for block in blocks]),
         np.concatenate([block.nearness for block in blocks]),
         np.concatenate([block.free for block in blocks]),
@@ -100,18 +115,49 @@ def with_rays(
     count: int,
     backs: int = _DROPPED,
 ) -> Rows:
-    """These rows with rays `first` to `first + count` added.
+    """These rows with rays `first` to `first + count` added, and those that creases have besides.
 
     `column_of` (NODES + row count,): the column for the node or row that a ray met; `backs`: the
     node or row that stands for backs of bodies, where rays that meet them are not dropped.
     """
-    targets = np.empty((len(rows.valid), count), np.int32)
-    distances = np.zeros(targets.shape, np.float32)
-    _trace(tree, receivers, rows.first, first, scratch(), targets, distances)
-    targets[targets == _BACK] = backs
-    columns = int(column_of.max(initial=0)) + 1
-    made = _counted(rows, column_of, targets, distances, columns, _no_entries(columns))
-    return Rows(rows.first, *made)
+    last = first + count
+    texels = receivers.texels
+    own = slice(0, max(len(texels.pixel) - rows.first, 0))
+
+    def added(begin: NDArray[np.int32], end: NDArray[np.int32]) -> Rows:
+        targets = np.full((len(begin), int((end - begin).max(initial=0))), _DROPPED, np.int32)
+        distances = np.zeros(targets.shape, np.float32)
+        _trace(tree, receivers, rows.first, begin, end, scratch(), targets, distances)
+        targets[targets == _BACK] = backs
+        columns = int(column_of.max(initial=0)) + 1
+        traced = rows._replace(traced=rows.traced + end - begin)
+        made = _counted(traced, begin, column_of, targets, distances, columns, _no_entries(columns))
+        return Rows(rows.first, *made)
+
+    def all_rows(number: int) -> NDArray[np.int32]:
+        return np.full(len(rows.valid), number, np.int32)
+
+    if first < _TELLING and len(rows.valid[own]):
+        told = min(_TELLING, last)
+        rows = added(all_rows(first), all_rows(told))
+        first = told
+    begin, end = all_rows(first), all_rows(last)
+    if first >= _TELLING:
+        begin[own] = rows.traced[own]
+        end[own] = _last_rays(slice_of(rows, 0, len(begin[own])), texels, first, last)
+    return added(begin, end)
+
+
+def _last_rays(rows: Rows, texels: Texels, first: int, last: int) -> NDArray[np.int32]:
+    """How many rays each of some texels (R,) has when others, that have `first`, have `last`."""
+    width = texels.width[rows.first : rows.first + len(rows.valid)]
+    crease = rows.traced > first
+    if first == _TELLING:
+        at_crease = rows.valid < np.float32(_CREASE_TEXELS) * width * rows.nearness
+        crease |= at_crease & (rows.nodes < _LITTLE_SKY * rows.valid)
+    return np.where(
+        rows.valid == 0, rows.traced, np.where(crease, _AT_CREASES * last, last)
+    ).astype(np.int32)
 
 
 def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
@@ -121,7 +167,9 @@ def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
     named = rows._replace(entry=new_column[column] | (rays - 1) << LARGE_BITS)
     nothing = np.empty((len(rows.valid), 0), np.int32)
     distances = np.empty(nothing.shape, np.float32)
-    made = _counted(named, new_column, nothing, distances, columns, _no_entries(columns))
+    made = _counted(
+        named, rows.traced, new_column, nothing, distances, columns, _no_entries(columns)
+    )
     return Rows(rows.first, *made)
 
 
@@ -156,24 +204,24 @@ def rays_at(entry, e):  # type: ignore[no-untyped-def]
 
 
 @hot
-def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # type: ignore[no-untyped-def]
-    """Fill in the targets of rays (rows, count) and their distances, at least half a texel.
+def _trace(tree, receivers, first_row, begins, ends, scratch, targets, distances):  # type: ignore[no-untyped-def]
+    """Fill in the targets of rays (rows, most) and their distances, at least half a texel.
 
+    Row i has those with numbers from begins[i] until ends[i] (rows,), from its first column on.
     They end at a node, at NODES + a row, at a body's _BACK, or are _DROPPED.
     """
     geometry, texels, probes, groups = receivers
     stack, far_stack, shifts, weights, place, normal, face, ray = scratch
     first_group = len(texels.pixel) + len(probes.place)
-    rows, count = targets.shape
-    for i in range(rows):
+    for i in range(len(targets)):
         row = first_row + i
         shift(row, shifts)
         # Beside a wall some rays are as short as one likes: their mean would be noise.
         least = np.float32(0.0)
         if row < len(texels.pixel):
             least = np.float32(0.5) * texels.width[row]
-        for s in range(count):
-            number = first + s
+        for s in range(ends[i] - begins[i]):
+            number = begins[i] + s
             begin(
                 geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
             )
@@ -226,8 +274,8 @@ def met_row(geometry, texels, groups, first_group, t, u, v, place, ray):  # type
 
 
 @kernel
-def _counted(rows, column_of, targets, distances, columns, like):  # type: ignore[no-untyped-def]
-    """Entries of rows and new rays together."""
+def _counted(rows, begins, column_of, targets, distances, columns, like):  # type: ignore[no-untyped-def]
+    """Entries of rows and new rays together, whose numbers begin at `begins` (R,)."""
     number, count = targets.shape
     # As many entries as rays at most: one of 32 bits may become many of 16.
     most = number * count
@@ -252,9 +300,8 @@ def _counted(rows, column_of, targets, distances, columns, like):  # type: ignor
         for s in range(count):
             if targets[i, s] == _DROPPED:
                 continue
-            # In the first round alone rays are numbered from 0, and none is known.
-            if free[i] == TRIED and valid[i] == 0 and s < TRIED:
-                free[i] = s
+            if free[i] == TRIED and begins[i] + s < TRIED:
+                free[i] = begins[i] + s
             c = np.int64(column_of[targets[i, s]])
             if amount[c] == 0:
                 touched[met] = c
@@ -277,4 +324,4 @@ def _counted(rows, column_of, targets, distances, columns, like):  # type: ignor
             if others == 0:
                 nodes[i] = used - start[i]
         start[i + 1] = used
-    return start, entry[:used].copy(), nodes, valid, nearness, free
+    return start, entry[:used].copy(), nodes, rows.traced, valid, nearness, free

@@ -144,7 +144,8 @@ def _prepare(texels: int, rays: int, patch_texels: float, left: float) -> Work:
 
 def _errors(quick: bool, lit: Lit) -> dict[str, Errors]:
     truth, texels = _QUICK if quick else _FULL, lit.bake.texels
-    free = np.flatnonzero(lit.bake.table.valid[: len(texels.pixel)] > 0.9 * lit.bake.rays)
+    table = lit.bake.table
+    free = np.flatnonzero((table.valid > 0.9 * table.traced)[: len(texels.pixel)])
     own = free[lit.bake.surfaces.part[lit.bake.colour_of[free]] >= 0]
     chosen = np.random.default_rng(1).choice(own, min(truth.points, len(own)), replace=False)
     places_m = texels.place[chosen].astype(float) * lit.bake.surfaces.radius_m
