@@ -15,7 +15,7 @@ from light_transport.ray_scene import RayScene
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.sky_nodes import NODES, node_radiances
 from light_transport.surfaces.surfaces import GROUND
-from light_transport.transport_cache import Finished, as_map, smoothed
+from light_transport.transport_cache import Finished, as_map, meet_rays, smoothed
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
@@ -43,6 +43,7 @@ def hour_light(scene: RayScene, finished: Finished, hour: Illumination) -> HourL
     scaled(light[:texels], 1.0 / bends, scene.orientation)
     smoothed(scene, light[:texels], finished.smoothing)
     np.maximum(light, 0.0, out=light)
+    meet_rays(scene, light[:texels], finished.borders)
     scaled(light[:texels], bends, scene.orientation)
     if finished.lamps is not None:
         # It has no noise that is to be smoothed, and edges that are not.

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.hour.borders import Borders, border_light, borders_of
 from light_transport.hour.filling import takes_light_of
 from light_transport.hour.gather import sky_gathered
 from light_transport.hour.key_light import KeyShadows, key_rays_of
@@ -40,6 +41,7 @@ class Finished:
     good: BoolArray
     exchange: PatchTransfer
     smoothing: Smoothing
+    borders: Borders
     source: NDArray[np.int32]
     """Whose light each texel (N,) shows, or NOBODY."""
     shown: NDArray[np.int32]
@@ -53,7 +55,7 @@ class Finished:
     @property
     def memory_bytes(self) -> int:
         """Of all arrays."""
-        parts: list[NDArray | None] = [*self.exchange, *self.smoothing, self.good]
+        parts: list[NDArray | None] = [*self.exchange, *self.smoothing, *self.borders, self.good]
         parts += [self.source, self.shown]
         parts += [self.visible_sky.values, self.lamps_on_patches]
         parts += [] if self.lamps is None else [*self.lamps]
@@ -80,6 +82,7 @@ def finished_of(scene: RayScene) -> Finished:
         good,
         exchange,
         smoothing,
+        borders_of(scene.texels, scene.beside, source, good[:texels]),
         source,
         shown,
         KeyShadows(key_rays_of(scene.patches, scene.table.free, enclosure(exchange), mirrored)),
@@ -139,6 +142,13 @@ def _after_steps(scene: RayScene, light: Float32Array, smoothing: Smoothing) -> 
         mix_at_seams(light, other, smoothing)
         light, other = other, light
     return light
+
+
+def meet_rays(scene: RayScene, light: Float32Array, borders: Borders) -> None:
+    """Overwrite light of texels (N, 4), means of their rays, by what border texels show."""
+    shown = np.empty((len(borders.row), 4), np.float32)
+    scene.over_rows(len(shown), lambda a, b: border_light(light, borders, a, b, shown))
+    light[borders.row] = shown
 
 
 def as_map(rows: Float32Array, shown: NDArray[np.int32]) -> Float32Array:

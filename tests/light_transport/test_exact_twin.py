@@ -40,7 +40,34 @@ def plain_hour(bake, now, key_share):
 def smoothed(bake, e):
     smoothing = bake.finished.smoothing
     smooth = after_steps(smoothing, e)
-    return smooth + smoothing.back.astype(float) * after_steps(smoothing, e - smooth)
+    return at_borders(
+        bake, smooth + smoothing.back.astype(float) * after_steps(smoothing, e - smooth)
+    )
+
+
+def at_borders(bake, e):
+    """What border texels show, by look-ups in the map as the frame does them, place by place."""
+    texels, finished, shown = bake.texels, bake.finished, e.copy()
+    quad = texels.triangle // 2
+    fronts = np.flatnonzero(texels.side > 0)
+    rows_at = {tuple(at): row for row, at in zip(fronts, texels.pixel[fronts], strict=True)}
+    bits = (texels.begins[:, None] >> np.arange(64, dtype=np.uint64)) & np.uint64(1)
+    for row in fronts[finished.good[fronts] & (bits[fronts].sum(axis=1) % 64 > 0)]:
+        column, line = texels.pixel[row]
+        mean, own = np.zeros(3), 0.0
+        places = np.flatnonzero(bits[row])
+        for place in places:
+            x, y = column + (place % 8 + 0.5) / 8 - 0.5, line + (place // 8 + 0.5) / 8 - 0.5
+            for at in np.ndindex(2, 2):
+                tap = int(np.floor(x)) + at[0], int(np.floor(y)) + at[1]
+                share = (1.0 - abs(x - tap[0])) * (1.0 - abs(y - tap[1]))
+                met = rows_at.get(tap, row)
+                met = finished.source[met if quad[met] == quad[row] else row]
+                mean += share * e[met] / len(places)
+                own += share * (met == row) / len(places)
+        change = (e[row] - mean) / max(own, 0.6)
+        shown[row] = np.clip(e[row] + change, 0.5 * e[row], 2.0 * e[row])
+    return shown
 
 
 def after_steps(smoothing, e):
@@ -51,9 +78,10 @@ def after_steps(smoothing, e):
 
 
 def test_kernels_agree_with_matrices_in_double_precision():
-    """Sky, key light and emission, in a room that is open above: within 0.2 % everywhere."""
+    """Sky, key light and emission, in a room that is open above and stands across texels of the
+    floor around it: within 0.2 % everywhere."""
     walls = [side for k, side in enumerate(box((0, 0, 0), (2, 1, 2), inwards=True)) if k != 2]
-    scene = quads(*walls, floor(-3, 5, -3, 5, y=-0.2), texels=12, reflectance=[0.8, 0.5, 0.3])
+    scene = quads(*walls, floor(-3, 5, -3, 5, y=0.1), texels=12, reflectance=[0.8, 0.5, 0.3])
     scene[0].emitted_rgb[:2] = 4.0
     bake = Bake(*scene)
     bake.add_rays(96)
@@ -61,6 +89,7 @@ def test_kernels_agree_with_matrices_in_double_precision():
     finished = bake.finished
     rays, share = finished.key_shadows.rays, key_shares(bake, finished, now)
     expected = smoothed(bake, plain_hour(bake, now, patch_means(bake.patches, rays, share)))
+    assert len(finished.borders.row) > 20
     column, row = bake.texels.pixel.T
     good = bake.finished.good[: len(column)]
     found = bake.light(now).texels[row, column, :3]
@@ -71,7 +100,7 @@ def test_kernels_agree_with_matrices_in_double_precision():
 def test_a_sample_of_many_partners_stands_for_all():
     """Patches that see more than 192 others keep an even sample: light is kept, and hardly moved.
 
-    Of small patches in a shut room, one wall of which glows: E of the mean within 0.1 %, and places
+    Of small patches in a shut room, one wall of which glows: E of the mean within 0.3 %, and places
     within 2 % rms of matrices that hold all pairs.
     """
     room = quads(*box((0, 0, 0), (2, 1, 3), inwards=True), texels=14, reflectance=0.8)
@@ -87,5 +116,5 @@ def test_a_sample_of_many_partners_stands_for_all():
     expected = smoothed(bake, plain_hour(bake, now, 0.0))
     column, row = bake.texels.pixel.T
     found = bake.light(now).texels[row, column, :3]
-    assert abs(found.mean() / expected.mean() - 1.0) < 1e-3
+    assert abs(found.mean() / expected.mean() - 1.0) < 3e-3
     assert np.sqrt(np.mean((found / expected - 1.0) ** 2)) < 0.02
