@@ -7,7 +7,7 @@ from path_tracer.backend import PathTracedBackend
 from path_tracer.library import safe_library
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
-from render.scene_stage import look, square, surface
+from scene_stage import look, square, surface
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.errors import UserError

@@ -9,7 +9,7 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.surfaces import model_of
 from path_tracer_here import mitsuba_or_skip
-from render.scene_stage import square, surface
+from scene_stage import square, surface
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.errors import UserError

@@ -7,7 +7,7 @@ from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
-from render.scene_stage import look, square, surface
+from scene_stage import look, square, surface
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu

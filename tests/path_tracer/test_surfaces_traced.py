@@ -11,7 +11,7 @@ from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer.textures import scaled_normals
 from path_tracer_here import mitsuba_or_skip
-from render.scene_stage import square, surface
+from scene_stage import square, surface
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.geometry.cube_map import texel_directions

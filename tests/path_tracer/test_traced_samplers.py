@@ -8,7 +8,7 @@ from light_messages import light_messages
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
-from render.scene_stage import UV, look, square
+from scene_stage import UV, look, square
 from stateful_backend import StatefulBackend, opened
 
 mitsuba_or_skip()

@@ -7,8 +7,8 @@ from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
-from render.scene_stage import CORNERS, ORDER, look, square
 from render.term_stage import ALBEDO, F0, GROUND, material
+from scene_stage import CORNERS, ORDER, look, square
 from stateful_backend import StatefulBackend, opened
 
 mitsuba_or_skip()

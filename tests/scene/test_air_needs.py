@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from render.air_stage import volume_of
+from air_stage import volume_of
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.kernel.bus import Kernel

@@ -11,6 +11,11 @@ from vrut_lite.plain_numbers import plain_float, plain_int
 class FiniteRange(click.FloatRange):
     """A number within bounds: click's own range accepts a NaN."""
 
+    def _describe_range(self) -> str:
+        """The bounds in `--help`, to four digits."""
+        low, high = (f"{bound:.4g}" for bound in (self.min, self.max))
+        return f"{low}<=x<={high}"
+
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number.
 

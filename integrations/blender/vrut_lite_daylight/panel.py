@@ -89,7 +89,7 @@ class Daylight(bpy.types.PropertyGroup):
         ],
         update=_changed,
     )
-    haze: _number("Haze", "Optical depth of aerosol at 550 nm", 0.2, 0.0, 1.0)
+    haze: _number("Haze", "Optical depth of aerosol at 550 nm", 0.2, 0.0, 0.9)
     albedo: _number("Ground", "Part of the light that the ground sends back", 0.2, 0.0, 1.0)
     rows: _whole("Rows", "Height of the sky's picture in pixels", 512, 64, 4096)
     genus: _genus("genus")
