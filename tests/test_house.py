@@ -289,6 +289,24 @@ def local_imports(name):
     return sum(of_package(target) in PACKAGES for node in inside for target in targets(node))
 
 
+# Besides them a thread's first import of numba, when no other thread runs yet.
+NUMBA = {"vrut_lite.njit", "vrut_lite.numba_shortcuts", "vrut_lite.recording.signature",
+         "vrut_lite.commands.run"}  # fmt: skip
+
+
+@pytest.mark.parametrize("package", PRODUCT)
+def test_numba_is_imported_in_one_place(package):
+    """Two threads that import different parts of numba at once see half-made modules."""
+    found = {
+        name
+        for name, _ in sources(package)
+        for node in ast.walk(syntax(name))
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        and any((target or "").split(".")[0] == "numba" for target in targets(node))
+    }
+    assert found <= NUMBA
+
+
 def test_imports_stand_at_the_top():
     """A reader sees at once what a file needs; each import in a function is counted here."""
     found = Counter({name: local_imports(name) for name in files()})

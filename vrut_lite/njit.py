@@ -25,13 +25,16 @@ from vrut_lite.interrupts import interrupts_held
 
 with interrupts_held():
     from numba import njit
-    from numba.core import caching, compiler, event, sigutils
+    from numba.core import caching, cgutils, compiler, event, sigutils, types
     from numba.core.dispatcher import Dispatcher
+    from numba.extending import intrinsic, register_jitable
     from numba.np import linalg
 
     from vrut_lite import numba_shortcuts
 
-__all__ = ["SUMS_IN_ORDER", "njit"]
+# Files of kernels take all of numba from here: two threads that import different parts of it at
+# once would see each other's half-made modules.
+__all__ = ["SUMS_IN_ORDER", "cgutils", "intrinsic", "njit", "register_jitable", "types"]
 # For `fastmath`: there is no NaN, infinity or signed zero, and a product and its sum may be rounded
 # once. Sums keep their order, so that the digits do not depend on the width of vectors. Nor do they
 # depend on which process compiled a kernel: calls between kernels find other copies of a function

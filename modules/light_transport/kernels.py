@@ -6,9 +6,7 @@ depend on the machine's vector width.
 
 from typing import Any
 
-from numba.extending import register_jitable
-
-from vrut_lite.njit import SUMS_IN_ORDER, njit
+from vrut_lite.njit import SUMS_IN_ORDER, njit, register_jitable
 
 # Least cosine between the shading normals on both sides of an edge that is smooth (10 degrees).
 _SMOOTH = 0.985

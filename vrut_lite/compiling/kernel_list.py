@@ -204,4 +204,4 @@ def decoded(text: Any) -> Any:
 
 def _types() -> Any:
     """numba's types, of which some have no type for type checkers."""
-    return importlib.import_module("numba.core.types")
+    return importlib.import_module("vrut_lite.njit").types

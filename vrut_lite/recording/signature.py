@@ -1,5 +1,6 @@
 """The signature of a journal's digests: machine features, versions, modules."""
 
+import importlib
 import os
 import platform
 from collections.abc import Iterable
@@ -65,6 +66,8 @@ def _cpu_features() -> str:
 def _numba_target() -> str:
     """For which processor numba compiles: its name, and which arithmetic it has."""
     try:
+        # First, as wherever numba is imported.
+        importlib.import_module("vrut_lite.njit")
         from numba.core import config
         from numba.core.registry import cpu_target
     except ImportError:

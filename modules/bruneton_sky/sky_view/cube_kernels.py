@@ -14,11 +14,9 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 
 from bruneton_sky.sky_view.rays import TURN_INSIDE, TURN_OUTSIDE
-from vrut_lite.njit import SUMS_IN_ORDER, njit
+from vrut_lite.njit import SUMS_IN_ORDER, intrinsic, njit, types
 
 # Numbers of one node: three of the light with its phase applied and a pad, four bands without.
 NODE = 8

@@ -19,11 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from vrut_lite.njit import SUMS_IN_ORDER, njit
+from vrut_lite.njit import SUMS_IN_ORDER, intrinsic, njit, types
 
 _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": SUMS_IN_ORDER}
 # For kernels that only kernels call: without the wrappers for Python they compile faster.

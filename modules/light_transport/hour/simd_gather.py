@@ -8,11 +8,9 @@ of the same loop in Python.
 from typing import Any
 
 from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 from light_transport.rays.ray_table import LARGE_BITS, SMALL_BITS
+from vrut_lite.njit import cgutils, intrinsic, types
 
 # So many entries are added at once, as one vector, each to sums of its own: their order is always
 # the same.

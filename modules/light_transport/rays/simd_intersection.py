@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
+
+from vrut_lite.njit import intrinsic, types
 
 LANES = 8
 # Triangles reach so far beyond their edges (barycentric): no ray slips between two neighbours.
