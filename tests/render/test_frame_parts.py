@@ -162,3 +162,27 @@ def test_a_part_that_raises_is_its_modules_fault(install, box_file):
     (fault,) = (message for message in faults if isinstance(message, Fault))
     assert fault.module == "clouds"
     assert fault.error.endswith("ZeroDivisionError: no clouds")
+
+
+class Greedy(FramePart):
+    """Asks for more textures than any driver has units."""
+
+    hears = (GlowShown,)
+    samplers = tuple(f"texture_{number}" for number in range(1000))
+
+    def show(self, heard):
+        """Take the last."""
+        self.gl.unit(self.samplers[-1])
+
+
+@pytest.mark.gl
+def test_a_part_gets_no_unit_that_the_driver_lacks(install, gl_owner, box_file, caplog):
+    """It is left out with a sentence, where the driver would draw nothing at all."""
+    install(Greedy=Greedy)
+    backend = PyrenderBackend(gl_owner)
+    stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
+    light(stage, uniform_sky(1.0))
+    stage.change(parts={GlowShown: GlowShown(glow=(1.0,) * 3)})
+    assert look(stage, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0)).radiance.max() == 1.0
+    backend.close()
+    assert "needs unit 1039" in caplog.text

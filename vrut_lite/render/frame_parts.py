@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
-from vrut_lite.errors import GivenUp
+from vrut_lite.errors import GivenUp, UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.frame_part import (
     FramePart,
@@ -36,6 +36,7 @@ from vrut_lite.uniform_block import UniformBlock
 
 # Called with the name of a part that raised, and a sentence.
 PartFailed = Callable[[str, str], None]
+_UNITS = "GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS"
 _log = logging.getLogger(__name__)
 
 
@@ -169,8 +170,15 @@ class PartRenderer:
         return part_blocks()[name]
 
     def unit(self, sampler: str) -> int:
-        """Texture unit of a sampler."""
-        return part_units()[sampler]
+        """Texture unit of a sampler.
+
+        Raises:
+            UserError: the driver has fewer units than all installed parts ask for.
+        """
+        unit, limit = part_units()[sampler], self.context.info[_UNITS]
+        if unit >= limit:
+            raise UserError(f"its texture {sampler} needs unit {unit}, and this driver has {limit}")
+        return unit
 
     def average_down(self, texture: Any) -> None:
         """Make the smaller levels of a texture."""
