@@ -193,7 +193,7 @@ def _table(level: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _table_at(altitude_m: float) -> tuple[FloatArray, FloatArray]:
-    """Of the level next to an altitude within the air."""
+    """Table of the traced altitude nearest to an altitude within the air."""
     dip = np.arccos(EARTH_RADIUS_M / (EARTH_RADIUS_M + max(altitude_m, 0.0)))
     return _table(round(float(dip) / _LEVEL_RAD))
 
