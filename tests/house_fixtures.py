@@ -119,7 +119,7 @@ def pytest_report_header(config):
     return [f"OpenGL: {renderer or 'none, GL tests are skipped: ' + reason}", f"Qt: {qt}"]
 
 
-# Of the two rows of the table of renderers; one that draws in both ways is tried in both.
+# Trial times (ns a pixel) that select the two rows of the table of renderers.
 CARD_NS, PROCESSOR_NS = 0.1, 100.0
 
 

@@ -1,4 +1,4 @@
-"""What a project holds is in its file, its inputs, the command line, and undone."""
+"""Each field of a project is in its file, its inputs, the command line and undo."""
 
 import sys
 
@@ -136,7 +136,7 @@ def kernel(project):
 
 
 def test_the_file_keeps_every_field(project, house):
-    """What is written is what is read."""
+    """Reading a written project gives an equal one."""
     path = house.with_name("project.toml")
     save_project(path, project)
     assert load_project(path) == project

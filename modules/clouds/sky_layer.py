@@ -17,18 +17,15 @@ class CloudsBeforeSky(SkyLayer):
 
     hears = CloudsChanged
 
-    @classmethod
-    def is_there(cls, message: CloudsChanged) -> bool:
+    def is_there(self, message: CloudsChanged) -> bool:
         """Whether there is a cloud."""
         return bool(message.layers)
 
-    @classmethod
-    def levels_m(cls, message: CloudsChanged) -> tuple[float, ...]:
+    def levels_m(self, message: CloudsChanged) -> tuple[float, ...]:
         """Bases and tops."""
         return tuple(level for each in message.layers for level in (each.base_m, each.top_m))
 
-    @classmethod
-    def looks_same(cls, now: CloudsChanged, before: CloudsChanged, height_m: float) -> bool:
+    def looks_same(self, now: CloudsChanged, before: CloudsChanged, height_m: float) -> bool:
         """Whether only a little wind separates them."""
         if len(now.layers) != len(before.layers):
             return False
@@ -41,9 +38,8 @@ class CloudsBeforeSky(SkyLayer):
                 return False
         return True
 
-    @classmethod
     def light_under(
-        cls,
+        self,
         message: CloudsChanged,
         clear: SkyLightChanged,
         view: Viewpoint,

@@ -143,7 +143,7 @@ def test_it_lights_the_ground_and_goes_with_its_setting_and_its_module(kernel):
 
 
 def test_enabled_again_it_is_shown_again(kernel):
-    """Whoever dropped it with the module gets it anew, though nothing else has changed."""
+    """A module that is enabled again posts its aurora, though nothing else has changed."""
     act(kernel, SetSetting(module="aurora", name="on", value=True))
     shown = []
     kernel.tap(lambda message, _: shown.append(message))
@@ -154,7 +154,7 @@ def test_enabled_again_it_is_shown_again(kernel):
 
 
 def test_by_day_it_is_outshone(kernel):
-    """Nothing is computed, and the counters says so."""
+    """Nothing is computed, and the counters say so."""
     on = SetSetting(module="aurora", name="on", value=True)
     found, _ = act(kernel, SetClock(instant=NIGHT.replace(hour=11)), on)
     assert found.layers == ()

@@ -200,7 +200,7 @@ def test_a_job_that_failed_unwanted_is_made_up_for(gpu_sky: SkyOnBus) -> None:
 
 @pytest.mark.parametrize("hindrance", ["nobody runs GPU jobs", "the GPU failed"])
 def test_where_the_gpu_does_not_serve_the_cpu_does(gpu_sky: SkyOnBus, hindrance: str) -> None:
-    """Air is there all the same, and the counters says why the GPU had nothing to do."""
+    """Air is there all the same, and the counters say why the GPU had nothing to do."""
     if hindrance == "nobody runs GPU jobs":
         gpu_sky.want_no_more(GpuJob)
     gpu_sky.eye(0.0, 20_000.0)

@@ -46,7 +46,7 @@ def smoothed(bake, e):
 
 
 def at_borders(bake, e):
-    """What border texels show, by look-ups in the map as the frame does them, place by place."""
+    """Values of border texels, by the frame's look-ups in the map, place by place."""
     texels, finished, shown = bake.texels, bake.finished, e.copy()
     quad = texels.triangle // 2
     fronts = np.flatnonzero(texels.side > 0)
@@ -100,21 +100,25 @@ def test_kernels_agree_with_matrices_in_double_precision():
 def test_a_sample_of_many_partners_stands_for_all():
     """Patches that see more than 192 others keep an even sample: light is kept, and hardly moved.
 
-    Of small patches in a shut room, one wall of which glows: E of the mean within 0.3 %, and places
-    within 2 % rms of matrices that hold all pairs.
+    Of small patches in a shut room, one wall of which glows: E of the mean within 0.1 %, and places
+    within 2 % rms of matrices that hold all pairs. One sample's mean is off by up to 0.13 % by
+    chance, so that the mean is of three rooms.
     """
-    room = quads(*box((0, 0, 0), (2, 1, 3), inwards=True), texels=14, reflectance=0.8)
-    room[0].emitted_rgb[:2] = 5.0
-    bake = Bake(*room, patch_texels=1.0)
-    bake.add_rays(768)
-    exchange = bake.finished.exchange
-    assert np.median(np.diff(bake.table.start)) > 200
-    assert np.diff(exchange.start).max() <= 192
-    kept = np.add.reduceat(exchange.share, exchange.start[:-1])
-    np.testing.assert_allclose(kept, 1.0, rtol=1e-5)
-    now = hour()
-    expected = smoothed(bake, plain_hour(bake, now, 0.0))
-    column, row = bake.texels.pixel.T
-    found = bake.light(now).texels[row, column, :3]
-    assert abs(found.mean() / expected.mean() - 1.0) < 3e-3
-    assert np.sqrt(np.mean((found / expected - 1.0) ** 2)) < 0.02
+    off = []
+    for texels in (12, 13, 14):
+        room = quads(*box((0, 0, 0), (2, 1, 3), inwards=True), texels=texels, reflectance=0.8)
+        room[0].emitted_rgb[:2] = 5.0
+        bake = Bake(*room, patch_texels=1.0)
+        bake.add_rays(768)
+        exchange = bake.finished.exchange
+        assert np.median(np.diff(bake.table.start)) > 200
+        assert np.diff(exchange.start).max() <= 192
+        kept = np.add.reduceat(exchange.share, exchange.start[:-1])
+        np.testing.assert_allclose(kept, 1.0, rtol=1e-5)
+        now = hour()
+        expected = smoothed(bake, plain_hour(bake, now, 0.0))
+        column, row = bake.texels.pixel.T
+        found = bake.light(now).texels[row, column, :3]
+        off.append(found.mean() / expected.mean() - 1.0)
+        assert np.sqrt(np.mean((found / expected - 1.0) ** 2)) < 0.02
+    assert abs(np.mean(off)) < 1e-3

@@ -1,4 +1,4 @@
-"""Work that a frame leaves out: the picture stays within one step of 8 bits, the counters tells."""
+"""Work that a frame leaves out: the picture stays within one step of 8 bits, the counters tell."""
 
 from dataclasses import fields, replace
 

@@ -46,7 +46,7 @@ SLICES_A_FRAME = 2
 class Frame:
     """GL objects of the frame; made and used on the GL thread only.
 
-    `counters` counts what was done and what was skipped.
+    `counters` holds the numbers of done and skipped work.
     """
 
     def __init__(self, context: Any, choices: Choices, part_failed: PartFailed):

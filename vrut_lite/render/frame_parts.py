@@ -162,7 +162,7 @@ class PartRenderer:
         return DepthTexture(size)
 
     def by_size(self, make: Callable[[Size], Any]) -> SizeCache[Any]:
-        """A cache of what is made for a size."""
+        """A cache of the results of `make`, by size."""
         return SizeCache(self.context, make)
 
     def block(self, name: str) -> UniformBlock:

@@ -51,8 +51,8 @@ class FrameInputs(NamedTuple):
 class PicturePasses:
     """One of each; used on the GL thread only.
 
-    `measure` is entered around each pass, with its name; `counters` counts what was done and what
-    was skipped.
+    `measure` is entered around each pass, with its name; `counters` holds the numbers of done
+    and skipped work.
     """
 
     context: Any

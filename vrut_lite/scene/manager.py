@@ -147,7 +147,7 @@ class SceneManager(Module):
         self._change(tolerance=message.tolerance)
 
     def settings_changed(self, name: str) -> None:
-        """Move what is animated, or draw and cut the picture otherwise."""
+        """Apply a changed setting to animations, picture or section."""
         if name.startswith("animation"):
             self._move()
         else:

@@ -5,6 +5,7 @@ A module brings one by an entry point of the group `vrut_lite.sky_layers` that n
 """
 
 import logging
+from abc import ABC, abstractmethod
 from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, ClassVar, NamedTuple
@@ -31,39 +32,35 @@ class Viewpoint(NamedTuple):
     half_width_m: float
 
 
-class SkyLayer:
+class SkyLayer(ABC):
     """A module's layer before the sky; its methods are pure functions of its message `hears`."""
 
     hears: ClassVar[type[Derived]]
 
-    @classmethod
-    def is_there(cls, message: Any) -> bool:
+    @abstractmethod
+    def is_there(self, message: Any) -> bool:
         """Whether there is anything before the sky."""
-        raise NotImplementedError
 
-    @classmethod
-    def levels_m(cls, message: Any) -> tuple[float, ...]:
+    def levels_m(self, message: Any) -> tuple[float, ...]:
         """Altitudes near which the layer looks otherwise to an eye that rises."""
         return ()
 
-    @classmethod
-    def looks_same(cls, now: Any, before: Any, height_m: float) -> bool:
+    def looks_same(self, now: Any, before: Any, height_m: float) -> bool:
         """Whether an eye at a height can tell two layers apart; unequal objects."""
         return False
 
-    @classmethod
+    @abstractmethod
     def light_under(
-        cls, message: Any, clear: SkyLightChanged, view: Viewpoint, size: int, source: str
+        self, message: Any, clear: SkyLightChanged, view: Viewpoint, size: int, source: str
     ) -> SkyLightChanged:
         """The light of a sky, of which radiance is known, behind the layer and with its own light.
 
         Runs in a background job; `size`: approximate edge of the background in texels.
         """
-        raise NotImplementedError
 
 
 @cache
-def sky_layers() -> dict[str, type[SkyLayer]]:
+def sky_layers() -> dict[str, SkyLayer]:
     """Layers by the names of their entry points; one that fails to load is left out, warned."""
     found = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
@@ -71,7 +68,7 @@ def sky_layers() -> dict[str, type[SkyLayer]]:
             layer = point.load()
             if not (isinstance(layer, type) and issubclass(layer, SkyLayer)):
                 raise UserError("it names no subclass of SkyLayer")
-            found[point.name] = layer
+            found[point.name] = layer()
         except BaseException as error:
             pass_interrupt(error)
             _log.warning("the sky layer %s failed to load: %s", point.name, sentence_of(error))

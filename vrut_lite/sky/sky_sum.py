@@ -25,7 +25,7 @@ CUBE_SIZE = 64
 # the same.
 _UNSEEN_SHARE = 0.02
 _LEAST_DISTANCE_M = 50.0
-Layers = dict[type[SkyLayer], Derived]
+Layers = dict[SkyLayer, Derived]
 
 
 class SumOutdated(Derived, frozen=True, kw_only=True):

@@ -34,12 +34,12 @@ class Finishing:
         self._waits_since_s = 0.0
 
     def moved(self, due_s: float) -> None:
-        """What is visible has changed; it is finished at `due_s` if it rests until then."""
+        """A visible change: the finished picture is due at `due_s`, if nothing moves before."""
         self.due_s = self._waits_since_s = due_s
         self.insists = False
 
     def lit(self, now_s: float) -> None:
-        """Light has come that only refines what is shown: it is finished without another draft."""
+        """Refined light has come: the finished picture is due now, without another draft."""
         self.moved(now_s)
 
     def is_due(self, now_s: float) -> bool:

@@ -1,7 +1,7 @@
 // What of a cut-out surface is there: render/cut_out.py says what its map holds.
 
-// The level of a map that a pixel asks for, from 0 to 1: drivers differ in what textureQueryLod
-// tells where the map is read finer than that.
+// Level of detail of a pixel in a map, from 0 to 1. Drivers differ in textureQueryLod where the map
+// has a bias of its level.
 float level_to_one(sampler2D map, vec2 uv) {
     vec2 texels = vec2(textureSize(map, 0)), x = dFdx(uv) * texels, y = dFdy(uv) * texels;
     return clamp(0.5 * log2(max(max(dot(x, x), dot(y, y)), 1e-12)), 0.0, 1.0);

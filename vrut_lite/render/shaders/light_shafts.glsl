@@ -68,7 +68,7 @@ vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
 vec3 shadowed_light(AirRay ray, vec3 d, float metres) {
     vec3 missing = shaded_by_scene(ray, d, metres);
 #ifdef SUN_FACTOR
-    // Approximation: the part removes the same share of what the scene leaves lit everywhere.
+    // Approximation: the part removes an equal share of all light that the scene leaves.
     vec3 whole = sunlit_before(ray, metres);
     vec3 left = clamp(1.0 - missing / max(whole, 1e-30), 0.0, 1.0);
     missing += left * shaded_by_part(ray, d, metres);

@@ -1,1 +1,1 @@
-"""What draws moving pictures where a processor is the renderer: `device` decides."""
+"""Moving pictures where a processor is the renderer, as `device` decides."""
