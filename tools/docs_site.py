@@ -13,6 +13,11 @@ from typing import Any
 import click
 import msgspec
 
+from vrut_lite.cli import root
+from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.kernel.settings import describe
+from vrut_lite.messages.vocabulary import DERIVED, INPUTS
+
 ROOT = Path(__file__).parents[1]
 # Files of the repository's root, by their page.
 ROOT_PAGES = {
@@ -76,8 +81,6 @@ def _with_links_to_pages(text: str, up: str) -> str:
 
 def commands_reference() -> Iterator[str]:
     """Every command with its arguments and options, as `--help` has them."""
-    from vrut_lite.cli import root
-
     yield "# Every command\n"
     yield from _command("vrut-lite", root, click.Context(root, info_name="vrut-lite"))
 
@@ -103,9 +106,6 @@ def _command(name: str, command: click.Command, context: click.Context) -> Itera
 
 def settings_reference() -> Iterator[str]:
     """Every installed module: slots, and settings with their ranges and defaults."""
-    from vrut_lite.daylight_kernel import daylight_kernel
-    from vrut_lite.kernel.settings import describe
-
     kernel, _ = daylight_kernel()
     yield "# Modules and settings\n"
     yield (
@@ -129,8 +129,6 @@ def settings_reference() -> Iterator[str]:
 
 def messages_reference() -> Iterator[str]:
     """Every message of daylight: what it says and its fields."""
-    from vrut_lite.messages.vocabulary import DERIVED, INPUTS
-
     yield "# Messages\n"
     for title, types in (("Inputs", INPUTS), ("What modules post", DERIVED)):
         yield f"## {title}\n"

@@ -22,8 +22,11 @@ from typing import Any
 import msgspec
 
 from vrut_lite import compiled_code
+from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.compiling import ahead
 from vrut_lite.compiling.kernel_list import Kernel, KernelGroup, kernel_of, list_file
+from vrut_lite.project import Project
+from vrut_lite.scene.scene_state import FrameSkips
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes"
 # It has textures, a lamp, a part that mirrors, and a room in which light goes to and fro.
@@ -62,9 +65,6 @@ def rehearse(way: str) -> None:
 
 def draw(scene: str, moves: bool) -> None:
     """A finished picture of a scene; before it, if it moves, pictures of the turning camera."""
-    from vrut_lite.commands.scene_pictures import ScenePlan
-    from vrut_lite.project import Project
-
     plan = ScenePlan(Project(scene=scene, at=_AT, size=SIZE))
     studio = plan.open()
     try:
@@ -77,8 +77,6 @@ def draw(scene: str, moves: bool) -> None:
 
 def _move(host: Any) -> None:
     """Pictures as the window draws them while a hand turns the camera."""
-    from vrut_lite.scene.scene_state import FrameSkips
-
     before, host.frame_skips = host.frame_skips, FrameSkips()
     for _ in range(3):
         host.draw(still=False)

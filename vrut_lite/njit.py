@@ -1,193 +1,83 @@
-"""numba's `njit` with digests on its cache files: damaged ones are compiled again.
+"""Decorators of kernels that import numba at the first call of a kernel.
 
-numba unpickles cached machine code unchecked: a truncated file would end every sky in a traceback
-until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
-would lose each other's entries of the index; here a lock makes one wait for the other. And numba
-recompiles a kernel when its own file changes, but not when another changes whose functions or
-constants it uses: here all files of its package that it imports count, directly or not.
+numba takes half a second to import, and a start whose results are all on disk calls no kernel.
+`numba_compiler.py` imports it, on the thread that calls first.
 """
 
-import fcntl
-import hashlib
-import importlib
-import os
-import pickle
-import re
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from functools import cache
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
-from vrut_lite import compiled_code
-from vrut_lite.interrupts import interrupts_held
+from vrut_lite.lazy import lazy
 
-with interrupts_held():
-    from numba import njit
-    from numba.core import caching, cgutils, compiler, event, sigutils, types
-    from numba.core.dispatcher import Dispatcher
-    from numba.extending import intrinsic, register_jitable
-    from numba.np import linalg
-
-    from vrut_lite import numba_shortcuts
-
-# Files of kernels take all of numba from here: two threads that import different parts of it at
-# once would see each other's half-made modules.
-__all__ = ["SUMS_IN_ORDER", "cgutils", "intrinsic", "njit", "register_jitable", "types"]
 # For `fastmath`: there is no NaN, infinity or signed zero, and a product and its sum may be rounded
 # once. Sums keep their order, so that the digits do not depend on the width of vectors. Nor do they
 # depend on which process compiled a kernel: calls between kernels find other copies of a function
 # there than in a process that loads them, and with `fastmath=True` each copy sums in its own order.
 # Journals compare results of kernels by digest. It costs the solver 1 to 2 % of its time.
 SUMS_IN_ORDER = {"nnan", "ninf", "nsz", "contract"}
-_DIGEST_BYTES = 32
-_IMPORTED = re.compile(rb"^from (\S+) import", re.MULTILINE)
+_compiler = lazy("vrut_lite.numba_compiler")
+_making = threading.RLock()
 
 
-class CheckedCacheFile(caching.IndexDataCacheFile):
-    """Index and data files with a digest at their end, which numba's own reader ignores."""
+class Kernel:
+    """A function that numba compiles at its first call for each set of argument types.
 
-    def save(self, key: Any, data: Any) -> None:
-        """Save compiled code while no other process does."""
-        with _alone_in(Path(self._index_path).parent):
-            super().save(key, data)
-
-    def _load_index(self) -> dict[Any, str]:
-        try:
-            with open(self._index_path, "rb") as stream:
-                pickle.load(stream)
-                sound = _is_whole(stream.read())
-            return super()._load_index() if sound else {}
-        except Exception:  # Unpickling damaged data may raise anything.
-            return {}
-
-    def _load_data(self, name: str) -> Any:
-        if not _is_whole(Path(self._data_path(name)).read_bytes()):
-            # numba takes this for a removed file.
-            raise FileNotFoundError(name)
-        return super()._load_data(name)
-
-    def _dump(self, obj: Any) -> bytes:
-        data: bytes = super()._dump(obj)
-        return data + _digest(data)
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        # Some file systems have no locks; numba then works as without this class.
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
-def _is_whole(content: bytes) -> bool:
-    return content[-_DIGEST_BYTES:] == _digest(content[:-_DIGEST_BYTES])
-
-
-def _digest(data: bytes) -> bytes:
-    return hashlib.blake2b(data, digest_size=_DIGEST_BYTES).digest()
-
-
-def _stamp(locator: Any) -> tuple[Any, bytes]:
-    """Changes with a kernel's file and with the files that it imports from its package."""
-    return _stamp_of_file(locator), _digest_with_imports(Path(locator._py_file))
-
-
-@cache
-def _digest_with_imports(own: Path) -> bytes:
-    """A digest of a file and of the files of its package that it imports, directly or not."""
-    package = own.parent
-    while (package.parent / "__init__.py").is_file():
-        package = package.parent
-    found, todo = {own}, [own]
-    while todo:
-        for name in _read(todo.pop())[1]:
-            first, *rest = name.split(".")
-            if first == package.name:
-                other = _file_of(package.joinpath(*rest))
-                if other is not None and other not in found:
-                    todo.append(other)
-                    found.add(other)
-    return _digest(b"".join(_read(file)[0] for file in sorted(found)))
-
-
-@cache
-def _file_of(module: Path) -> Path | None:
-    """The source of a python module or package, None if there is no such file."""
-    file = module / "__init__.py" if module.is_dir() else module.with_suffix(".py")
-    return file if file.is_file() else None
-
-
-@cache
-def _read(file: Path) -> tuple[bytes, tuple[str, ...]]:
-    """A file's digest and the python modules that it imports."""
-    content = file.read_bytes()
-    return _digest(content), tuple(name.decode() for name in _IMPORTED.findall(content))
-
-
-class _Teller(event.Listener):
-    """Counts compilations, and reports those of kernels that Python calls."""
-
-    def on_start(self, event: event.Event) -> None:
-        compiled_code.compilations += 1
-        if compiled_code.ahead is not None and _nested.depth == 1:
-            compiled_code.ahead.note(event.data["dispatcher"], event.data["args"])
-
-    def on_end(self, event: event.Event) -> None:
-        """Nothing to do."""
-
-
-class _Nested(threading.local):
-    """Depth of a thread's nested compilations."""
-
-    depth = 0
-
-
-def _compile(dispatcher: Any, signature: Any) -> Any:
-    """Compile a function or find it on disk; hooks are called before the outermost ones."""
-    if _nested.depth == 0:
-        arguments = sigutils.normalize_signature(signature)[0]
-        for hook in compiled_code.before_kernel:
-            hook(dispatcher, arguments)
-        if compiled_code.ahead is not None:
-            # Before numba's lock is taken: others may compile while this thread waits.
-            compiled_code.ahead.wait_for(dispatcher, arguments)
-    _nested.depth += 1
-    try:
-        return _compile_or_load(dispatcher, signature)
-    finally:
-        _nested.depth -= 1
-
-
-def _import_without_blas() -> None:
-    """Import numba's functions on arrays, which would import scipy.linalg for 0.2 s.
-
-    They only ask whether there is a BLAS. A kernel that multiplies matrices loads it all the same.
+    All that numba's own object of it has is an attribute.
     """
-    asked = linalg.ensure_blas
-    linalg.ensure_blas = lambda: None
-    try:
-        importlib.import_module("numba.np.arraymath")
-    finally:
-        linalg.ensure_blas = asked
+
+    def __init__(self, function: Callable[..., Any], make: str, options: dict[str, Any]):
+        self.__module__, self.__name__ = function.__module__, function.__name__
+        self.__qualname__, self.__doc__ = function.__qualname__, function.__doc__
+        self.__wrapped__ = function
+        self._make, self._options = make, options
+        self._compiled: Any = None
+
+    @property
+    def compiled(self) -> Any:
+        """numba's object of the function."""
+        if self._compiled is None:
+            make = getattr(_compiler, self._make)
+            with _making:
+                if self._compiled is None:
+                    self._compiled = make(self.__wrapped__, self._options)
+        return self._compiled
+
+    @property
+    def _numba_type_(self) -> Any:
+        # numba asks for it where another kernel calls this one.
+        return _compiler.type_of(self.compiled)
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Call the function, compiled for these types of arguments."""
+        return (self._compiled or self.compiled)(*arguments, **named)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.compiled, name)
+
+    def __reduce__(self) -> str:
+        return self.__qualname__
 
 
-with interrupts_held():
-    _import_without_blas()
-# Only functions handed to C as callbacks have a use for this wrapper, and none of ours is: 3 of 40
-# seconds of compiling were spent on it, in numba's own helpers too.
-setattr(compiler.Flags.options["no_cfunc_wrapper"], "_default", True)  # noqa: B010
-numba_shortcuts.install()
-_nested = _Nested()
-_compile_or_load = Dispatcher.compile
-setattr(Dispatcher, "compile", _compile)  # noqa: B010
-event.register("numba:compile", _Teller())
-_stamp_of_file = caching._SourceFileBackedLocatorMixin.get_source_stamp
-setattr(caching._SourceFileBackedLocatorMixin, "get_source_stamp", _stamp)  # noqa: B010
-# Cached functions use the class that has this name in numba's module.
-setattr(caching, "IndexDataCacheFile", CheckedCacheFile)  # noqa: B010
+def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
+    """`numba.njit`, by which numba is imported at the first call."""
+    if function is not None:
+        return Kernel(function, "compiled_function", options)
+    return lambda function: Kernel(function, "compiled_function", options)
+
+
+def intrinsic(function: Callable[..., Any]) -> Any:
+    """`numba.extending.intrinsic`: kernels alone call it; the function is called to compile it."""
+    return Kernel(function, "compiled_intrinsic", {})
+
+
+def register_jitable(**options: Any) -> Any:
+    """`numba.extending.register_jitable`: kernels call the function too, compiled with them."""
+    return lambda function: Kernel(function, "inlined_function", options)
+
+
+# For files of intrinsics.
+types = lazy("vrut_lite.numba_compiler:types")
+cgutils = lazy("vrut_lite.numba_compiler:cgutils")

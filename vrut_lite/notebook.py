@@ -9,12 +9,16 @@ from vrut_lite.arguments import as_number
 from vrut_lite.commands.scene_pictures import ScenePlan, SceneShot
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.preview import captioned_html, png
+from vrut_lite.lazy import lazy
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.place_time import time_zone_at
 from vrut_lite.project import Project, in_words, project_of_path
 
 if TYPE_CHECKING:
     from vrut_lite.hour_slider import HourSlider
+
+# It needs the extra `notebook`.
+_slider = lazy("vrut_lite.hour_slider:HourSlider")
 
 _SIZE = (640, 360)
 
@@ -59,13 +63,16 @@ class LitScene:
             UserError: the extra `notebook` is not installed.
         """
         try:
-            from vrut_lite.hour_slider import HourSlider
+            slider = _slider.load()
         except ModuleNotFoundError:
             raise UserError(
                 "the slider needs the extra `notebook`: pip install 'vrut-lite[notebook]'"
             ) from None
         now = self._local_now()
-        return HourSlider(lambda hour: png(self.at(hour).display), now.hour + now.minute / 60.0)
+        widget: HourSlider = slider(
+            lambda hour: png(self.at(hour).display), now.hour + now.minute / 60.0
+        )
+        return widget
 
     def close(self) -> None:
         """Free the GPU."""

@@ -24,6 +24,7 @@ from bruneton_sky.geometry import (
 from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
 from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
+from bruneton_sky.single_scattering_kernels import fast_by_name
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.delta_m import forward_shares
@@ -101,9 +102,6 @@ def scattered_once(
     On the depths of thinned air, with the whole phase function of each kind of particle. `mu`, `nu`
     (n,); `samples`: nodes per segment.
     """
-    # The compiled rule is for truths alone.
-    from bruneton_sky.single_scattering_kernels import fast_by_name
-
     air = field.thinned
     light = fast_by_name(air, altitude_m, mu, mu_s, nu, samples)
     radiance = light.pop("molecules") * rayleigh_phase(nu)[:, None]

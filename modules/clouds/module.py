@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from clouds.by_weather import layers_under
+from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings, Layer
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult
@@ -130,9 +131,6 @@ def make_layers(
     settings: CloudSettings, cloudiness: CloudinessChanged | None = None
 ) -> tuple[tuple[CloudSettings, CloudinessChanged | None], tuple[CloudLayer, ...]]:
     """The background job; it returns its arguments too, to identify the layers."""
-    # Imported here because it imports numba, which is needed only if there are clouds.
-    from clouds.layer import cloud_layer
-
     layers = layers_under(settings, cloudiness)
     return (settings, cloudiness), tuple(cloud_layer(layer, settings.seed) for layer in layers)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clouds.genera import Pattern
+from clouds.noise_kernels import perlin, worley
 from vrut_lite.numeric_types import FloatArray
 
 WEATHER_SIZE, SHAPE_SIZE, DETAIL_SIZE = 512, 128, 64
@@ -32,8 +33,6 @@ def weather_map(
     Cells of convection are grouped in fields; a sheet has fields alone; fibres run along the first
     axis of the world, in tufts.
     """
-    from clouds.noise_kernels import perlin, worley
-
     at = _places((1, size, size))
     fields = _octaves(perlin, at, _FIELDS, 5, seed)
     if pattern == "cells":
@@ -48,8 +47,6 @@ def weather_map(
 
 def _fibres(at: FloatArray, fields: FloatArray, seed: int) -> FloatArray:
     """Noise (n,) drawn out along x, and bent by the fields (n,)."""
-    from clouds.noise_kernels import perlin
-
     # A slanted cut through a volume: so many times as many cells across as along, and yet periodic.
     bent = at[:, 1] + _BEND * fields
     cut = np.stack([bent, bent * _ACROSS, at[:, 2]], axis=-1)
@@ -59,8 +56,6 @@ def _fibres(at: FloatArray, fields: FloatArray, seed: int) -> FloatArray:
 @lru_cache(maxsize=2)
 def shape_volume(seed: int, size: int = SHAPE_SIZE) -> NDArray[np.uint8]:
     """Billows (size, size, size): Worley's noise, modulated by Perlin's."""
-    from clouds.noise_kernels import perlin, worley
-
     at = _places((size, size, size))
     billows = _octaves(worley, at, _BILLOWS, 4, seed + 101, gain=0.5)
     mixed = 0.62 * billows + 0.38 * (0.5 + 0.7 * _octaves(perlin, at, _BILLOWS - 1, 3, seed + 202))
@@ -70,8 +65,6 @@ def shape_volume(seed: int, size: int = SHAPE_SIZE) -> NDArray[np.uint8]:
 @lru_cache(maxsize=2)
 def detail_volume(seed: int, size: int = DETAIL_SIZE) -> NDArray[np.uint8]:
     """Inverted small billows (size, size, size): largest farthest from their centres."""
-    from clouds.noise_kernels import worley
-
     at = _places((size, size, size))
     return 255 - _stretched(_octaves(worley, at, _FRINGES, 4, seed + 303)).reshape((size,) * 3)
 

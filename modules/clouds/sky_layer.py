@@ -3,6 +3,7 @@
 import msgspec
 import numpy as np
 
+from clouds.sky_under_clouds import light_under_clouds
 from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.sky.sky_layer import SkyLayer, Viewpoint
@@ -47,7 +48,4 @@ class CloudsBeforeSky(SkyLayer):
         source: str,
     ) -> SkyLightChanged:
         """The sum of the sky and the clouds before it."""
-        # Imported here because it imports numba, which is needed only if there are clouds.
-        from clouds.sky_under_clouds import light_under_clouds
-
         return light_under_clouds(message.layers, clear, view, size, source)

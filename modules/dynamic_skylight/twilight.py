@@ -16,11 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
 from dynamic_skylight.twilight_blend import BLEND_DEG, BLEND_ENDS_DEG, blend, model_on_map
 from dynamic_skylight.twilight_curve import NIGHT_BEGINS_DEG, illuminance_lx
+from dynamic_skylight.twilight_rows import lay_over
 from dynamic_skylight.twilight_table import (
     azimuth_coordinate,
     elevation_coordinate,
@@ -89,9 +91,6 @@ class HourSky:
         faces: tuple[int, ...] = ALL_FACES,
     ) -> NDArray[np.float32]:
         """The fast path, as `HosekWilkieSky.cube_map`; night is added below the horizon too."""
-        # Imported on first use, because compiling takes a moment.
-        from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
-
         cube = fill_cube(
             self.distribution,
             self.mean_radiance,
@@ -102,8 +101,6 @@ class HourSky:
             faces,
         )
         if self.twilight is not None:
-            from dynamic_skylight.twilight_rows import lay_over
-
             lay_over(cube, faces, self.twilight, sun_azimuth_rad)
         if self.night_radiance > 0.0:
             cube[list(faces)] += np.float32(self.night_radiance)

@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
+from night_sky.earth_shadow import light_left
+from night_sky.glow import Sources, glow, lamps_from_above
+from night_sky.moon_light import irradiance_rgb, sun_rgb
+from night_sky.night_air import night_air
+from night_sky.path import moon_path
+from night_sky.planets import planets_at
 from night_sky.settings import NightSkySettings
+from night_sky.sight import sight
+from night_sky.sky_axes import refracted
+from night_sky.stars import stars_at
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.refraction import dip_rad, eye_aloft_m, horizon_elevation
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
@@ -135,10 +144,6 @@ class NightSky(Module):
         if all(self.link.wanted(kind) is None for kind in PRODUCTS):
             self.counters.skip("night: unwanted")
             return
-        # Imported when needed: whoever only lists modules needs no ephemeris.
-        from night_sky.earth_shadow import light_left
-        from night_sky.sight import sight
-
         self._told = True
         where = place.latitude_deg, place.longitude_deg, place.altitude_m, place.north_offset_rad
         below = sight(clock.instant, place, self.settings.danjon)
@@ -158,8 +163,6 @@ class NightSky(Module):
         self._tell_points(self._present_sight(clock.instant, place) if self._eye_m else below)
 
     def _present_sight(self, instant: datetime, place: SetPlace) -> "Sight":
-        from night_sky.sight import sight
-
         return sight(instant, place, self.settings.danjon, self._eye_m)
 
     def _tell_points(self, seen: "Sight") -> None:
@@ -205,15 +208,11 @@ class NightSky(Module):
                 )
             )
             return
-        from night_sky.path import moon_path
-
         self._post(moon_path(instant, place, NAME))
         self.counters.did("path")
 
     def _present_air(self, eye_m: float = 0.0) -> "NightAir":
         """The air before an eye; the ground's is kept beside it."""
-        from night_sky.night_air import night_air
-
         haze = haze_of(self.link)
         if haze != self._air_of:
             self._air_of, self._air = haze, {}
@@ -224,19 +223,13 @@ class NightSky(Module):
 
     @property
     def _sources(self) -> "Sources":
-        from night_sky.glow import Sources
-
         return Sources(self.settings.solar_flux_sfu, self.settings.zenith_magnitude)
 
     def _lamps_rgb(self) -> Vector:
-        from night_sky.glow import lamps_from_above
-
         red, green, blue = lamps_from_above(haze_of(self.link), self._sources).tolist()
         return red, green, blue
 
     def _present_glow(self, at: "Watch", where: tuple[float, ...]) -> Array:
-        from night_sky.glow import glow
-
         sources = self._sources
         made_of = where, sources, self._air_of
         air, days = self._present_air(), at.time.ut
@@ -259,8 +252,6 @@ def moon_light(
 ) -> MoonLight | None:
     """The moon as a source of light, with what the Earth's shadow leaves of it; None where it is
     too low to be one."""
-    from night_sky.moon_light import irradiance_rgb, sun_rgb
-
     true = math.asin(min(max(float(moon.true_direction[1]), -1.0), 1.0))
     if math.degrees(true) < _MOON_GONE_DEG:
         return None
@@ -284,10 +275,6 @@ def moon_light(
 
 def stars_seen(at: "Watch", air: "NightAir", eye_height_m: float = 0.0) -> StarsChanged:
     """Stars and planets over an eye's horizon, behind the air before it, brightest first."""
-    from night_sky.planets import planets_at
-    from night_sky.sky_axes import refracted
-    from night_sky.stars import stars_at
-
     found = [stars_at(at), planets_at(at)]
     direction = np.concatenate([some.direction for some in found])
     # Those that refraction may raise over the horizon.

@@ -21,7 +21,7 @@ from long_parameters import mostly_long
 
 from vrut_lite import array_cache, compiled_code
 from vrut_lite.array_cache import ArrayCache
-from vrut_lite.njit import CheckedCacheFile
+from vrut_lite.numba_compiler import CheckedCacheFile
 
 RECIPE = ("anything", 1)
 SIZES = TableSizes(

@@ -6,6 +6,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Module
 from vrut_lite.recording.entry import Setup
 from vrut_lite.recording.replay import HEADLESS
+from vrut_lite.scene.manager import SceneManager
 
 
 def add_headless_scene(kernel: Kernel) -> None:
@@ -27,7 +28,4 @@ def modules_for(setup: Setup) -> list[type[Module]]:
 
 
 def _scene_manager() -> type[Module]:
-    # Loading scenes takes libraries that a session without one need not wait for.
-    from vrut_lite.scene.manager import SceneManager
-
     return SceneManager

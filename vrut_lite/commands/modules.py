@@ -2,6 +2,7 @@
 
 import click
 
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.settings import describe
 
 
@@ -11,8 +12,6 @@ def modules() -> None:
 
     Example: vrut-lite modules
     """
-    from vrut_lite.daylight_kernel import daylight_kernel
-
     kernel, failures = daylight_kernel()
     for seat in kernel.seats.values():
         manifest = seat.manifest

@@ -9,12 +9,17 @@ from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.lazy import lazy
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sun import SunMoved
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host
     from vrut_lite.render.gl_owner import GlOwner
+
+# Commands without a picture need no OpenGL.
+_host = lazy("vrut_lite.host:Host")
+_gl_owner = lazy("vrut_lite.render.gl_owner:GlOwner")
 
 
 def open_kernel() -> Kernel:
@@ -30,9 +35,7 @@ def open_host(gl: "GlOwner | None" = None) -> "Host":
     tell_of_compilation(scene=True)
     gl = gl or open_gl()
     with interrupts_held():
-        from vrut_lite.host import Host
-
-        host = Host(gl=gl)
+        host: Host = _host(gl=gl)
     tell(host.failures)
     return host
 
@@ -40,9 +43,8 @@ def open_host(gl: "GlOwner | None" = None) -> "Host":
 def open_gl() -> "GlOwner":
     """OpenGL, opened while the caller goes on; for `open_host`, or to be closed."""
     with interrupts_held():
-        from vrut_lite.render.gl_owner import GlOwner
-
-        return GlOwner()
+        owner: GlOwner = _gl_owner()
+    return owner
 
 
 def tell(failures: list[str]) -> None:

@@ -14,6 +14,7 @@ from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.pictures import tell_notices
 from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
+from vrut_lite.daylight_kernel import demand_light
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
@@ -81,8 +82,6 @@ def record(
     check_writable(output)
     plan = with_options(with_scene_options(project_of_path(scene), options), options)
     passing = _passing(plan, start, end, step_minutes)
-    from vrut_lite.daylight_kernel import demand_light
-
     kernel = open_kernel()
     script: list[Input] = [*setting_inputs(plan, kernel), *daylight_inputs(plan)]
     if plan.scene:

@@ -1,23 +1,27 @@
 """`vrut-lite run`: the desktop application."""
 
+import importlib
 import os
 import sys
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 import msgspec
 
+from vrut_lite.app.desktop import require_desktop
+from vrut_lite.app.window.kept import Kept
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
+from vrut_lite.lazy import lazy
 from vrut_lite.project import Project, load_project, project_of_path
 
-if TYPE_CHECKING:
-    from vrut_lite.app.window.kept import Kept
+begin_probe = lazy("vrut_lite.render.gl_environment:begin_probe")
+run_app = lazy("vrut_lite.app.main:run_app")
 
 # Shown if no scene is given and no session was kept: a summer evening in a street.
 _DISTRIBUTION = "vrut-lite"
@@ -40,33 +44,26 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 
     Example: vrut-lite run scenes/street.toml --at 2026-06-21T18:40
     """
-    from vrut_lite.app.window.kept import Kept
-
     kept = Kept(None) if safe_mode else Kept.of_user()
     project = with_options(with_scene_options(_project(scene, kept), options), options)
     if project.scene and not os.path.isfile(project.scene):
         raise UserError(f"cannot open {project.scene}: there is no such file")
-    from vrut_lite.app.desktop import require_desktop
-
     require_desktop(meanwhile=_import_host)
     with interrupts_held():
-        from vrut_lite.app.main import run_app
-    sys.exit(run_app(project, kept, safe_mode))
+        start = run_app.load()
+    sys.exit(start(project, kept, safe_mode))
 
 
 def _import_host() -> None:
     """Import what draws and computes: before Qt, which reads the source of each later import."""
     # Without OpenGL; who needs it says so in its own words.
     with interrupts_held(), suppress(ImportError):
-        from vrut_lite.render.gl_environment import begin_probe
-
         begin_probe()
-        import numba  # noqa: F401
+        importlib.import_module("vrut_lite.numba_compiler")
+        importlib.import_module("vrut_lite.host")
 
-        import vrut_lite.host  # noqa: F401
 
-
-def _project(scene: str | None, kept: "Kept") -> Project:
+def _project(scene: str | None, kept: Kept) -> Project:
     if scene is None:
         return kept.session() or _first_project()
     return project_of_path(scene)

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from vrut_lite import compiled_code
+from vrut_lite.njit import types
 
 FILE = Path("data") / "kernels.json"
 _MODULES = "vrut_lite.modules"
@@ -163,7 +164,6 @@ def encoded(kind: Any) -> Any:
     Raises:
         ValueError: the type is of another kind.
     """
-    types = _types()
     if isinstance(kind, types.Array):
         return (
             f"{kind.dtype}[{kind.ndim}{kind.layout}{'' if kind.mutable else 'r'}"
@@ -185,7 +185,6 @@ def decoded(text: Any) -> Any:
     Raises:
         ValueError, ImportError, AttributeError: the text names no type.
     """
-    types = _types()
     if isinstance(text, list):
         return types.BaseTuple.from_types(tuple(map(decoded, text)))
     if isinstance(text, dict):
@@ -200,8 +199,3 @@ def decoded(text: Any) -> Any:
             decoded(dtype), int(ndim), layout, readonly=bool(readonly), aligned=not unaligned
         )
     return {"bool": types.boolean, "none": types.none}.get(text) or getattr(types, text)
-
-
-def _types() -> Any:
-    """numba's types, of which some have no type for type checkers."""
-    return importlib.import_module("vrut_lite.njit").types

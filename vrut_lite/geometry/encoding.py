@@ -9,6 +9,8 @@ below 1e-12 of starlight, lose bits and become zero.
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.geometry.encoding_kernel import to_halves
+
 _TOP_EXPONENT, _LOWEST_EXPONENT = 15, -100
 # Numbers from which on the compiled conversion is worth its import: a cube of 64.
 _WORTH_COMPILING = 6 * 64 * 64 * 3
@@ -25,9 +27,6 @@ def encode_float16(radiance: NDArray[np.floating]) -> tuple[NDArray[np.float16],
     scale = float16_scale(float(radiance.max()))
     if radiance.size < _WORTH_COMPILING or radiance.dtype != np.float32 or radiance.min() < 0.0:
         return (radiance * (1.0 / scale)).astype(np.float16), scale
-    # Imported on first use: a start compiles nothing.
-    from vrut_lite.geometry.encoding_kernel import to_halves
-
     halves = np.empty(radiance.shape, np.float16)
     bits = halves.reshape(-1).view(np.uint16)
     to_halves(np.ascontiguousarray(radiance).reshape(-1), np.float32(1.0 / scale), bits)

@@ -1,6 +1,5 @@
 """The signature of a journal's digests: machine features, versions, modules."""
 
-import importlib
 import os
 import platform
 from collections.abc import Iterable
@@ -10,8 +9,11 @@ from importlib.metadata import version as version_of
 import numpy as np
 
 from vrut_lite import __version__
+from vrut_lite.lazy import lazy
 
 Signature = dict[str, str]
+
+_numba = lazy("vrut_lite.numba_compiler")
 
 # Beginnings of the names of processor features that say how sums and products are rounded.
 _ARITHMETIC = ("sse", "avx", "fma", "f16c", "fp", "neon", "sve", "vfp", "vsx", "altivec")
@@ -66,10 +68,7 @@ def _cpu_features() -> str:
 def _numba_target() -> str:
     """For which processor numba compiles: its name, and which arithmetic it has."""
     try:
-        # First, as wherever numba is imported.
-        importlib.import_module("vrut_lite.njit")
-        from numba.core import config
-        from numba.core.registry import cpu_target
+        config, cpu_target = _numba.config, _numba.cpu_target
     except ImportError:
         return "none"
     if getattr(config, "DISABLE_JIT", False):

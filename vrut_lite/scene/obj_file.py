@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.obj_kernels import read_plain_block
 from vrut_lite.scene.obj_strokes import ObjStrokes, StatedStrokes
 from vrut_lite.scene.scene_file_error import SceneFileError
 
@@ -139,9 +140,6 @@ def _blocks(data: bytes) -> Iterator[bytes]:
 
 
 def _read_block(block: bytes, reading: _Reading) -> None:
-    # Not before it is needed: it imports numba.
-    from vrut_lite.scene.obj_kernels import read_plain_block
-
     before = tuple(reading.counts[kind] for kind in _KINDS)
     plain = read_plain_block(block, (before[0], before[1], before[2]))
     others = [] if plain is None else plain.lines.tolist()

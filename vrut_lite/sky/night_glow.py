@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from vrut_lite.array import Array
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.night_kernels import fill_glow
 
 
 class _LookUp(NamedTuple):
@@ -41,9 +42,6 @@ def glow_cube(
     """
     values = glow.values
     found = _look_up(size, *values.shape[:2], horizon_rad)
-    # Imported on first use: by day nothing is compiled.
-    from vrut_lite.sky.night_kernels import fill_glow
-
     cube = np.empty((6, size, size, 3), np.float32)
     flat = np.ascontiguousarray(values.reshape(-1, 3), np.float32)
     ground = np.array(ground_rgb, np.float32)

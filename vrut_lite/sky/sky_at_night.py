@@ -25,6 +25,7 @@ from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite.sky.night_glow import glow_cube
+from vrut_lite.sky.night_kernels import add_halves
 from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, Sky, SkyInputs, Spectrum, SunDisc
 
 # Edge (texels) of the cube from which the glow's irradiance on the scene is integrated.
@@ -274,9 +275,6 @@ def _add(total: Float32Array, more: Background, share: FloatArray) -> None:
     assert not isinstance(more.cube, GpuTexture)
     factor = (more.scale * share).astype(np.float32)
     if more.cube.dtype == np.float16:
-        # Imported on first use: by day nothing is compiled.
-        from vrut_lite.sky.night_kernels import add_halves
-
         halves = more.cube.reshape(-1, 3).view(np.uint16)
         add_halves(total.reshape(-1, 3), halves, factor)
     elif factor.any():

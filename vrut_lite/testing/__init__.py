@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.replay import Replay, rerecord
+from vrut_lite.write_atomic import atomic_output
+
 # pytest loads this file in every project of the environment: heavy imports are lazy.
 if TYPE_CHECKING:
     from vrut_lite.kernel.module import Module
@@ -35,9 +39,6 @@ def replay_journal(request: pytest.FixtureRequest) -> Callable[..., Outcome]:
     for its scene manager), `services` further
     constructor arguments by module name.
     """
-    from vrut_lite.recording.journal_reader import Journal
-    from vrut_lite.recording.replay import Replay
-
     updating = request.config.getoption(_OPTION)
 
     def replay(
@@ -62,10 +63,6 @@ def update_journal(
     services: Services | None = None,
 ) -> None:
     """Record a journal again from its own inputs; the old file stays if that fails."""
-    from vrut_lite.recording.journal_reader import Journal
-    from vrut_lite.recording.replay import rerecord
-    from vrut_lite.write_atomic import atomic_output
-
     journal = Journal(path)
     with atomic_output(path) as beside, beside.open("wb") as stream:
         rerecord(journal, stream, modules, services)

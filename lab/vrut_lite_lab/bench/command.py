@@ -9,11 +9,19 @@ from rich.console import Console
 from rich.progress import Progress
 
 from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.lazy import lazy
 from vrut_lite.write_atomic import atomic_output, check_writable
 
 if TYPE_CHECKING:
     from vrut_lite_lab.bench.results import Results
 
+# They need libraries that `--help` need not wait for.
+_compare = lazy("vrut_lite_lab.bench.compare")
+_gl = lazy("vrut_lite_lab.bench.gl")
+_page = lazy("vrut_lite_lab.bench.page")
+_registry = lazy("vrut_lite_lab.bench.registry")
+_results = lazy("vrut_lite_lab.bench.results")
+_session = lazy("vrut_lite_lab.bench.session")
 # Paths that look slower are timed again this many times.
 _TRIES = 2
 
@@ -53,15 +61,10 @@ def bench(output: str, quick: bool, only: str | None, compare: str | None) -> No
     """
     if find_spec("matplotlib") is None:
         raise UserError("the benchmark needs the extra `bench`: pip install 'vrut-lite-lab[bench]'")
-    # Imported late, so that --help need not wait for compilers.
-    from vrut_lite_lab.bench.compare import check_comparable
-    from vrut_lite_lab.bench.registry import chosen_kinds
-    from vrut_lite_lab.bench.results import read_results
-
-    kinds = chosen_kinds(only)
-    old = None if compare is None else read_results(compare)
+    kinds = _registry.chosen_kinds(only)
+    old = None if compare is None else _results.read_results(compare)
     if old is not None:
-        check_comparable(old, quick, kinds)
+        _compare.check_comparable(old, quick, kinds)
     folder = _made(Path(output))
     results, refused = _measured(kinds, quick, old)
     _write(results, folder)
@@ -88,30 +91,24 @@ def _measured(
     kinds: list[str], quick: bool, old: "Results | None"
 ) -> tuple["Results", dict[str, str]]:
     """The results and the refused paths, with reasons; apparently slower paths are timed again."""
-    from vrut_lite_lab.bench.compare import slower_paths
-    from vrut_lite_lab.bench.gl import close_gl
-    from vrut_lite_lab.bench.session import Session
-
     console = Console(stderr=True)
     with Progress(console=console, refresh_per_second=4, disable=not console.is_terminal) as bars:
         bar = bars.add_task("", total=None)
-        session = Session(kinds, quick, lambda what: bars.update(bar, description=what))
+        session = _session.Session(kinds, quick, lambda what: bars.update(bar, description=what))
         try:
             session.measure()
             for _ in range(_TRIES if old is not None else 0):
-                slower = slower_paths(old, session.results()) if old is not None else []
+                slower = _compare.slower_paths(old, session.results()) if old is not None else []
                 if not slower:
                     break
                 session.measure_again(set(slower))
             return session.results(), session.refused
         finally:
-            close_gl()
+            _gl.close_gl()
 
 
 def _write(results: "Results", folder: Path) -> None:
-    from vrut_lite_lab.bench.page import files_of
-
-    for name, content in files_of(results).items():
+    for name, content in _page.files_of(results).items():
         with atomic_output(folder / name) as beside:
             beside.write_bytes(content)
 
@@ -122,9 +119,7 @@ def _tell(old: "Results", new: "Results") -> None:
     Raises:
         ModuleFailed: something is.
     """
-    from vrut_lite_lab.bench.compare import compare
-
-    found = compare(old, new)
+    found = _compare.compare(old, new)
     for sentence in (*found.remarks, *found.worse):
         click.echo(sentence)
     if found.worse:

@@ -10,11 +10,22 @@ from rich.console import Console
 from rich.progress import Progress
 
 from vrut_lite.errors import UserError
+from vrut_lite.lazy import lazy
 
 if TYPE_CHECKING:
     from vrut_lite_lab.study.report.folder import Folder
     from vrut_lite_lab.study.report.study import Plan
 
+# They need libraries that `--help` need not wait for.
+_choices = lazy("vrut_lite_lab.study.report.choices")
+_day = lazy("vrut_lite_lab.study.framework.day")
+_folder = lazy("vrut_lite_lab.study.report.folder")
+_measurements = lazy("vrut_lite_lab.study.framework.measurements")
+_moments = lazy("vrut_lite_lab.study.report.moments")
+_panels = lazy("vrut_lite_lab.study.report.panels")
+_peers = lazy("vrut_lite_lab.study.peers.page")
+_study = lazy("vrut_lite_lab.study.report.study")
+_truth = lazy("vrut_lite_lab.study.rules.against_truth")
 _TIMES, _QUICK_TIMES = "06:00,06:35,07:00,08:00,09:30,11:45", "06:00,06:35,08:00,11:45"
 
 
@@ -72,30 +83,21 @@ def study(
         raise UserError("the study needs the extra `studies`: pip install 'vrut-lite-lab[studies]'")
     if peers and (measurements or models or times):
         raise UserError("--peers goes with --quick and --output alone")
-    # Imported late, so that --help need not wait for compilers.
-    from vrut_lite_lab.study.report.folder import PAGE
-
     if peers:
-        from vrut_lite_lab.study.peers.page import steps, write_peers
-
-        _write(output, steps(), lambda folder, tell: write_peers(folder, quick, tell))
+        _write(output, _peers.steps(), lambda folder, tell: _peers.write_peers(folder, quick, tell))
     else:
-        from vrut_lite_lab.study.report.study import write_study
-
         plan = _plan(quick, measurements, models, times)
-        _write(output, plan.steps(), lambda folder, tell: write_study(plan, folder, tell))
-    click.echo(f"the page is {Path(output) / PAGE}")
+        _write(output, plan.steps(), lambda folder, tell: _study.write_study(plan, folder, tell))
+    click.echo(f"the page is {Path(output) / _folder.PAGE}")
 
 
 def _write(
     output: str, steps: int, write: Callable[["Folder", Callable[[str], None]], None]
 ) -> None:
     """Run one of the studies, its files in a folder, its progress on a bar."""
-    from vrut_lite_lab.study.report.folder import study_folder
-
     console = Console(stderr=True)
     with (
-        study_folder(Path(output)) as folder,
+        _folder.study_folder(Path(output)) as folder,
         Progress(console=console, refresh_per_second=4, disable=not console.is_terminal) as bars,
     ):
         bar = bars.add_task("", total=steps)
@@ -107,40 +109,25 @@ def _write(
 
 
 def _plan(quick: bool, measurements: str | None, models: str | None, times: str | None) -> "Plan":
-    from vrut_lite_lab.study.framework.day import KIDER
-    from vrut_lite_lab.study.framework.measurements import read_measurements
-    from vrut_lite_lab.study.report.choices import (
-        changed_air,
-        chosen_set,
-        on_day,
-        physics,
-        sets_on_day,
-        usual_sets,
-    )
-    from vrut_lite_lab.study.report.moments import measured_moments, moments
-    from vrut_lite_lab.study.report.panels import TILE
-    from vrut_lite_lab.study.report.study import TIMED_SUNS_DEG, Plan
-    from vrut_lite_lab.study.rules.against_truth import SAMPLES
-
-    sets = [chosen_set(models.split(","))] if models else usual_sets(quick)
-    measured = read_measurements(Path(measurements)) if measurements else []
-    day = measured[0].day if measured else KIDER
+    sets = [_choices.chosen_set(models.split(","))] if models else _choices.usual_sets(quick)
+    measured = _measurements.read_measurements(Path(measurements)) if measurements else []
+    day = measured[0].day if measured else _day.KIDER
     # On another day nothing was published: all its times are shown, or some of them.
     usual = _QUICK_TIMES if quick else _TIMES
-    if day != KIDER:
-        labels = [moment.label for moment in measured_moments(measured)]
+    if day != _day.KIDER:
+        labels = [moment.label for moment in _moments.measured_moments(measured)]
         usual = ",".join(labels[:: -(-len(labels) // (4 if quick else 6))])
-    shown = moments((times or usual).split(","), measured)
-    published = bool(measured) and not models and day == KIDER
-    table_two = SAMPLES[: 2 if quick else 3] if published else ()
-    return Plan(
+    shown = _moments.moments((times or usual).split(","), measured)
+    published = bool(measured) and not models and day == _day.KIDER
+    table_two = _truth.SAMPLES[: 2 if quick else 3] if published else ()
+    return _study.Plan(
         day=day,
-        sets=sets_on_day(sets, day),
+        sets=_choices.sets_on_day(sets, day),
         moments=shown,
-        scored=measured_moments(measured) or shown,
-        physics=on_day(physics(), day),
-        size=TILE // 2 if quick else TILE,
+        scored=_moments.measured_moments(measured) or shown,
+        physics=_choices.on_day(_choices.physics(), day),
+        size=_panels.TILE // 2 if quick else _panels.TILE,
         table_two=table_two,
-        timed_suns_deg=TIMED_SUNS_DEG[: 1 if quick else 2],
-        changes=changed_air() if published and not quick else (),
+        timed_suns_deg=_study.TIMED_SUNS_DEG[: 1 if quick else 2],
+        changes=_choices.changed_air() if published and not quick else (),
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bruneton_sky.air_volume.kernels import SLICE_FLOATS, pack_slices
 from bruneton_sky.air_volume.volume import AirSizes, Matter, matter_before, volume_of
 from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.sky_view.table import channel_phases
@@ -79,8 +80,6 @@ def air_volume_job(
 
 def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], ...]:
     """The buffers that change with sun and observer, by binding."""
-    from bruneton_sky.air_volume.kernels import SLICE_FLOATS, pack_slices
-
     (air,), rays = groups_of_air(field.thinned), matter.rays
     slices = np.zeros((*matter.centre.shape[1:3], SLICE_FLOATS), dtype=np.float32)
     pack_slices(

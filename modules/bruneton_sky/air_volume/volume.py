@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bruneton_sky.air_volume.kernels import light_rows, settle_colours, slice_rows
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.phase import rayleigh_phase
@@ -128,8 +129,6 @@ def matter_before(
     sizes: AirSizes,
 ) -> Matter:
     """The matter along the rays of a volume; arguments as for `air_volume`."""
-    from bruneton_sky.air_volume.kernels import slice_rows
-
     air, height = field.thinned, float(np.asarray(sun_direction, dtype=float)[1])
     grid = Grid(
         float(altitude_m), air.ground_radius_m, air.top_altitude_m, float(reach_m),
@@ -153,8 +152,6 @@ def matter_before(
 
 def _light(field: SourceField, matter: Matter) -> NDArray[np.float32]:
     """Mean radiance (3, slices, rows, columns, 3)."""
-    from bruneton_sky.air_volume.kernels import light_rows, settle_colours
-
     rays = matter.rays
     light = np.zeros((3, matter.distance_m.shape[1] - 1, *rays.nu.shape, 3), dtype=np.float32)
     mu_s, nu = rays.mu_s.astype(np.float32), rays.nu.astype(np.float32)

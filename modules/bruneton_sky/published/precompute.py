@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
+from bruneton_sky.published.gpu_pipeline import GpuPipeline
 from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view import sky_irradiance
+from bruneton_sky.solver.view_kernels import march_rays
 from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.parametrisations import (
     Coordinates,
@@ -104,8 +106,6 @@ def _nobody(_share: float) -> None:
 def _on_gpu(
     atmosphere: Atmosphere, orders: int, sizes: TableSizes, progress: Progress
 ) -> dict[str, Any]:
-    from bruneton_sky.published.gpu_pipeline import GpuPipeline
-
     with GpuPipeline(sizes=sizes) as pipeline:
         tables = pipeline.run(atmosphere, orders, progress)
     return {name: getattr(tables, name) for name in table_shapes(atmosphere, sizes)}
@@ -155,8 +155,6 @@ def march_tables(
     Raises:
         ValueError: the atmosphere has fog.
     """
-    from bruneton_sky.solver.view_kernels import march_rays
-
     refuse_untabled(field.atmosphere)
     size = sizes or TableSizes()
     axes = np.ix_(*(node_coordinates(count) for count in size.scattering_shape))

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
+from bruneton_sky.sky_view.cube_kernels import fill_faces
 from bruneton_sky.sky_view.rays import Rows, table_rows
+from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.particles import kind_phases, shares_above
@@ -185,8 +187,6 @@ def _nodes(
 ) -> NDArray[np.float32]:
     """The nodes of a table for its rays; `counts`: steps, bins for light scattered once, and
     more."""
-    from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
-
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
     matrix, kinds = _in_groups(bands.matrix), _in_lanes_by_kind(bands.kinds)
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
@@ -338,8 +338,6 @@ def fill_cube(
 
     Where the table has no rows below the horizon, `ground_radiance_rgb` (3,) is there.
     """
-    from bruneton_sky.sky_view.cube_kernels import fill_faces
-
     cube = np.empty((6, size, size, 3), dtype=np.float32)
     sun = np.concatenate([view.sun_direction, level_direction(view.sun_direction)])
     ground = np.asarray(ground_radiance_rgb, dtype=np.float32)

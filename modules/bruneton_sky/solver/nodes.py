@@ -7,13 +7,17 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import rayleigh_phase
+from bruneton_sky.solver.bin_kernels import Bins
+from bruneton_sky.solver.first_order_kernels import fill_transmittance
 from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
+from bruneton_sky.solver.node_kernels import bin_nodes, first_radiance, next_radiance
 from bruneton_sky.solver.particles import (
     mixed_coefficients,
     shares_above,
     shares_at,
     shown_phase,
 )
+from bruneton_sky.solver.ray_kernels import layer_nodes, nodes_of_axis
 from bruneton_sky.solver.scattering_operator import (
     ScatteringOperator,
     scattering_operator,
@@ -61,8 +65,6 @@ class Nodes(NamedTuple):
         Returns:
             (altitudes, mu, azimuths, suns * 4).
         """
-        from bruneton_sky.solver.node_kernels import first_radiance
-
         directions, turn = self.operator.directions, azimuths(self.sizes.direction_azimuth)
         shape = *directions.mu.shape, turn.size, self.suns.mu_s.size * LANES
         radiance = np.empty(shape, dtype=np.float32)
@@ -78,8 +80,6 @@ class Nodes(NamedTuple):
 
         `radiance` is that of the order before, which lights the ground.
         """
-        from bruneton_sky.solver.node_kernels import next_radiance
-
         directions, turn = self.operator.directions, azimuths(self.sizes.azimuths_of(order))
         shape = *directions.mu.shape, turn.size, radiance.shape[-1]
         following = np.empty(shape, dtype=np.float32)
@@ -125,9 +125,6 @@ class Nodes(NamedTuple):
 
 def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes, group: int = 0) -> Nodes:
     """The nodes of an atmosphere for a group of its wavelengths, whose air is `air`."""
-    from bruneton_sky.solver.node_kernels import bin_nodes
-    from bruneton_sky.solver.ray_kernels import layer_nodes, nodes_of_axis
-
     altitude = altitude_nodes(atmosphere, sizes.altitude)
     if air.layer_share > 0.0:
         altitude = layer_nodes(air, nodes_of_axis(sizes.altitude, air.layer_share))
@@ -146,8 +143,6 @@ def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes, group: int 
 
 def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
     """Arrays for `count` bins of each ray; the rays' axes come first."""
-    from bruneton_sky.solver.bin_kernels import Bins
-
     return Bins(
         np.empty((*rays, count + 1)),
         np.empty((*rays, count, 4)),
@@ -158,9 +153,6 @@ def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
 
 def make_transmittance(air: Air) -> Lanes:
     """Transmittance (altitudes, columns * 4) of the sun's light, see `fill_transmittance`."""
-    from bruneton_sky.solver.first_order_kernels import fill_transmittance
-    from bruneton_sky.solver.ray_kernels import nodes_of_axis
-
     rows = nodes_of_axis(_TRANSMITTANCE_ROWS, air.layer_share)
     table = np.empty((rows, _TRANSMITTANCE_COLUMNS, LANES), dtype=np.float32)
     fill_transmittance(air, table)

@@ -9,6 +9,7 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver.between_suns import SingleArray, sun_bend
 from bruneton_sky.solver.delta_m import thinned
 from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.later_order_kernels import Source
 from bruneton_sky.solver.sizes import SolverSizes
 from vrut_lite.numeric_types import FloatArray
 
@@ -58,8 +59,6 @@ def source_of_group(field: SourceField, group: int) -> "Source":
 
 def make_source(rayleigh: SingleArray, mie: SingleArray, suns: SunGrid) -> "Source":
     """The source function as kernels take it, of the arrays of a `SourceField`."""
-    from bruneton_sky.solver.later_order_kernels import Source
-
     azimuth_cosine = 1.0 - 2.0 * np.linspace(0.0, 1.0, mie.shape[2]) ** 2
     pace = np.append(np.diff(suns.mu_s) ** -2.0, 0.0) / 12.0
     return Source(

@@ -10,6 +10,7 @@ from bruneton_sky.solver.grid import azimuths, clustered_nodes
 from bruneton_sky.solver.nodes import shown_phase_tables
 from bruneton_sky.solver.particles import kinds_of
 from bruneton_sky.solver.source_field import SourceField, source_of_group
+from bruneton_sky.solver.view_kernels import fill_irradiance, trace_first, trace_view
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
 from vrut_lite.arguments import ROUNDING, as_numbers
 from vrut_lite.numeric_types import FloatArray
@@ -41,8 +42,6 @@ def multiple_scattering(
     Raises:
         ValueError: the observer is not inside the atmosphere, or mu and nu differ in number.
     """
-    from bruneton_sky.solver.view_kernels import trace_view
-
     sizes = field.sizes
     rays = _checked_rays(field, altitude_m, mu, mu_s, nu)
     out = np.empty((len(field.rayleigh), rays[1].size, LANES), dtype=np.float32)
@@ -66,8 +65,6 @@ def single_scattering_fast(
     0.2) 0.5 %, 1.2 % and 2 %. With a low sun, whose light changes along a ray, there are twice
     as many bins.
     """
-    from bruneton_sky.solver.view_kernels import trace_first
-
     sizes, count = field.sizes, len(field.atmosphere.wavelength_nm)
     rays = _checked_rays(field, altitude_m, mu, mu_s, nu)
     finer = 2 if mu_s < _LOW_SUN else 1
@@ -116,8 +113,6 @@ def sky_irradiance(
     field: SourceField, altitude_m: FloatArray, mu_s: FloatArray, bins: int
 ) -> FloatArray:
     """Irradiance (altitudes, suns, C) of level surfaces by the upper half of the sky."""
-    from bruneton_sky.solver.view_kernels import fill_irradiance
-
     sizes = field.sizes
     mu, weight = clustered_nodes(sizes.irradiance_mu)
     turn = np.cos(azimuths(sizes.irradiance_azimuth))

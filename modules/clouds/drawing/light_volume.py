@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clouds.model.cloud_field import cloud_field
+from clouds.model.cloud_light_volume import light_volume
 from clouds.model.cloud_transport import scatterer, transport_tables
 from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
@@ -37,10 +39,6 @@ class CloudLightVolume:
 
     def fill(self, layer: CloudLayer, sun: Vector, centre_m: NDArray[np.float64]) -> None:
         """The light in a layer around a place (2,), world x and z."""
-        # Imported here because they import numba, which is needed only if there are clouds.
-        from clouds.model.cloud_field import cloud_field
-        from clouds.model.cloud_light_volume import light_volume
-
         particles = scatterer(layer.particles)
         self._phase.write(particles.phase.astype(np.float32).tobytes(), alignment=1)
         field = cloud_field(layer, (float(centre_m[0]), 0.0, float(centre_m[1])))

@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
+from dynamic_skylight.hosek_wilkie.cube_encoded import fill_bytes, fill_half
+from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows, fill_cube
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from vrut_lite.arguments import ROUNDING, as_number, as_numbers, broadcast
 from vrut_lite.geometry.preview import fisheyes_png
@@ -152,9 +154,6 @@ class HosekWilkieSky:
             ValueError: a size outside 1 to 8192, an `out` that does not fit, a face or row that
                 does not exist; likewise for the other cube maps.
         """
-        # Imported on first use, because loading the compiler takes a moment.
-        from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
-
         azimuth = _azimuth(sun_azimuth_rad)
         numbers = self.rgb_distribution, self.rgb_mean_radiance
         return fill_cube(*numbers, azimuth, self.sun_elevation_rad, size, out, faces, rows)
@@ -171,8 +170,6 @@ class HosekWilkieSky:
 
         `half_scale` of `brightest` is a good scale; values are clipped at 65504.
         """
-        from dynamic_skylight.hosek_wilkie.cube_encoded import fill_half
-
         factor = as_number("scale", scale, 2.0**-40, 2.0**40)
         return fill_half(self._rows(size, sun_azimuth_rad, 1.0 / factor), faces, out)
 
@@ -189,8 +186,6 @@ class HosekWilkieSky:
         The daylight thesis's tone curve: linear for dark values (not the display's gamma),
         never clipped for bright ones. `exposure` is in m^2 sr W^-1.
         """
-        from dynamic_skylight.hosek_wilkie.cube_encoded import fill_bytes
-
         factor = as_number("exposure", exposure, 0.0, _MOST_EXPOSURE) / np.log(2.0)
         return fill_bytes(self._rows(size, sun_azimuth_rad, factor), faces, out)
 
@@ -207,8 +202,6 @@ class HosekWilkieSky:
         return float(self.radiance(theta, gamma).max())
 
     def _rows(self, size: int, sun_azimuth_rad: float, factor: float) -> "SkyRows":
-        from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
-
         mean = self.rgb_mean_radiance * factor
         azimuth = _azimuth(sun_azimuth_rad)
         return SkyRows(self.rgb_distribution, mean, azimuth, self.sun_elevation_rad, size)

@@ -16,6 +16,7 @@ from vrut_lite.app.compare.sky_comparison import (
     comparable,
 )
 from vrut_lite.app.compare.sky_disc import SkyDisc
+from vrut_lite.app.compare.sky_plots import SkyPlots
 from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.haze_field import HazeField, depth_text
@@ -156,8 +157,6 @@ class ComparePanel(QWidget):
     def _plots(self) -> "SkyPlots":
         """The plots, made for the first data."""
         if self.plots is None:
-            from vrut_lite.app.compare.sky_plots import SkyPlots
-
             self.plots = SkyPlots()
             self._column.insertWidget(self._column.count() - 2, self.plots)
         return self.plots

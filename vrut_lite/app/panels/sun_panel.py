@@ -11,6 +11,7 @@ from vrut_lite.app.engine.sun_day_finder import SunDayFinder
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import aligned_form
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.messages.night import NightLightChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
@@ -96,8 +97,6 @@ class SunPanel(QWidget):
         self.phase.setText(phase_of(sun))
 
     def _show_light(self, light: SkyLightChanged) -> None:
-        from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-
         lux = float(luminance(light.key_light.irradiance_rgb)) * LUMENS_PER_WATT
         moon = "moon, " if light.key_light.body == "moon" else ""
         sun = self._session.last(SunMoved)

@@ -11,9 +11,11 @@ from vrut_lite.render.picture_passes import ONE_SAMPLE, FrameInputs, PicturePass
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.software.edge_kernel import smooth_edges
 from vrut_lite.render.software.moving_targets import MovingTargets
 from vrut_lite.render.software.row_threads import run_in_halves
 from vrut_lite.render.software.temporal_reprojection import TemporalReprojection
+from vrut_lite.render.software.tone_kernel import tone_mapped
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.unlocked import read_rgba
 
@@ -79,9 +81,6 @@ class MovingPictures:
         if wish.tone_map == "eye":
             self._passes.tone.draw(targets.radiance, targets.toned, ev100, wish, pixel_rad)
             return targets.read_toned()
-        # numba, which a start without such pictures does not need.
-        from vrut_lite.render.software.tone_kernel import tone_mapped
-
         return tone_mapped(radiance, ev100, wish)
 
     def release(self) -> None:
@@ -92,8 +91,6 @@ class MovingPictures:
 
 def _without_steps(toned: NDArray[np.uint32]) -> NDArray[np.uint8]:
     """The picture (h, w, 3) for display, its edges smoothed, row 0 at the top."""
-    from vrut_lite.render.software.edge_kernel import smooth_edges
-
     display = np.empty((*toned.shape, 3), np.uint8)
     run_in_halves(smooth_edges, len(toned), toned, display)
     return display

@@ -17,6 +17,7 @@ from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.passes.view import View, translation
 from vrut_lite.render.picture_passes import FrameInputs
 from vrut_lite.render.software.moving_targets import Drawn, MovingTargets
+from vrut_lite.render.software.reprojection_kernel import edge_blocks, take_over
 from vrut_lite.render.software.row_threads import run_in_halves
 from vrut_lite.render.unlocked import read_rgba
 
@@ -57,9 +58,6 @@ class TemporalReprojection:
     def _take_over(
         self, drawn: Drawn, before: _Before, shot: FrameInputs, brighter: FloatArray
     ) -> None:
-        # numba, which a start without such pictures does not need.
-        from vrut_lite.render.software.reprojection_kernel import edge_blocks, take_over
-
         self._turn = (self._turn + _STEP) % _TURNS
         view = shot.view
         shadows_move = not np.array_equal(_sun_matrix(before.shot), _sun_matrix(shot))

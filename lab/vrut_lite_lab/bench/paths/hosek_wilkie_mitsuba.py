@@ -14,7 +14,10 @@ import sys
 import time
 from typing import Any
 
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite_lab.bench.bench_path import relative_errors
 from vrut_lite_lab.bench.own_process import figures_of
+from vrut_lite_lab.bench.paths.hosek_wilkie_formats import SKY, SUN, exact_radiance, sky_directions
 
 ROUNDS = 60
 # Mitsuba divides RGB by the integral of CIE Y; our radiance is not normalised so.
@@ -36,15 +39,6 @@ def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
 def _main(sizes: list[int]) -> dict[str, Any]:
     import msgspec
     import numpy as np
-
-    from vrut_lite.geometry.cube_map import texel_directions
-    from vrut_lite_lab.bench.bench_path import relative_errors
-    from vrut_lite_lab.bench.paths.hosek_wilkie_formats import (
-        SKY,
-        SUN,
-        exact_radiance,
-        sky_directions,
-    )
 
     mitsuba: Any = importlib.import_module("mitsuba")
     mitsuba.set_variant("llvm_ad_rgb")

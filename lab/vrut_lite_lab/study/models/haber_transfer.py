@@ -22,6 +22,7 @@ from vrut_lite_lab.study.models.haber_cells import (
     cell_azimuths,
     make_cells,
 )
+from vrut_lite_lab.study.models.haber_kernels import from_aerosol, layered_paths, ring_paths
 
 EVENLY = 1.0 / (4.0 * np.pi)
 # Eight of the 40 wavelengths.
@@ -54,8 +55,6 @@ class Transfer:
 
     def transmittance(self, start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Share (n, 40) of light that passes between points (n, 3), through the layers."""
-        from vrut_lite_lab.study.models.haber_kernels import layered_paths
-
         layers = self.cells.layers
         paths = layered_paths(start_m, end_m, layers.bounds_m, layers.density)
         return np.exp(
@@ -65,8 +64,6 @@ class Transfer:
     @cached_property
     def paths(self) -> NDArray[np.float32]:
         """Optical paths (2, m, m, 37) between active rings, by turns from cell to cell."""
-        from vrut_lite_lab.study.models.haber_kernels import ring_paths
-
         cells, active, layers = self.cells, self.cells.active, self.cells.layers
         turn = np.arange(HALF + 1) * STEP_RAD
         there = cells.across_m[active], cells.up_m[active], turn
@@ -109,8 +106,6 @@ class Transfer:
 
     def from_aerosol(self, power: FloatArray, sun_zenith_rad: float) -> FloatArray:
         """The same of sunlight that aerosol scatters, after its phase function."""
-        from vrut_lite_lab.study.models.haber_kernels import from_aerosol
-
         cells, active = self.cells, self.cells.active
         sources = np.flatnonzero(cells.density[1, active] > _LEAST_AEROSOL)
         extinction = np.stack([self.air.rayleigh_scattering, self.air.mie_extinction])[:, FEW]

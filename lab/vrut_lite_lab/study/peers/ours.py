@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from bruneton_sky import TableSizes, precompute
+from bruneton_sky import TableSizes, earth_spectral, precompute
 from bruneton_sky.background import background_cube, surroundings
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
@@ -138,8 +138,6 @@ class PublishedTables:
 
     def shots(self, views: Sequence[View]) -> dict[View, Shot]:
         """All views, three wavelengths in the published colours."""
-        from bruneton_sky import earth_spectral
-
         atmosphere = earth_spectral()
         start = time.process_time()
         tables = precompute(atmosphere, 4, sizes=TableSizes())

@@ -9,7 +9,9 @@ from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
 
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 from vrut_lite_lab.study.peers.airs import air
 from vrut_lite_lab.study.peers.peer import PeerAir
 from vrut_lite_lab.study.peers.views import LOWEST_SOLVED_DEG, View, rays
@@ -46,9 +48,6 @@ def truth(name: str, view: View, paths: int = _PATHS) -> Truth:
 
 
 def _by_paths(here: PeerAir, view: View, rgb: FloatArray, paths: int) -> Truth:
-    from vrut_lite.geometry.colour import luminance
-    from vrut_lite_lab.monte_carlo import monte_carlo_radiance
-
     seen = rays(view)
     mu, nu = seen.mu[_SOME], seen.nu[_SOME]
     mu_s = view.sun_direction[1]
