@@ -38,8 +38,8 @@ DAYLIGHT = (
 # are listed as values.
 VALUES = {
     "arguments", "array", "array_cache", "checks", "compiled_code", "errors", "foreign_errors",
-    "interrupts", "mailbox", "memory_limit", "njit", "npz_arrays", "numba_shortcuts",
-    "numeric_types", "plain_numbers", "sound_environment", "uniform_block", "write_atomic",
+    "interrupts", "lazy", "mailbox", "memory_limit", "njit", "npz_arrays", "numba_compiler",
+    "numba_shortcuts", "numeric_types", "plain_numbers", "sound_environment", "uniform_block", "write_atomic",
 }  # fmt: skip
 # They name what panels, commands and engines of modules may use of the layers above.
 KITS = {"panel_kit", "headless", "scene_engine"}
@@ -289,9 +289,7 @@ def local_imports(name):
     return sum(of_package(target) in PACKAGES for node in inside for target in targets(node))
 
 
-# Besides them a thread's first import of numba, when no other thread runs yet.
-NUMBA = {"vrut_lite.njit", "vrut_lite.numba_shortcuts", "vrut_lite.recording.signature",
-         "vrut_lite.commands.run"}  # fmt: skip
+NUMBA = {"vrut_lite.numba_compiler", "vrut_lite.numba_shortcuts"}
 
 
 @pytest.mark.parametrize("package", PRODUCT)

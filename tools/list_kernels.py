@@ -24,7 +24,7 @@ import msgspec
 from vrut_lite import compiled_code
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.compiling import ahead
-from vrut_lite.compiling.kernel_list import Kernel, KernelGroup, kernel_of, list_file
+from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of, list_file
 from vrut_lite.project import Project
 from vrut_lite.scene.scene_state import FrameSkips
 
@@ -43,7 +43,7 @@ _AT = "2026-06-21T12:00"
 
 def rehearse(way: str) -> None:
     """Draw as `vrut-lite render` does, or as the window does too; print each kernel called."""
-    order: dict[tuple[str, str, str], Kernel] = {}
+    order: dict[tuple[str, str, str], ListedKernel] = {}
     seconds: dict[tuple[str, str, str], float] = {}
 
     def note(dispatcher: Any, arguments: Any) -> None:
@@ -103,7 +103,7 @@ def _time_compilations(seconds: dict[tuple[str, str, str], float]) -> None:
     event.register("numba:compile", Timer())
 
 
-def kernels_of(way: str, compiled: Path | None = None) -> list[Kernel]:
+def kernels_of(way: str, compiled: Path | None = None) -> list[ListedKernel]:
     """The kernels that a way calls, in order of need.
 
     Args:
@@ -123,12 +123,16 @@ def kernels_of(way: str, compiled: Path | None = None) -> list[Kernel]:
             check=True,
         )
     lines = found.stdout.decode().splitlines()
-    return [msgspec.json.decode(line, type=Kernel) for line in lines]
+    return [msgspec.json.decode(line, type=ListedKernel) for line in lines]
 
 
-def groups_of(picture: Iterable[Kernel], window: Iterable[Kernel]) -> dict[str, list[KernelGroup]]:
+def groups_of(
+    picture: Iterable[ListedKernel], window: Iterable[ListedKernel]
+) -> dict[str, list[KernelGroup]]:
     """The groups of each package: what pictures need, and what the window needs besides."""
-    by_package: dict[str, dict[bool, list[Kernel]]] = defaultdict(lambda: {False: [], True: []})
+    by_package: dict[str, dict[bool, list[ListedKernel]]] = defaultdict(
+        lambda: {False: [], True: []}
+    )
     known = set()
     for alone, kernels in ((False, picture), (True, window)):
         for kernel in kernels:

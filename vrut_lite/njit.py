@@ -20,7 +20,7 @@ _compiler = lazy("vrut_lite.numba_compiler")
 _making = threading.RLock()
 
 
-class Kernel:
+class JitFunction:
     """A function that numba compiles at its first call for each set of argument types.
 
     All that numba's own object of it has is an attribute.
@@ -64,18 +64,18 @@ class Kernel:
 def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """`numba.njit`, by which numba is imported at the first call."""
     if function is not None:
-        return Kernel(function, "compiled_function", options)
-    return lambda function: Kernel(function, "compiled_function", options)
+        return JitFunction(function, "compiled_function", options)
+    return lambda function: JitFunction(function, "compiled_function", options)
 
 
 def intrinsic(function: Callable[..., Any]) -> Any:
     """`numba.extending.intrinsic`: kernels alone call it; the function is called to compile it."""
-    return Kernel(function, "compiled_intrinsic", {})
+    return JitFunction(function, "compiled_intrinsic", {})
 
 
 def register_jitable(**options: Any) -> Any:
     """`numba.extending.register_jitable`: kernels call the function too, compiled with them."""
-    return lambda function: Kernel(function, "inlined_function", options)
+    return lambda function: JitFunction(function, "inlined_function", options)
 
 
 # For files of intrinsics.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vrut_lite.messages.tolerance import Measured, read_fronts
+from vrut_lite.messages.tolerance import MeasuredFronts, read_fronts
 from vrut_lite_lab.tolerance_fronts import declared_knobs, front_lines, measure
 
 THIRD_SKY = """
@@ -50,7 +50,7 @@ def test_a_third_sky_gets_a_front(tmp_path) -> None:
     (tmp_path / "third_sky.py").write_text(THIRD_SKY)
     knobs = declared_knobs((tmp_path,))["third_sky"]
     measuring, _ = knobs.samples(101)
-    found: Measured = measure("third_sky", knobs, measuring, knobs.truth)
+    found: MeasuredFronts = measure("third_sky", knobs, measuring, knobs.truth)
     assert found.pictures == 101
     small, large = found.fronts["size"]
     assert (small.choice, small.work, large.work) == (8, 64.0, 256.0)

@@ -32,7 +32,7 @@ from vrut_lite.numeric_types import FloatArray
 _NODES = 6
 
 
-class AirLight(NamedTuple):
+class ExactAirLight(NamedTuple):
     """Light and transmittance along a ray up to n distances, (n, C) each, W m^-2 sr^-1 nm^-1.
 
     `molecules` and `aerosol`: sunlight scattered once, without phase functions; `once`: both with
@@ -54,7 +54,7 @@ def light_before(
     nu: float,
     distance_m: FloatArray,
     pieces: int = 48,
-) -> AirLight:
+) -> ExactAirLight:
     """The air before rising distances (n,) on one ray from an altitude inside the air.
 
     Past the edge of the air nothing is added. `pieces`: least number of intervals between two of
@@ -91,7 +91,7 @@ def light_before(
     ends = np.searchsorted(metres, inside_m)
     sums = (np.concatenate([np.zeros_like(p[:1]), np.cumsum(weight * p, axis=0)]) for p in parts)
     transmittance = np.exp(-depth_along(air, altitude_m, mu, inside_m))
-    return AirLight(transmittance, *(part[ends] for part in sums))
+    return ExactAirLight(transmittance, *(part[ends] for part in sums))
 
 
 def depth_along(

@@ -21,7 +21,7 @@ from vrut_lite.atmosphere.aerosols.phase_table import node_cosines
 from vrut_lite.numeric_types import FloatArray
 
 
-class Traced(NamedTuple):
+class TracedRays(NamedTuple):
     """What rays (n,) see by a sun of irradiance 1, sr^-1, and its standard error.
 
     `once` is the part (n,) of what was scattered once.
@@ -42,7 +42,7 @@ def sun_radiance(
     disc_rad: float = 0.0,
     density: Any = density_at,
     phase: FloatArray | None = None,
-) -> Traced:
+) -> TracedRays:
     """Light of the clouds along rays, by so many paths each.
 
     Args:
@@ -63,7 +63,7 @@ def sun_radiance(
     out = np.empty((len(rays), 3))
     towards = np.asarray(sun, dtype=float)
     _trace(density, field, towards, start, rays, disc_rad, paths, seed, angle, phase, out)
-    return Traced(*out.T)
+    return TracedRays(*out.T)
 
 
 def without_peak() -> tuple[FloatArray, float]:

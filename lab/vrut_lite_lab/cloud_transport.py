@@ -31,7 +31,7 @@ _LEAST_DEPTH = 0.02
 _AZIMUTHS = 17
 
 
-class Layer(NamedTuple):
+class TransportLayer(NamedTuple):
     """What one Fourier mode of radiance meets in a layer; the same from above and below.
 
     Attributes:
@@ -103,7 +103,7 @@ class Mode:
         to_part = legendre(self.number, to)
         return np.asarray((to_part * self._chi[:, None]).T @ legendre(self.number, from_))
 
-    def layer(self, depth: float) -> Layer:
+    def layer(self, depth: float) -> TransportLayer:
         """A layer of a scaled optical depth, by doubling a thin one."""
         doublings = max(int(np.ceil(np.log2(depth / _THINNEST))), 0)
         thin = self._thin(depth / 2.0**doublings)
@@ -111,11 +111,11 @@ class Mode:
             thin = together(thin, thin)
         return thin
 
-    def nothing(self) -> Layer:
+    def nothing(self) -> TransportLayer:
         """A layer of depth 0."""
         n, k = self.mu.size, self.suns.size
         none = np.zeros((n, k))
-        return Layer(np.zeros((n, n)), np.eye(n), none, none, np.ones(k))
+        return TransportLayer(np.zeros((n, n)), np.eye(n), none, none, np.ones(k))
 
     def source(self, view: FloatArray, between: Between) -> FloatArray:
         """Source (views, k) that a field sends towards views; their mu is positive downward."""
@@ -123,11 +123,11 @@ class Mode:
         down = (self.phase(view, self.mu) * weights) @ between.down
         return np.asarray(down + (self.phase(view, -self.mu) * weights) @ between.up)
 
-    def _thin(self, depth: float) -> Layer:
+    def _thin(self, depth: float) -> TransportLayer:
         rise = (depth / self.mu)[:, None]
         weights = 0.5 * self.weight
         gone = np.exp(-depth / self.mu)
-        return Layer(
+        return TransportLayer(
             rise * self.phase(self.mu, -self.mu) * weights,
             np.diag(gone) + rise * self.phase(self.mu, self.mu) * weights,
             rise * self.phase(self.mu, -self.suns) / (4.0 * np.pi),
@@ -136,7 +136,7 @@ class Mode:
         )
 
 
-def beams_between(above: Layer, below: Layer) -> Between:
+def beams_between(above: TransportLayer, below: TransportLayer) -> Between:
     """Diffuse radiance between two layers, lit by the beams from above."""
     reflected = below.beam_up * above.beam
     there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
@@ -144,19 +144,19 @@ def beams_between(above: Layer, below: Layer) -> Between:
     return Between(np.asarray(down), np.asarray(reflected + below.reflect @ down))
 
 
-def even_between(above: Layer, below: Layer) -> Between:
+def even_between(above: TransportLayer, below: TransportLayer) -> Between:
     """Radiance between two layers, lit from above by even light of radiance 1; mode 0."""
     there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
     down = np.linalg.solve(there_and_back, above.transmit.sum(axis=1, keepdims=True))
     return Between(down, np.asarray(below.reflect @ down))
 
 
-def together(above: Layer, below: Layer) -> Layer:
+def together(above: TransportLayer, below: TransportLayer) -> TransportLayer:
     """Two layers as one."""
     there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
     down = np.linalg.solve(there_and_back, above.transmit)
     beams = beams_between(above, below)
-    return Layer(
+    return TransportLayer(
         above.reflect + above.transmit @ below.reflect @ down,
         below.transmit @ down,
         above.beam_up + above.transmit @ beams.up,

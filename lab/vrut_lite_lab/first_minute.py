@@ -17,7 +17,7 @@ from vrut_lite_lab.checkout import ROOT
 _BEGAN_S = perf_counter(), process_time()
 
 
-class Watch:
+class StepPrinter:
     """Prints a line for each step."""
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class Watch:
 
 def main() -> None:
     """Open, look around, type an hour, export."""
-    watch = Watch()
+    watch = StepPrinter()
     # As `vrut-lite run` does it.
     from vrut_lite.render.gl_environment import begin_probe
 

@@ -44,7 +44,7 @@ _HOUR = Illumination(
 )
 
 
-class Costs(NamedTuple):
+class GrowthCosts(NamedTuple):
     """Of one scene; see the file's head."""
 
     triangles: int
@@ -57,7 +57,7 @@ class Costs(NamedTuple):
     most_mb: float
 
 
-def costs_of(path: str, quality: Quality) -> Costs:
+def costs_of(path: str, quality: Quality) -> GrowthCosts:
     """Bake a scene."""
     scene = packed(load_scene(path))
     begin = time.process_time()
@@ -77,7 +77,7 @@ def costs_of(path: str, quality: Quality) -> Costs:
         start = time.process_time()
         bake.light(_HOUR)
         hours.append(time.process_time() - start)
-    return Costs(
+    return GrowthCosts(
         scene.triangles,
         len(bake.texels.pixel),
         laid - begin,
@@ -89,7 +89,7 @@ def costs_of(path: str, quality: Quality) -> Costs:
     )
 
 
-def _costs_warm(path: str, small: str) -> Costs:
+def _costs_warm(path: str, small: str) -> GrowthCosts:
     costs_of(small, quality_for(DEFAULT_TOLERANCE)._replace(texels=2_000, rays=16))
     return costs_of(path, quality_for(DEFAULT_TOLERANCE))
 

@@ -40,7 +40,7 @@ USUAL = (
 _NOON = datetime(2026, 6, 21, 10, 30, tzinfo=UTC)
 
 
-class Costs(NamedTuple):
+class TimeCosts(NamedTuple):
     """Of one scene; see the file's head."""
 
     texels: int
@@ -64,7 +64,7 @@ class _Told(NamedTuple):
     cpu_s: float
 
 
-def costs_of(scene: Path, quality: str | None, hours: int) -> Costs:
+def costs_of(scene: Path, quality: str | None, hours: int) -> TimeCosts:
     """Open a scene, and look at the clock."""
     kernel, _ = daylight_kernel()
     if NAME not in kernel.seats:
@@ -93,7 +93,7 @@ def costs_of(scene: Path, quality: str | None, hours: int) -> Costs:
     assert grown is not None
     assert scene_opened is not None
     kernel.close()
-    return Costs(
+    return TimeCosts(
         grown.texels,
         laid.size_px,
         scene_opened.triangles,

@@ -27,7 +27,7 @@ import numpy as np
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.module import Module
-from vrut_lite.messages.tolerance import Measured, Point, read_fronts
+from vrut_lite.messages.tolerance import MeasuredFronts, Point, read_fronts
 from vrut_lite_lab.tolerance.knobs import MOST, ToleranceKnobs, Truth
 
 _SEED, _ROUNDS = 1, 3
@@ -72,7 +72,9 @@ def kept_truths(knobs: ToleranceKnobs[Any], folder: Path | None) -> Truths:
     return truth
 
 
-def measure(name: str, knobs: ToleranceKnobs[Any], samples: list[Any], truths: Truths) -> Measured:
+def measure(
+    name: str, knobs: ToleranceKnobs[Any], samples: list[Any], truths: Truths
+) -> MeasuredFronts:
     """Fronts: of each choice the error that 99 % of the pictures stay within, work and CPU time."""
     errors: dict[str, list[Any]] = {knob: [] for knob in knobs.knobs}
     for sample in samples:
@@ -87,7 +89,7 @@ def measure(name: str, knobs: ToleranceKnobs[Any], samples: list[Any], truths: T
             for choice, error in zip(declared.choices, most, strict=True)
         ]
     pictures = max(sum(len(one) for one in found) for found in errors.values())
-    return Measured(name, pictures, _SEED, fronts)
+    return MeasuredFronts(name, pictures, _SEED, fronts)
 
 
 def _least_ms(run: Callable[[Any], object], choice: int | str) -> float:
@@ -101,7 +103,7 @@ def _least_ms(run: Callable[[Any], object], choice: int | str) -> float:
     return round(1e3 * min(spent), 3)
 
 
-def front_lines(measured: Measured) -> Iterator[str]:
+def front_lines(measured: MeasuredFronts) -> Iterator[str]:
     """A Markdown table of the fronts."""
     yield "| knob | choice | error, 99 % of directions in 99 % of pictures | work | CPU ms |"
     yield "|---|---|---:|---:|---:|"

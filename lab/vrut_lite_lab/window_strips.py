@@ -117,7 +117,7 @@ STRIPS = {
 }
 
 
-class Frame(NamedTuple):
+class ShownFrame(NamedTuple):
     """A picture that was shown."""
 
     seconds: float
@@ -139,9 +139,9 @@ class NotedStage(GlStage):
         return picture
 
 
-def frames_of(strip: Strip) -> list[Frame]:
+def frames_of(strip: Strip) -> list[ShownFrame]:
     """All pictures of an act, in a new window."""
-    stages, frames = list[NotedStage](), list[Frame]()
+    stages, frames = list[NotedStage](), list[ShownFrame]()
     began_s = last_s = perf_counter()
 
     def open_stage() -> Stage:
@@ -165,7 +165,7 @@ def frames_of(strip: Strip) -> list[Frame]:
             f"grey {pixels.mean():.0f}  {kind}  {waits}"
         )
         small = ImageOps.pad(Image.fromarray(pixels), _THUMB, Image.Resampling.BILINEAR)
-        frames.append(Frame(last_s - began_s, np.asarray(small), caption))
+        frames.append(ShownFrame(last_s - began_s, np.asarray(small), caption))
 
     with tempfile.TemporaryDirectory() as folder:
         window = MainWindow(session, kept=Kept(Path(folder)))
@@ -210,7 +210,7 @@ def _run(is_over: Callable[[], bool]) -> None:
     loop.exec()
 
 
-def sheet(frames: list[Frame]) -> Image.Image:
+def sheet(frames: list[ShownFrame]) -> Image.Image:
     """The pictures in rows, each above its caption; of many every n-th."""
     frames = frames[:: -(-len(frames) // _MOST)]
     width, height = _THUMB[0] + 4, _THUMB[1] + 32

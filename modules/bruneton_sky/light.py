@@ -18,7 +18,7 @@ from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
 from bruneton_sky.sun_light import haze_layers, limb_darkening_rgb
-from bruneton_sky.tolerance import TABLES, Quality
+from bruneton_sky.tolerance import TABLES, BrunetonQuality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
 from vrut_lite.atmosphere.haze_layer import HAZE_NM
 from vrut_lite.kernel.work_counters import WorkCounters
@@ -42,7 +42,7 @@ NAME = "bruneton_sky"
 
 
 @dataclass(frozen=True)
-class Air:
+class ScatteringInputs:
     """All inputs of scattered light, for any sun and observer."""
 
     settings: BrunetonSkySettings
@@ -91,7 +91,7 @@ class SurroundingsMemo:
 class BrunetonLight(Sky):
     """Sky, sun, ground and air around an eye, `of` a solved air; the sun is the apparent one."""
 
-    of: Air
+    of: ScatteringInputs
     solved: SourceField
     sun_direction: Vector
     visible_disc_fraction: float
@@ -107,7 +107,7 @@ class BrunetonLight(Sky):
         """That of the atmosphere's ground, in sunlight's colours."""
         return albedo_rgb(self.solved.atmosphere)
 
-    def unseen(self, hour: SkyInputs, quality: Quality) -> MotionThreshold:
+    def unseen(self, hour: SkyInputs, quality: BrunetonQuality) -> MotionThreshold:
         """Steps measured for such an atmosphere (`unseen_moves`)."""
         atmosphere = self.solved.atmosphere
         step_m = altitude_step_m(self.eye_height_m, atmosphere)

@@ -11,11 +11,11 @@ from typing import ClassVar, get_args
 
 import msgspec
 
-from bruneton_sky.light import NAME, Air, BrunetonLight, SurroundingsMemo
+from bruneton_sky.light import NAME, BrunetonLight, ScatteringInputs, SurroundingsMemo
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, haze_of_air
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
-from bruneton_sky.tolerance import Quality, quality_for
+from bruneton_sky.tolerance import BrunetonQuality, quality_for
 from vrut_lite.kernel.module import Link, Manifest
 from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.sky.sky_module import SkyModule
@@ -45,21 +45,21 @@ class BrunetonSky(SkyModule):
 
     def __init__(self, link: Link, settings: BrunetonSkySettings):
         super().__init__(link, settings)
-        self._shown: Air | None = None
+        self._shown: ScatteringInputs | None = None
         # Sun and moon take turns.
         self._memos = {body: SurroundingsMemo(self.counters) for body in get_args(Body)}
 
-    def quality(self, tolerance: float) -> Quality:
+    def quality(self, tolerance: float) -> BrunetonQuality:
         """Rungs and sizes by the measured fronts."""
         return quality_for(tolerance)
 
-    def prepare(self, ground_altitude_m: float, quality: Quality) -> Work:
+    def prepare(self, ground_altitude_m: float, quality: BrunetonQuality) -> Work:
         """Solve the atmosphere of the settings, under the place's haze."""
         settings = msgspec.structs.replace(self.settings, **_NOT_AIR)
         haze = haze_of_air(settings, self.haze)
         atmosphere = atmosphere_of(settings, ground_altitude_m, haze)
 
-        air = Air(settings, ground_altitude_m, quality.solver, haze)
+        air = ScatteringInputs(settings, ground_altitude_m, quality.solver, haze)
 
         def solved(rung: SolverRung) -> Work:
             of = replace(air, rung=rung)
@@ -71,7 +71,7 @@ class BrunetonSky(SkyModule):
         drafted = is_day and is_other and not atmosphere.foggy and air.rung != "draft"
         return solved(air.rung)._replace(first=solved("draft") if drafted else None)
 
-    def light(self, hour: SkyInputs, quality: Quality, prepared: Prepared) -> BrunetonLight:
+    def light(self, hour: SkyInputs, quality: BrunetonQuality, prepared: Prepared) -> BrunetonLight:
         """The light of the solved atmosphere, which may be older than the settings."""
         self._shown = prepared.of
         return BrunetonLight(

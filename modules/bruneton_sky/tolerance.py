@@ -33,7 +33,7 @@ _SOLVER_SHARE, _TABLE_SHARE, _CUBE_SHARE = 0.7, 0.25, 0.1
 _USUAL_CUBE = 0.003
 
 
-class Quality(NamedTuple):
+class BrunetonQuality(NamedTuple):
     """Sizes and thresholds; see the module's table."""
 
     solver: SolverRung
@@ -44,10 +44,10 @@ class Quality(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def quality_for(tolerance: float) -> Quality:
+def quality_for(tolerance: float) -> BrunetonQuality:
     """The cheapest choices that keep a picture within a tolerance of radiance, a share above 0."""
     fronts = read_fronts(FRONTS).fronts
-    return Quality(
+    return BrunetonQuality(
         solver=cast(SolverRung, cheapest(fronts["solver"], _SOLVER_SHARE * tolerance)),
         table=str(cheapest(fronts["table"], _TABLE_SHARE * tolerance)),
         cube_size=int(cheapest(fronts["cube_size"], budget(tolerance, _USUAL_CUBE, _CUBE_SHARE))),

@@ -29,7 +29,7 @@ from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.sky.air_reach import UNSEEN_SHARE
-from vrut_lite.sky.air_rows import Grid
+from vrut_lite.sky.air_rows import AirGrid
 from vrut_lite.sky.air_volume import (
     NodeRays,
     column_cosines,
@@ -103,7 +103,7 @@ def air_volume(
     daylight: Daylight, sun_direction: Vector, altitude_m: float, reach_m: float
 ) -> AirVolume:
     """The air around an observer; the sun's direction is the apparent one, in world axes."""
-    grid = Grid(altitude_m, GROUND_RADIUS_M, TOP_ALTITUDE_M, reach_m, ROWS_ABOVE, ROWS_BELOW)
+    grid = AirGrid(altitude_m, GROUND_RADIUS_M, TOP_ALTITUDE_M, reach_m, ROWS_ABOVE, ROWS_BELOW)
     rays = node_rays(grid, COLUMNS, float(np.clip(sun_direction[1], -1.0, 1.0)))
     layers = layers_of(daylight.air_haze)
     depth = _depths(rays, layers, _distances(rays.span_m, altitude_m))
@@ -122,7 +122,7 @@ def air_volume(
     )
 
 
-def _mean_light(daylight: Daylight, grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
+def _mean_light(daylight: Daylight, grid: AirGrid, rays: NodeRays, layers: Layers) -> FloatArray:
     """Mean radiance (3, rows, columns, 3): light scattered again, scattered once over the phase
     function of molecules, nothing."""
     sky = _sky_behind(daylight, rays, grid.rows_above)
@@ -145,7 +145,7 @@ def _sky_behind(daylight: Daylight, rays: NodeRays, rows_above: int) -> FloatArr
     return daylight.sky.radiance(np.broadcast_to(np.arccos(mu)[:, None], gamma.shape), gamma)
 
 
-def _whole_lost(grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
+def _whole_lost(grid: AirGrid, rays: NodeRays, layers: Layers) -> FloatArray:
     """1 - T (rows, 3) of all the air in each direction; below the horizon, of that on it."""
     endless = node_rays(grid._replace(reach_m=np.inf), 1, 0.0)
     above = NodeRays(*(part[: grid.rows_above] for part in endless))
@@ -155,7 +155,7 @@ def _whole_lost(grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
     return np.concatenate([lost, np.broadcast_to(lost[:1], (grid.rows_below, 3))])
 
 
-def _sunlit(daylight: Daylight, grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
+def _sunlit(daylight: Daylight, grid: AirGrid, rays: NodeRays, layers: Layers) -> FloatArray:
     """Radiance (rows, columns, 3) of sunlight scattered once, per extinction of the eye's air."""
     thinner = np.exp(-grid.observer_altitude_m / layers.scale_height_m)[:, None]
     here = thinner * (layers.extinction @ _shares())

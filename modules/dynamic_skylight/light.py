@@ -10,7 +10,7 @@ from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun_step import sun_step_rad
-from dynamic_skylight.tolerance import Quality
+from dynamic_skylight.tolerance import HosekWilkieQuality
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob
@@ -69,7 +69,7 @@ class HosekWilkieLight(Sky):
         """The same in all colours."""
         return np.full(3, self.daylight.albedo)
 
-    def unseen(self, hour: SkyInputs, quality: Quality) -> MotionThreshold:
+    def unseen(self, hour: SkyInputs, quality: HosekWilkieQuality) -> MotionThreshold:
         """The sun's by the model's largest change; the eye's by the air's thinning."""
         return MotionThreshold(
             sun_step_rad(hour.sun.apparent_elevation_rad, quality.sun_change),

@@ -13,7 +13,7 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.light import NAME, HosekWilkieLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun.position import position_at
-from dynamic_skylight.tolerance import Quality, quality_for
+from dynamic_skylight.tolerance import HosekWilkieQuality, quality_for
 from vrut_lite.atmosphere.aerosol import (
     LEAST_TURBIDITY,
     MOST_TURBIDITY,
@@ -43,11 +43,13 @@ class DynamicSkyLight(SkyModule):
 
     # --- the sky -------------------------------------------------------------------------
 
-    def quality(self, tolerance: float) -> Quality:
+    def quality(self, tolerance: float) -> HosekWilkieQuality:
         """Sizes by the measured fronts."""
         return quality_for(tolerance)
 
-    def light(self, hour: SkyInputs, quality: Quality, prepared: None) -> HosekWilkieLight:
+    def light(
+        self, hour: SkyInputs, quality: HosekWilkieQuality, prepared: None
+    ) -> HosekWilkieLight:
         """Formula and twilight table; neither knows how high the place lies."""
         haze, elevation_rad = self._haze, hour.sun.apparent_elevation_rad
         turbidity, level = min(max(haze.turbidity, LEAST_TURBIDITY), MOST_TURBIDITY), 1.0

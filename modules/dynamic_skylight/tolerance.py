@@ -23,7 +23,7 @@ FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 _USUAL, _CUBE_SHARE, _LIGHT_SHARE = 0.006, 0.5, 0.45
 
 
-class Quality(NamedTuple):
+class HosekWilkieQuality(NamedTuple):
     """Sizes and thresholds; see the module's table."""
 
     cube_size: int
@@ -33,10 +33,10 @@ class Quality(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def quality_for(tolerance: float) -> Quality:
+def quality_for(tolerance: float) -> HosekWilkieQuality:
     """The cheapest sizes that keep a picture within a tolerance of radiance, a share above 0."""
     fronts = read_fronts(FRONTS).fronts
-    return Quality(
+    return HosekWilkieQuality(
         cube_size=int(cheapest(fronts["cube_size"], budget(tolerance, _USUAL, _CUBE_SHARE))),
         light_size=int(cheapest(fronts["light_size"], budget(tolerance, _USUAL, _LIGHT_SHARE))),
         sun_change=budget(tolerance, 1e-3, 0.1),

@@ -39,14 +39,14 @@ NATURAL_MAGNITUDE, _LAMP_K = 22.0, 3000.0
 _ZENITH_CD = 1.12e5
 
 
-class Sources(NamedTuple):
+class GlowSources(NamedTuple):
     """Parameters of the glow: the sun's radio flux, and the zenith's magnitude by lamps."""
 
     solar_flux_sfu: float = 130.0
     zenith_magnitude: float = NATURAL_MAGNITUDE
 
 
-def glow(direction: FloatArray, at: Watch, air: NightAir, sources: Sources) -> FloatArray:
+def glow(direction: FloatArray, at: Watch, air: NightAir, sources: GlowSources) -> FloatArray:
     """Radiance (..., 3) of the sky behind the air, above the horizon; without points and moon."""
     flat = np.asarray(direction, dtype=float).reshape(-1, 3)
     above = outside(flat, at, sources)
@@ -57,7 +57,7 @@ def glow(direction: FloatArray, at: Watch, air: NightAir, sources: Sources) -> F
     return lit.reshape(direction.shape)
 
 
-def outside(direction: FloatArray, at: Watch, sources: Sources) -> FloatArray:
+def outside(direction: FloatArray, at: Watch, sources: GlowSources) -> FloatArray:
     """Radiance (n, 3) above the air."""
     airglow = airglow_cd(np.maximum(direction[:, 1], 0.0), sources.solar_flux_sfu)
     j2000 = direction @ at.world
@@ -67,7 +67,7 @@ def outside(direction: FloatArray, at: Watch, sources: Sources) -> FloatArray:
     return (airglow[:, None] * np.ones(3) + stars + dust) / LUMENS_PER_WATT
 
 
-def mean_outside(at: Watch, air: NightAir, sources: Sources) -> FloatArray:
+def mean_outside(at: Watch, air: NightAir, sources: GlowSources) -> FloatArray:
     """Radiance (3,) above the air in the mean over the sky, weighted by what the air lets in."""
     direction, weight = _sky_nodes()
     through = air.through(direction[:, 1]) * weight[:, None]
@@ -110,13 +110,13 @@ def zodiacal_cd(j2000: FloatArray, at: Watch) -> FloatArray:
     return _ZODIACAL_CD * np.exp(_zodiacal()(np.stack([longitude, latitude], axis=-1)))
 
 
-def lamp_glow(sine: FloatArray, air: NightAir, sources: Sources) -> FloatArray:
+def lamp_glow(sine: FloatArray, air: NightAir, sources: GlowSources) -> FloatArray:
     """Radiance (n, 3) of air over ground that shines evenly, of the zenith asked for."""
     ground = lamps_from_above(air.haze, sources)
     return lamp_share(air.haze, sine) * ground if ground.any() else np.zeros(3)
 
 
-def lamps_from_above(haze: SetHaze, sources: Sources) -> FloatArray:
+def lamps_from_above(haze: SetHaze, sources: GlowSources) -> FloatArray:
     """Radiance (3,) of ground that shines evenly, under a zenith as bright as asked for."""
     extra = 10.0 ** (-0.4 * sources.zenith_magnitude) - 10.0 ** (-0.4 * NATURAL_MAGNITUDE)
     if extra <= 0.0:

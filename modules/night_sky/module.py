@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from night_sky.earth_shadow import light_left
-from night_sky.glow import Sources, glow, lamps_from_above
+from night_sky.glow import GlowSources, glow, lamps_from_above
 from night_sky.moon_light import irradiance_rgb, sun_rgb
 from night_sky.night_air import night_air
 from night_sky.path import moon_path
@@ -48,7 +48,7 @@ from vrut_lite.sky.night_glow import map_directions
 from vrut_lite.sky.sky_module import PRODUCTS
 
 if TYPE_CHECKING:
-    from night_sky.glow import Sources
+    from night_sky.glow import GlowSources
     from night_sky.moon import Moon
     from night_sky.night_air import NightAir
     from night_sky.sight import Sight
@@ -222,8 +222,8 @@ class NightSky(Module):
         return self._air[eye_m]
 
     @property
-    def _sources(self) -> "Sources":
-        return Sources(self.settings.solar_flux_sfu, self.settings.zenith_magnitude)
+    def _sources(self) -> "GlowSources":
+        return GlowSources(self.settings.solar_flux_sfu, self.settings.zenith_magnitude)
 
     def _lamps_rgb(self) -> Vector:
         red, green, blue = lamps_from_above(haze_of(self.link), self._sources).tolist()

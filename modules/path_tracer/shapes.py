@@ -33,7 +33,7 @@ _FLAT = 1e-5
 _NO_LAYER = -1
 
 
-class Matter(NamedTuple):
+class TracedShapes(NamedTuple):
     """Shapes by name, the BSDFs of those that are single-sided, and the ground disc's."""
 
     shapes: dict[str, Any]
@@ -41,7 +41,7 @@ class Matter(NamedTuple):
     ground: Any = None
 
 
-def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
+def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> TracedShapes:
     """All of a scene, none of which glows; `model` as for `surface`."""
     geometry = subject.scene.geometry
     skins = _skins(subject)
@@ -71,13 +71,13 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
             "group": groups[number],
         }
     if subject.scene.ground is None:
-        return Matter(result, bsdfs.one_sided)
+        return TracedShapes(result, bsdfs.one_sided)
     soil = mitsuba.load_dict(matte(np.asarray(subject.state.ground_albedo_rgb)))
     result["ground"] = _ground(mitsuba, subject, subject.scene.ground, soil)
-    return Matter(result, bsdfs.one_sided, soil)
+    return TracedShapes(result, bsdfs.one_sided, soil)
 
 
-def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
+def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> TracedShapes:
     """The shapes that shine, under the names that they have in `matter`."""
     units = subject.units_from_world()
     skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject)
@@ -86,7 +86,7 @@ def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf")
         for part, (number, matrix) in enumerate(_places(subject))
         if skins[number].glows
     }
-    return Matter(shining, bsdfs.one_sided)
+    return TracedShapes(shining, bsdfs.one_sided)
 
 
 class _Skin(NamedTuple):

@@ -25,7 +25,7 @@ from vrut_lite.sky.sky_of_hour import SkyInputs
 NAME = "photo_sky"
 
 
-class Quality(NamedTuple):
+class PhotoQuality(NamedTuple):
     """A cube's edge in texels."""
 
     cube_size: int
@@ -53,11 +53,11 @@ class PhotoSky(SkyModule):
         # The file that was read last, also if in vain.
         self._read = ""
 
-    def quality(self, tolerance: float) -> Quality:
+    def quality(self, tolerance: float) -> PhotoQuality:
         """Sharp enough for the photograph's clouds."""
-        return Quality(int(np.clip(25.0 / tolerance, 64, 1024)))
+        return PhotoQuality(int(np.clip(25.0 / tolerance, 64, 1024)))
 
-    def light(self, hour: SkyInputs, quality: Quality, prepared: None) -> PhotoLight:
+    def light(self, hour: SkyInputs, quality: PhotoQuality, prepared: None) -> PhotoLight:
         """The photograph's, whatever the hour."""
         own = self.settings
         return PhotoLight(

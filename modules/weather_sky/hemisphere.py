@@ -10,7 +10,7 @@ from vrut_lite.atmosphere.sky_distribution import Distribution, Overcast
 from vrut_lite.numeric_types import FloatArray
 
 
-class Nodes(NamedTuple):
+class HemisphereNodes(NamedTuple):
     """Directions (n,) of a half hemisphere beside the sun, for skies that are alike on both sides.
 
     `weight` holds twice the solid angle times the cosine from the zenith: the weights sum to pi.
@@ -28,14 +28,14 @@ class Nodes(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def nodes(count: int) -> Nodes:
+def nodes(count: int) -> HemisphereNodes:
     """`count` squared of them: Gauss-Legendre in the zenith angle's cosine, midpoints around."""
     x, w = np.polynomial.legendre.leggauss(count)
     mu, weight = 0.5 * (x + 1.0), 0.5 * w
     around = (np.arange(count) + 0.5) * np.pi / count
     shape = (count, count)
     solid = np.broadcast_to((weight * mu)[:, None] * 2.0 * np.pi / count, shape)
-    return Nodes(np.repeat(mu, count), np.tile(np.cos(around), count), solid.ravel())
+    return HemisphereNodes(np.repeat(mu, count), np.tile(np.cos(around), count), solid.ravel())
 
 
 def horizontal(

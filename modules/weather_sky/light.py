@@ -17,7 +17,7 @@ from vrut_lite.sky.suns import RADIUS_RAD
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.conditions import Conditions
 from weather_sky.hemisphere import horizontal
-from weather_sky.tolerance import Quality
+from weather_sky.tolerance import WeatherQuality
 
 # Edge of the cube that lights ground and scene.
 _LIGHT_SIZE = 64
@@ -117,6 +117,6 @@ class WeatherLight(Sky):
         cube[texel_directions(_LIGHT_SIZE)[..., 1] <= 0.0] = self._ground_rgb
         return irradiance_coefficients(cube)
 
-    def unseen(self, hour: SkyInputs, quality: Quality) -> MotionThreshold:
+    def unseen(self, hour: SkyInputs, quality: WeatherQuality) -> MotionThreshold:
         """The sun's by the steepest fall of light beside it; the eye's height changes nothing."""
         return MotionThreshold(_STEEPEST_RAD * quality.sun_change, np.inf)

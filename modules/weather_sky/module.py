@@ -25,7 +25,7 @@ from weather_sky.clear_year import ClearYear
 from weather_sky.conditions import Conditions
 from weather_sky.light import WeatherLight, haze_before
 from weather_sky.settings import WeatherSettings
-from weather_sky.tolerance import Quality, quality_for
+from weather_sky.tolerance import WeatherQuality, quality_for
 
 NAME = "weather_sky"
 # Without a file: 2 cm of water vapour, Perez's own usual value.
@@ -53,11 +53,11 @@ class WeatherSky(SkyModule):
 
     # --- the sky -------------------------------------------------------------------------
 
-    def quality(self, tolerance: float) -> Quality:
+    def quality(self, tolerance: float) -> WeatherQuality:
         """Sizes for a smooth sky."""
         return quality_for(tolerance)
 
-    def light(self, hour: SkyInputs, quality: Quality, prepared: None) -> WeatherLight:
+    def light(self, hour: SkyInputs, quality: WeatherQuality, prepared: None) -> WeatherLight:
         """The sky of the settings, of the file's hour, or a clear one, in this order."""
         clock, weather, own = self.link.last(ClockMoved), self._weather, self.settings
         direct, diffuse = own.direct_normal_w_m2, own.diffuse_horizontal_w_m2

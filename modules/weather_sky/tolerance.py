@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Quality(NamedTuple):
+class WeatherQuality(NamedTuple):
     """A cube's edge in texels, and the share of radiance that unseen moves may change."""
 
     cube_size: int
     sun_change: float
 
 
-def quality_for(tolerance: float) -> Quality:
+def quality_for(tolerance: float) -> WeatherQuality:
     """Weather is smooth but for the light beside the sun, which falls to a third over 7 degrees."""
-    return Quality(int(np.clip(16.0 / tolerance, 64, 512)), 0.05 * tolerance)
+    return WeatherQuality(int(np.clip(16.0 / tolerance, 64, 512)), 0.05 * tolerance)

@@ -10,7 +10,7 @@ from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.sky.clear_sun import sun_irradiance_rgb
 from vrut_lite.sky.suns import suns_of_year
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
-from weather_sky.hemisphere import Nodes, horizontal, nodes
+from weather_sky.hemisphere import HemisphereNodes, horizontal, nodes
 from weather_sky.perez import all_weather, precipitable_water_cm
 from weather_sky.twilight import twilight_alone, twilight_lux
 
@@ -54,7 +54,7 @@ def irradiance_of_year(weather: SetWeather, normal: Vector = UP) -> tuple[FloatA
     return sun, sky
 
 
-def _weights(at: Nodes, azimuth_rad: FloatArray, normal: Vector) -> FloatArray:
+def _weights(at: HemisphereNodes, azimuth_rad: FloatArray, normal: Vector) -> FloatArray:
     """Solid angle times cosine from a normal (hours, n), both sides of the sun's plane together."""
     solid = at.weight / (2.0 * at.cos_zenith)
     sine = np.sqrt(1.0 - at.cos_zenith**2)

@@ -19,11 +19,11 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Demand, Derived, Input
 from vrut_lite.recording.codec import Handle, arrays_of
 from zenoh_bridge.array_store import ArrayStore, check_handle, unpacked
-from zenoh_bridge.frames import Frame, encode_frame, read_frame, remote_message
+from zenoh_bridge.frames import MessageFrame, encode_frame, read_frame, remote_message
 from zenoh_bridge.inputs import BridgeState, BridgeTrouble
 from zenoh_bridge.paced import Paced
-from zenoh_bridge.plan import Plan
-from zenoh_bridge.session import Session
+from zenoh_bridge.plan import SessionPlan
+from zenoh_bridge.session import BridgeSession
 from zenoh_bridge.wants import LONGEST_PEER, RemoteWants, Wishes, token_key
 from zenoh_bridge.worker import Worker
 
@@ -42,11 +42,11 @@ _CLOSE_TIMEOUT_S = 5.0
 class Connection:
     """A connection to other processes from `start` to `close`; it injects what it receives."""
 
-    def __init__(self, plan: Plan, inject: Callable[[Input], None]):
+    def __init__(self, plan: SessionPlan, inject: Callable[[Input], None]):
         self._plan = plan
         self._inject_into_kernel = inject
         self._closed = False
-        self._session: Session | None = None
+        self._session: BridgeSession | None = None
         self._arrays = ArrayStore(_STORE_IN_LARGEST * plan.max_array)
         self._wants = RemoteWants(plan.max_array)
         self._last: dict[str, Derived] = {}
@@ -117,7 +117,7 @@ class Connection:
         if self._closed:
             return
         try:
-            session = self._session = Session(self._plan.config)
+            session = self._session = BridgeSession(self._plan.config)
             prefix = self._plan.prefix
             for kind in self._plan.accept:
                 session.listen(f"{prefix}/say/{kind.__name__}", self._guarded(self._heard))
@@ -149,7 +149,7 @@ class Connection:
         except BaseException as error:
             self._trouble(error)
 
-    def _send(self, session: Session, message: Derived) -> None:
+    def _send(self, session: BridgeSession, message: Derived) -> None:
         for array in arrays_of(message):
             if array.values.nbytes > self._plan.max_array:
                 name = type(message).__name__
@@ -161,7 +161,7 @@ class Connection:
         frame = encode_frame(message, self._plan.max_message)
         session.put(f"{self._plan.prefix}/say/{type(message).__name__}", frame)
 
-    def _show(self, session: Session, wishes: Wishes) -> None:
+    def _show(self, session: BridgeSession, wishes: Wishes) -> None:
         prefix, peer = self._plan.prefix, session.peer
         keys = {token_key(prefix, peer, name, *wish) for name, wish in wishes.items()}
         for key in keys - self._tokens.keys():
@@ -214,7 +214,7 @@ class Connection:
 
     # --- on the reader's thread ------------------------------------------------------
 
-    def _complete(self, name: str, frame: Frame) -> None:
+    def _complete(self, name: str, frame: MessageFrame) -> None:
         try:
             self._inject(remote_message(frame, self._fetch))
         except BaseException as error:

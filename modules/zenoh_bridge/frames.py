@@ -22,7 +22,7 @@ _MOST_ARRAYS = 4
 FetchArray = Callable[[Handle], Array]
 
 
-class Frame(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class MessageFrame(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The JSON that is sent; `message` is the plain form of codec.to_plain."""
 
     version: int
@@ -39,13 +39,13 @@ def encode_frame(message: Derived, max_bytes: int) -> bytes:
     name = type(message).__name__
     if texture_in(message):
         raise UserError(f"{name} stays on the GPU and cannot cross: make it on the CPU")
-    data = msgspec.json.encode(Frame(VERSION, name, to_plain(message)))
+    data = msgspec.json.encode(MessageFrame(VERSION, name, to_plain(message)))
     if len(data) > max_bytes:
         raise UserError(f"{name} takes {len(data)} bytes: raise max_message_kib on both sides")
     return data
 
 
-def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) -> Frame:
+def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) -> MessageFrame:
     """Decode and check a frame, except for the content of its arrays, which it only names.
 
     Raises:
@@ -55,7 +55,7 @@ def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) ->
     with _refusing(type_name):
         if len(data) > max_message:
             raise UserError(f"it has {len(data)} bytes: raise max_message_kib")
-        frame = msgspec.json.decode(data, type=Frame)
+        frame = msgspec.json.decode(data, type=MessageFrame)
         if frame.version != VERSION:
             raise UserError(f"it is of version {frame.version}, not {VERSION}: update one side")
         if frame.type_name != type_name:
@@ -64,7 +64,7 @@ def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) ->
     return frame
 
 
-def remote_message(frame: Frame, fetch: FetchArray) -> RemoteMessage:
+def remote_message(frame: MessageFrame, fetch: FetchArray) -> RemoteMessage:
     """The input for a frame, with its arrays fetched.
 
     Raises:

@@ -20,7 +20,7 @@ _LISTEN_TIMEOUT_MS = 2000
 
 
 @dataclass(frozen=True)
-class Plan:
+class SessionPlan:
     """A session to open: keys below `prefix`, sizes in bytes, and Zenoh's configuration."""
 
     prefix: str
@@ -32,7 +32,7 @@ class Plan:
     config: dict[str, Any]
 
 
-def plan_of(settings: ZenohBridgeSettings) -> Plan:
+def plan_of(settings: ZenohBridgeSettings) -> SessionPlan:
     """The session for these settings.
 
     Raises:
@@ -47,7 +47,7 @@ def plan_of(settings: ZenohBridgeSettings) -> Plan:
     max_array = settings.max_array_mib * 2**20
     secured = "" if protocol == "tls" else ", not encrypted"
     verb = "listening on" if settings.mode == "listen" else "connecting to"
-    return Plan(
+    return SessionPlan(
         prefix=settings.prefix,
         share=types_named(settings.share, "share"),
         accept=types_named(settings.accept, "accept"),

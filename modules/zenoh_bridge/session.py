@@ -18,7 +18,7 @@ OnToken = Callable[[str, bool], None]
 OnQuery = Callable[[Any], None]
 
 
-class Session:
+class BridgeSession:
     """An open Zenoh session that does not receive its own messages.
 
     Raises:

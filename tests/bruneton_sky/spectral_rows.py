@@ -3,7 +3,7 @@
 import numpy as np
 from bruneton_sky.phase import mie_phase
 from bruneton_sky.sky_view import GroundColours
-from bruneton_sky.sky_view.rays import Rows
+from bruneton_sky.sky_view.rays import SkyViewRays
 from bruneton_sky.sky_view.table_kernels import add_rows
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 def total_radiance(
-    field: SourceField, rows: Rows, counts: tuple[int, int, int]
+    field: SourceField, rows: SkyViewRays, counts: tuple[int, int, int]
 ) -> NDArray[np.float64]:
     """Radiance (rows, columns, C) of at most four wavelengths before a black ground."""
     (air,), nu = groups_of_air(field.atmosphere), rows.nu.astype(np.float32)

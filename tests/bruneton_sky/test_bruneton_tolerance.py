@@ -10,13 +10,18 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField, real_time_sizes
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, rung_tolerance
-from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
+from bruneton_sky.tolerance import FRONTS, TABLES, BrunetonQuality, quality_for
 from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
 from vrut_lite.testing.sky_on_bus import SkyOnBus
-from vrut_lite_lab.tolerance.bruneton_sky import Air, air_errors, evaluated, random_airs
+from vrut_lite_lab.tolerance.bruneton_sky import (
+    ViewedAtmosphere,
+    air_errors,
+    evaluated,
+    random_airs,
+)
 
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 AIRS = {
@@ -29,7 +34,9 @@ AIRS = {
 def test_the_default_is_unchanged() -> None:
     """The real-time sizes, the table and the steps that pictures and journals were made with before
     there was a tolerance."""
-    assert quality_for(DEFAULT_TOLERANCE) == Quality("usual", "usual", 256, RADIANCE_TOLERANCE, 1.0)
+    assert quality_for(DEFAULT_TOLERANCE) == BrunetonQuality(
+        "usual", "usual", 256, RADIANCE_TOLERANCE, 1.0
+    )
     for air in AIRS.values():
         assert rung_sizes(air, "usual") == real_time_sizes(air)
     assert TABLES["usual"] == 1.0
@@ -70,7 +77,7 @@ def test_fronts_fall() -> None:
 
 
 @pytest.fixture(scope="module")
-def held() -> tuple[Air, list[np.ndarray]]:
+def held() -> tuple[ViewedAtmosphere, list[np.ndarray]]:
     """Air that no front was measured in, and its skies by the finer rung, each ray by itself."""
     air = random_airs(1, seed=79)[0]
     field = solve_air(atmosphere_of(air.settings), rung="finer")
@@ -79,7 +86,9 @@ def held() -> tuple[Air, list[np.ndarray]]:
 
 @pytest.mark.long
 @pytest.mark.parametrize("tolerance", [0.3, 0.1, 0.04])
-def test_random_pictures_stay_within(held: tuple[Air, list[np.ndarray]], tolerance: float) -> None:
+def test_random_pictures_stay_within(
+    held: tuple[ViewedAtmosphere, list[np.ndarray]], tolerance: float
+) -> None:
     """Fifteen suns and observers, where 99 of 100 are promised, plus the 1 % by which the finer
     rung itself may be off; docs/tolerance.md has the long run against converged skies."""
     air, truth = held
@@ -88,7 +97,7 @@ def test_random_pictures_stay_within(held: tuple[Air, list[np.ndarray]], toleran
 
 
 @pytest.mark.long
-def test_a_draft_would_not_do(held: tuple[Air, list[np.ndarray]]) -> None:
+def test_a_draft_would_not_do(held: tuple[ViewedAtmosphere, list[np.ndarray]]) -> None:
     """The promise is not kept by just any rung: what serves 100 % is beyond 2 %."""
     air, truth = held
     assert max(air_errors(air, truth, quality_for(1.0))) > 0.02

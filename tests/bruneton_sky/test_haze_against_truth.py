@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import table_counts
-from bruneton_sky.sky_view.rays import Rows
+from bruneton_sky.sky_view.rays import SkyViewRays
 from bruneton_sky.solver import SourceField, ground_irradiance
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ def compare(
     chosen &= TRUTH["altitude_m"] == altitude_m
     mu, nu, mu_s = (TRUTH[name][chosen] for name in ("mu", "nu", "mu_s"))
     # From 2 km the horizon lies at -0.025.
-    rows = Rows(
+    rows = SkyViewRays(
         np.full(mu.size, altitude_m), mu, mu < -0.025, mu_s[:, None], nu[:, None], np.zeros(2)
     )
     counts = table_counts(field(turbidity).atmosphere, altitude_m, float(mu_s[0]))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.sky_view import limb_counts, table_counts
-from bruneton_sky.sky_view.rays import Rows
+from bruneton_sky.sky_view.rays import SkyViewRays
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ def as_in_a_table(
     that his table takes."""
     entry = {name: TRUTH[f"entry_{name}"][index] for name in ("altitude_m", "mu", "mu_s")}
     hits = TRUTH["hits_ground"][index].astype(bool)
-    rows = Rows(
+    rows = SkyViewRays(
         entry["altitude_m"], entry["mu"], hits,
         entry["mu_s"][:, None], TRUTH["nu"][index][:, None], np.zeros(2),
     )  # fmt: skip

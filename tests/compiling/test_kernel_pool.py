@@ -9,7 +9,7 @@ import pytest
 
 from vrut_lite.commands.progress import compiling_text
 from vrut_lite.compiling.ahead import CompileAhead
-from vrut_lite.compiling.kernel_list import Kernel, KernelGroup
+from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel
 from vrut_lite.compiling.pool import KernelPool, Progress
 
 # In an empty cache: the sky's kernels by a process, then a sky, which compiles nothing.
@@ -72,13 +72,15 @@ def test_kernels_that_are_not_there_end_too() -> None:
     """A stale list costs its processes alone: progress ends, and nobody waits for ever."""
     told: list[Progress] = []
     pool = KernelPool(told.append, processes=2)
-    pool.add([KernelGroup("old", tuple(Kernel("vrut_lite.gone", f"_{k}", "[]") for k in range(3)))])
+    pool.add(
+        [KernelGroup("old", tuple(ListedKernel("vrut_lite.gone", f"_{k}", "[]") for k in range(3)))]
+    )
     pool.join()
     assert told[-1].done == told[-1].total == 3
     assert not pool.is_on
 
 
-GONE = KernelGroup("old", tuple(Kernel("vrut_lite.gone", f"_{k}", "[]") for k in range(6)))
+GONE = KernelGroup("old", tuple(ListedKernel("vrut_lite.gone", f"_{k}", "[]") for k in range(6)))
 
 
 def test_without_processes_nobody_waits(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -108,7 +110,7 @@ def test_a_follower_that_fails_holds_nobody_up() -> None:
 def test_closing_ends_what_is_under_way() -> None:
     """A window that is closed while kernels are compiled leaves no process behind."""
     pool = KernelPool(lambda _: None, processes=1)
-    pool.add([KernelGroup("old", (Kernel("light_transport.rays.tree", "_nodes", "[]"),) * 2)])
+    pool.add([KernelGroup("old", (ListedKernel("light_transport.rays.tree", "_nodes", "[]"),) * 2)])
     pool.close()
     assert not pool.is_on
     assert all(child.poll() is not None for child in pool._children)

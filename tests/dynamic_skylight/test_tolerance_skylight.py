@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.sun_step import RADIANCE_TOLERANCE
-from dynamic_skylight.tolerance import FRONTS, Quality, quality_for
+from dynamic_skylight.tolerance import FRONTS, HosekWilkieQuality, quality_for
 from long_parameters import mostly_long
 
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
@@ -22,7 +22,7 @@ GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 def test_the_default_is_unchanged():
     """256 texels, light from 64, a thousandth for an unfollowed sun, 1 % of air: the sizes that
     pictures and journals were made with before there was a tolerance."""
-    assert quality_for(DEFAULT_TOLERANCE) == Quality(256, 64, RADIANCE_TOLERANCE, 0.01)
+    assert quality_for(DEFAULT_TOLERANCE) == HosekWilkieQuality(256, 64, RADIANCE_TOLERANCE, 0.01)
 
 
 def test_a_looser_tolerance_never_asks_for_more():

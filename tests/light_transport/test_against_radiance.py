@@ -14,9 +14,9 @@ from light_transport.daylight_numbers.sensors import free_sensors
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.radiance.grids import GRIDS, Grid, compared_hours
+from vrut_lite_lab.radiance.grids import GRIDS, MeasuredPoints, compared_hours
 from vrut_lite_lab.radiance.irradiance import (
-    Effort,
+    RadianceEffort,
     irradiance_by_radiance,
     radiance_folder,
     run_in,
@@ -28,7 +28,7 @@ SKY = "dynamic_skylight"
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
 
 
-def grid_of(scene: str) -> Grid:
+def grid_of(scene: str) -> MeasuredPoints:
     return next(grid for grid in GRIDS if grid.scene == scene)
 
 
@@ -42,7 +42,9 @@ def above_a_floor(light, normal, rays=4096) -> FloatArray:
     """Radiance's irradiance (3,) just above a black floor."""
     surfaces, _ = quads(floor(-50, 50, -50, 50), reflectance=0.0)
     place = np.array([[0.0, 0.01, 0.0]])
-    return irradiance_by_radiance(surfaces, light, place, np.array([normal]), Effort(rays))[0]
+    return irradiance_by_radiance(surfaces, light, place, np.array([normal]), RadianceEffort(rays))[
+        0
+    ]
 
 
 def test_radiance_is_given_the_sky_that_we_have():
@@ -66,7 +68,7 @@ def test_a_grid_has_radiance_s_irradiance(scene):
     """In a room, a hall and a yard at noon: within 2 % rms of the mean, 1.5 % in the mean."""
     grid = grid_of(scene)
     for _, baked, light in compared_hours(grid, SKY, ("12:30",)):
-        found = baked.at_points(grid.places_m, light, Effort(32_768))
+        found = baked.at_points(grid.places_m, light, RadianceEffort(32_768))
         print(scene, found.free, f"{found.mean:+.2%} {found.rms:.2%} {found.most:.1%}")
         assert found.free > 0.8 * len(grid.places_m)
         assert abs(found.mean) < 0.015
@@ -80,7 +82,9 @@ def test_sensors_have_radiance_s_illuminance(scene):
     grid = grid_of(scene)
     up = np.tile([0.0, 1.0, 0.0], (len(grid.places_m), 1))
     for _, baked, light in compared_hours(grid, SKY, ("12:30",)):
-        theirs = irradiance_by_radiance(baked.surfaces, light, grid.places_m, up, Effort(32_768))
+        theirs = irradiance_by_radiance(
+            baked.surfaces, light, grid.places_m, up, RadianceEffort(32_768)
+        )
         lux = luminance(theirs) * LUMENS_PER_WATT
         # Points with next to no light lie inside bodies.
         free = lux > 0.02 * lux.mean()
@@ -105,7 +109,7 @@ def test_hours_of_a_year_of_weather_have_radiance_s_illuminance(scene, tmp_path)
 
     path = tmp_path / "prague.epw"
     path.write_text(epw_text(), encoding="ascii")
-    found = compared_year(grid_of(scene), str(path), 12, Effort(8_192))
+    found = compared_year(grid_of(scene), str(path), 12, RadianceEffort(8_192))
     error, of_sum = found.error, found.of_sum
     print(scene, f"{np.sqrt(np.mean(error**2)):.2%} {of_sum.mean():+.2%} {found.ours_cpu_s:.0f}")
     assert np.sqrt(np.mean(of_sum**2)) < 0.05
@@ -136,5 +140,5 @@ def test_panes_pass_what_radiance_s_glass_does(tint, tmp_path):
 @pytest.mark.long
 def test_a_room_behind_a_clear_pane_has_radiance_s_illuminance():
     """Overcast, and with the sun in the room: within 2.5 % rms, Radiance's noise of 1 % in it."""
-    for error in compared(GLAZED, Effort(8_192), PANES["one clear pane"]).values():
+    for error in compared(GLAZED, RadianceEffort(8_192), PANES["one clear pane"]).values():
         assert np.sqrt(np.mean(error**2)) < 0.025

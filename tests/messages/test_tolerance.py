@@ -12,7 +12,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Manifest, Module, NoSettings, handles
 from vrut_lite.messages.tolerance import (
     DEFAULT_TOLERANCE,
-    Measured,
+    MeasuredFronts,
     Point,
     SetTolerance,
     budget,
@@ -108,4 +108,4 @@ def test_fronts_are_read_as_they_were_written(tmp_path):
         " 2}]}}"
     )
     sizes, rungs = [Point(8, 0.1, 64.0, 1.0)], [Point("fine", 0.0, 1.0, 2.0)]
-    assert read_fronts(file) == Measured("m", 3, 1, {"size": sizes, "rung": rungs})
+    assert read_fronts(file) == MeasuredFronts("m", 3, 1, {"size": sizes, "rung": rungs})

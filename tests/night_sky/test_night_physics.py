@@ -7,7 +7,7 @@ import pytest
 from night_sky.earth_shadow import earth_shadow, light_left
 from night_sky.eclipse import left_of_disc, sun_left
 from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
-from night_sky.glow import Sources, airglow_cd, glow
+from night_sky.glow import GlowSources, airglow_cd, glow
 from night_sky.lamp_sky import lamp_share
 from night_sky.moon import moon_at
 from night_sky.moon_light import Phase, earthshine_radiance_rgb, irradiance_rgb
@@ -79,14 +79,19 @@ def test_stars_of_blue_and_red_have_planckian_colours():
 @pytest.mark.parametrize(("sfu", "least", "most"), [(70, 1.7e-4, 2.2e-4), (200, 2.9e-4, 3.5e-4)])
 def test_the_moonless_zenith_is_as_dark_as_published(sfu, least, most):
     zenith = glow(
-        np.array([[0.0, 1.0, 0.0]]), watch(SPRING_NIGHT, 50.0, 14.0), night_air(CLEAR), Sources(sfu)
+        np.array([[0.0, 1.0, 0.0]]),
+        watch(SPRING_NIGHT, 50.0, 14.0),
+        night_air(CLEAR),
+        GlowSources(sfu),
     )
     assert least < lux(zenith[0]) < most
 
 
 def test_lamps_brighten_the_zenith_to_the_magnitude_asked_for():
     up, here, air = np.array([[0.0, 1.0, 0.0]]), watch(SPRING_NIGHT, 50.0, 14.0), night_air(CLEAR)
-    by_lamps = glow(up, here, air, Sources(zenith_magnitude=18.0)) - glow(up, here, air, Sources())
+    by_lamps = glow(up, here, air, GlowSources(zenith_magnitude=18.0)) - glow(
+        up, here, air, GlowSources()
+    )
     assert lux(by_lamps[0]) == pytest.approx(7.1e-3 - 1.78e-4, rel=0.01)
 
 
@@ -124,7 +129,7 @@ def test_a_suburbs_sky_grows_towards_the_horizon_as_one_photographed():
         level, up = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         around = [level * np.sin(azimuth), np.full(36, up), level * np.cos(azimuth)]
         here, air = watch(SPRING_NIGHT, 50.0, 14.0), night_air(DEFAULT_HAZE)
-        sky = glow(np.stack(around, axis=-1), here, air, Sources(zenith_magnitude=20.0))
+        sky = glow(np.stack(around, axis=-1), here, air, GlowSources(zenith_magnitude=20.0))
         seen[degrees] = luminance(sky).mean()
     assert seen[8.0] / seen[85.0] == pytest.approx(5.6, rel=0.1)
 

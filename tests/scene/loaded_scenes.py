@@ -10,7 +10,7 @@ from scene_files import SQUARE, TRIANGLES
 
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.materials import SurfaceMaterial
-from vrut_lite.scene.mesh import Mesh
+from vrut_lite.scene.mesh import TriangleMesh
 
 WriteScene = Callable[..., Path]
 SQUARE_BYTES = SQUARE.tobytes() + TRIANGLES.tobytes()
@@ -32,7 +32,7 @@ def face_normals(scene: LoadedScene) -> np.ndarray:
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
-def front_cosines(mesh: Mesh) -> np.ndarray:
+def front_cosines(mesh: TriangleMesh) -> np.ndarray:
     """Cosines (F, 3) between vertex normals and their triangles; none of specks below 1e-8."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
     normal = np.cross(b - a, c - a)

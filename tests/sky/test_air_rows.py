@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from vrut_lite.sky.air_rows import (
     BELOW_LEVEL_M,
-    Grid,
+    AirGrid,
     horizon_depth,
     row_heights,
     rows_below,
@@ -18,7 +18,7 @@ from vrut_lite.sky.air_volume import node_rays, span_m
 EARTH, OTHER = (6_360_000.0, 60_000.0), (1_200_000.0, 150_000.0)
 ALTITUDES = st.sampled_from([0.0, 2.0, 300.0, 3000.0, 12e3, 59_999.0, 2e5, 4e8])
 GRIDS = st.builds(
-    lambda altitude_m, planet, reach_m, above, below: Grid(
+    lambda altitude_m, planet, reach_m, above, below: AirGrid(
         altitude_m, *planet, reach_m, above, below
     ),
     ALTITUDES,
@@ -30,7 +30,7 @@ GRIDS = st.builds(
 
 
 @given(GRIDS)
-def test_rows_are_found_where_they_lie(grid: Grid) -> None:
+def test_rows_are_found_where_they_lie(grid: AirGrid) -> None:
     """Rows are monotone from the horizon up and down, and `rows_of` inverts `row_heights` within
     1e-4 of a row, the precision of a direction from far away."""
     heights = row_heights(grid)
@@ -53,7 +53,7 @@ def test_a_row_lies_at_the_kink_of_the_spans(
 ) -> None:
     """Between two rows all rays end at the same bound, reach or depth: across the kink linear
     interpolation would err by percents."""
-    grid = Grid(altitude_m, *planet, reach_m, 32, 24)
+    grid = AirGrid(altitude_m, *planet, reach_m, 32, 24)
     rays, radius = node_rays(grid, 2, 0.5), planet[0]
     mu, spans = rays.mu[32:], rays.span_m[32:]
     tangent_m = np.sqrt((altitude_m + BELOW_LEVEL_M) * (2 * radius + altitude_m - BELOW_LEVEL_M))
@@ -78,12 +78,12 @@ def test_rows_are_denser_toward_the_horizon_from_high_up() -> None:
     most, where a hundred kilometres off a degree is 1.7 km of height (0.7 by d = x^2 alone); from
     the ground and from space d is x^2, except at the moved row."""
     for altitude_m, most_deg in ((12e3, 0.25), (3000.0, 0.3)):
-        grid = Grid(altitude_m, *EARTH, 1.5e5, 32, 24)
+        grid = AirGrid(altitude_m, *EARTH, 1.5e5, 32, 24)
         below = np.degrees(np.arcsin(row_heights(grid)[32:] - 1.0))
         near = below[below > below[0] - 1.0]
         assert len(near) > 3
         assert np.abs(np.diff(near)).max() < most_deg
     for altitude_m in (0.0, 3.6e7):
-        assert rows_below(Grid(altitude_m, *EARTH, 1.5e5, 32, 24)).crowding == pytest.approx(
+        assert rows_below(AirGrid(altitude_m, *EARTH, 1.5e5, 32, 24)).crowding == pytest.approx(
             1.0, abs=1e-5
         )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from vrut_lite.array import Array
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
-from vrut_lite.sky.air_rows import Grid, grid_of, horizon_depth, row_heights
+from vrut_lite.sky.air_rows import AirGrid, grid_of, horizon_depth, row_heights
 from vrut_lite.sky.air_volume import (
     entry_distance_m,
     light_of,
@@ -27,12 +27,14 @@ EARTH, OTHER = (6_360_000.0, 60_000.0), (1_200_000.0, 150_000.0)
 ALTITUDES = [0.0, 2.0, 3000.0, 59_999.0, 200_000.0, 4e8]
 
 
-def grid_at(altitude_m: float, planet: tuple[float, float] = EARTH, reach_m: float = 9e4) -> Grid:
+def grid_at(
+    altitude_m: float, planet: tuple[float, float] = EARTH, reach_m: float = 9e4
+) -> AirGrid:
     """An observer over a planet."""
-    return Grid(altitude_m, *planet, reach_m, ROWS_ABOVE, ROWS_BELOW)
+    return AirGrid(altitude_m, *planet, reach_m, ROWS_ABOVE, ROWS_BELOW)
 
 
-def volume_of(grid: Grid, light: np.ndarray, extinction: np.ndarray) -> AirVolume:
+def volume_of(grid: AirGrid, light: np.ndarray, extinction: np.ndarray) -> AirVolume:
     """A volume of these values: light (3, slices, rows, columns, 3), without a phase function."""
     return AirVolume(
         light=Array(light.astype(np.float16)),
@@ -45,7 +47,7 @@ def volume_of(grid: Grid, light: np.ndarray, extinction: np.ndarray) -> AirVolum
     )
 
 
-def even_volume(grid: Grid, extinction_per_m: float = 1e-5) -> AirVolume:
+def even_volume(grid: AirGrid, extinction_per_m: float = 1e-5) -> AirVolume:
     """The same air everywhere."""
     light = np.broadcast_to(
         np.array([1.0, 2.0, 4.0])[:, None, None, None, None], (3, SLICES, ROWS, COLUMNS, 3)

@@ -12,7 +12,7 @@ from test_bridge_frames import refusal
 from zenoh_bridge.frames import encode_frame
 from zenoh_bridge.module import NAME, OFF, ZenohBridge
 from zenoh_bridge.plan import plan_of
-from zenoh_bridge.session import Session
+from zenoh_bridge.session import BridgeSession
 from zenoh_bridge.settings import ZenohBridgeSettings
 
 from vrut_lite.kernel.bus import Kernel
@@ -73,7 +73,7 @@ def stranger():
 
     def make(port):
         settings = ZenohBridgeSettings(mode="connect", endpoint=f"tcp/127.0.0.1:{port}")
-        made.append(Session(plan_of(settings).config))
+        made.append(BridgeSession(plan_of(settings).config))
         return made[-1]
 
     yield make

@@ -1,7 +1,8 @@
 """Pictures of many instants: made one after another here, or by workers elsewhere.
 
-A `Plan` can be sent to another process, where it opens a `Studio`; that makes a `Shot` of an
-instant. Its bytes are the same on every worker, and this process writes it atomically.
+A `PicturePlan` can be sent to another process, where it opens a `Studio`; that makes a
+`MadePicture` of an instant. Its bytes are the same on every worker, and this process writes it
+atomically.
 """
 
 from collections import deque
@@ -25,7 +26,7 @@ from vrut_lite.write_atomic import atomic_output
 AHEAD = 64
 
 
-class Shot(Protocol):
+class MadePicture(Protocol):
     """A picture that was made."""
 
     @property
@@ -43,14 +44,14 @@ class Shot(Protocol):
 class Studio(Protocol):
     """All that is needed for one picture after another."""
 
-    def shoot(self, instant: datetime) -> Shot:
+    def shoot(self, instant: datetime) -> MadePicture:
         """The picture of an instant, whatever was made before."""
 
     def close(self) -> None:
         """Free its resources."""
 
 
-class Plan(Protocol):
+class PicturePlan(Protocol):
     """The inputs of pictures without the instant; can be pickled and compared."""
 
     def open(self) -> Studio:
@@ -69,7 +70,9 @@ class Made(NamedTuple):
     notices: tuple[str, ...] = ()
 
 
-def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None) -> list[str]:
+def make_pictures(
+    plan: PicturePlan, wanted: Sequence[Wanted], workers: Executor | None
+) -> list[str]:
     """Make and write pictures, here or by workers; their captions.
 
     Missing parts are reported once, on the error stream. Finished pictures stay after a failure,
@@ -81,7 +84,7 @@ def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None
     return list(captions)
 
 
-def _here(plan: Plan, wanted: Sequence[Wanted]) -> Iterator[str]:
+def _here(plan: PicturePlan, wanted: Sequence[Wanted]) -> Iterator[str]:
     studio = plan.open()
     try:
         for number, (instant, path) in enumerate(wanted):
@@ -94,7 +97,7 @@ def _here(plan: Plan, wanted: Sequence[Wanted]) -> Iterator[str]:
         studio.close()
 
 
-def _elsewhere(plan: Plan, wanted: Sequence[Wanted], workers: Executor) -> Iterator[str]:
+def _elsewhere(plan: PicturePlan, wanted: Sequence[Wanted], workers: Executor) -> Iterator[str]:
     waiting = iter(wanted)
     asked = deque(
         (path, workers.submit(make_one, plan, instant, path.suffix))
@@ -132,10 +135,10 @@ def said_of(wanted: Sequence[Wanted], captions: Sequence[str]) -> str:
 
 
 _lock = Lock()
-_open: list[tuple[Plan, Studio]] = []
+_open: list[tuple[PicturePlan, Studio]] = []
 
 
-def make_one(plan: Plan, instant: datetime, suffix: str) -> Made:
+def make_one(plan: PicturePlan, instant: datetime, suffix: str) -> Made:
     """Make one picture in a worker, whose studio stays open for the next of this plan."""
     # A cluster's worker may have several threads, and a kernel is for one at a time.
     with _lock, TemporaryDirectory() as folder:
@@ -147,7 +150,7 @@ def make_one(plan: Plan, instant: datetime, suffix: str) -> Made:
         return Made(files, shot.caption, shot.notices)
 
 
-def _studio(plan: Plan) -> Studio:
+def _studio(plan: PicturePlan) -> Studio:
     if _open and _open[0][0] != plan:
         _open.pop()[1].close()
     if not _open:

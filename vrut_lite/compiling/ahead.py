@@ -6,8 +6,8 @@ from typing import Any, Protocol
 from vrut_lite import compiled_code
 from vrut_lite.compiling.kernel_list import (
     Announced,
-    Kernel,
     KernelGroup,
+    ListedKernel,
     announced_kernels,
     is_on_disk,
     kernel_of,
@@ -60,7 +60,7 @@ class CompileAhead:
         groups = self.groups(package)
         self._start(groups, but=kernel)
 
-    def _start(self, groups: list[KernelGroup], but: Kernel | None = None) -> None:
+    def _start(self, groups: list[KernelGroup], but: ListedKernel | None = None) -> None:
         if not self._began:
             self._began = True
             self._follow.begin()

@@ -24,7 +24,7 @@ _NAMED = re.compile(r"\w+(\.\w+)+:\w+")
 _ARRAY = re.compile(r"(\w+)\[(\d+)([CFA])(r?)(u?)\]")
 
 
-class Kernel(msgspec.Struct, frozen=True):
+class ListedKernel(msgspec.Struct, frozen=True):
     """A kernel for some types of arguments.
 
     Attributes:
@@ -67,7 +67,7 @@ class KernelGroup(msgspec.Struct, frozen=True):
     """
 
     title: str
-    kernels: tuple[Kernel, ...]
+    kernels: tuple[ListedKernel, ...]
     on_default_way: bool = True
     window_alone: bool = False
 
@@ -119,7 +119,7 @@ def _groups(package: str) -> Iterator[KernelGroup]:
             return
 
 
-def is_on_disk(kernel: Kernel) -> bool:
+def is_on_disk(kernel: ListedKernel) -> bool:
     """Whether numba has an index of compiled code for a kernel, perhaps of an older source."""
     package, *inner, name = kernel.module.split(".")
     file = list_file(package)
@@ -130,7 +130,7 @@ def is_on_disk(kernel: Kernel) -> bool:
     return any(any(folder.glob(found)) for folder in compiled_code.folders_of(beside))
 
 
-def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> Kernel | None:
+def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> ListedKernel | None:
     """The kernel that numba compiles, None where its types have no text or it is not found.
 
     Args:
@@ -145,7 +145,7 @@ def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> Kernel |
         text = json.dumps([encoded(each) for each in arguments])
     except ValueError:
         return None
-    return Kernel(function.__module__, function.__qualname__, text, seconds)
+    return ListedKernel(function.__module__, function.__qualname__, text, seconds)
 
 
 def compile_kernel(module: str, function: str, arguments: str) -> None:

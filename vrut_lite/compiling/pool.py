@@ -22,7 +22,7 @@ from typing import IO, Any, NamedTuple
 
 import platformdirs
 
-from vrut_lite.compiling.kernel_list import Kernel, KernelGroup, kernel_of
+from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of
 
 # Each process takes 0.25 GB, and a second for its imports.
 MOST_PROCESSES = 4
@@ -60,7 +60,7 @@ class KernelPool:
         self._follow, self._niceness = follow, niceness
         self.processes = processes or min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
         self._changed = threading.Condition()
-        self._queue: deque[tuple[str, Kernel]] = deque()
+        self._queue: deque[tuple[str, ListedKernel]] = deque()
         # Number of the process that compiles the kernels of a family.
         self._owners: dict[str, int] = {}
         # Titles of the kernels being compiled, by key.
@@ -82,7 +82,7 @@ class KernelPool:
         with self._changed:
             return bool(self._queue or self._running)
 
-    def add(self, groups: Iterable[KernelGroup], but: Kernel | None = None) -> None:
+    def add(self, groups: Iterable[KernelGroup], but: ListedKernel | None = None) -> None:
         """Add groups to compile, except the kernel `but`, which the caller compiles."""
         with self._changed:
             for group in groups:
@@ -217,7 +217,7 @@ class KernelPool:
                 self._done_s += kernel.seconds
                 self._changed.notify_all()
 
-    def _next_of(self, number: int) -> tuple[str, Kernel]:
+    def _next_of(self, number: int) -> tuple[str, ListedKernel]:
         """Take a kernel of the first group: of this process's families, of no other's, or any."""
         group = [each for each in self._queue if each[0] == self._queue[0][0]]
         owners = [self._owners.get(kernel.family) for _, kernel in group]
@@ -262,7 +262,7 @@ def _lock_file() -> Path:
     return platformdirs.user_cache_path("vrut_lite") / "compiling.lock"
 
 
-def _is_answered(child: "subprocess.Popen[str]", kernel: Kernel) -> bool:
+def _is_answered(child: "subprocess.Popen[str]", kernel: ListedKernel) -> bool:
     """Let a process compile a kernel; False where the process has ended."""
     assert child.stdin is not None
     assert child.stdout is not None

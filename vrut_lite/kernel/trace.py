@@ -9,7 +9,7 @@ _ENTRIES = 16_384
 _REMARKS = 1_024
 
 
-class Entry(NamedTuple):
+class TraceEntry(NamedTuple):
     """One message delivered to one receiver.
 
     `sequence` numbers the messages of a kernel; `cause` is the number of the message in whose
@@ -39,7 +39,7 @@ class Remark(NamedTuple):
 class Trace:
     """Two rings: deliveries, and remarks, which deliveries must not push out.
 
-    Deliveries are kept as bare tuples, in the order of `Entry`: they are on the fast path.
+    Deliveries are kept as bare tuples, in the order of `TraceEntry`: they are on the fast path.
     """
 
     def __init__(self) -> None:
@@ -58,9 +58,9 @@ class Trace:
         text = f"{handler} took {(end_ns - start_ns) / 1e6:.1f} ms"
         self._remarks.append(Remark("slow handler", module, text, start_ns, end_ns))
 
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[TraceEntry]:
         """The latest deliveries, oldest first."""
-        return [Entry(*delivery) for delivery in self.deliveries.copy()]
+        return [TraceEntry(*delivery) for delivery in self.deliveries.copy()]
 
     def remarks(self) -> list[Remark]:
         """The latest remarks, oldest first."""

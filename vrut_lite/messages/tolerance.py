@@ -63,7 +63,7 @@ class Point(msgspec.Struct, Generic[C], frozen=True, forbid_unknown_fields=True)
     cpu_ms: float
 
 
-class Measured(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class MeasuredFronts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A file of fronts: how many pictures, drawn from which seed, gave them."""
 
     module: str
@@ -72,9 +72,9 @@ class Measured(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     fronts: dict[str, list[Point[int | str]]]
 
 
-def read_fronts(path: Path) -> Measured:
+def read_fronts(path: Path) -> MeasuredFronts:
     """The fronts that a module brings."""
-    return msgspec.json.decode(path.read_bytes(), type=Measured)
+    return msgspec.json.decode(path.read_bytes(), type=MeasuredFronts)
 
 
 def cheapest(front: list[Point[C]], allowed: float) -> C:

@@ -4,17 +4,17 @@ from collections import defaultdict
 from collections.abc import Iterable
 from typing import Any
 
-from vrut_lite.kernel.trace import Entry, Remark
+from vrut_lite.kernel.trace import Remark, TraceEntry
 
 
-def export_chrome(entries: Iterable[Entry], remarks: Iterable[Remark] = ()) -> dict[str, Any]:
+def export_chrome(entries: Iterable[TraceEntry], remarks: Iterable[Remark] = ()) -> dict[str, Any]:
     """The trace in the Trace Event Format's JSON form.
 
     A row for each receiver; arrows lead from a message to those that its handlers posted.
     """
     rows: defaultdict[str, int] = defaultdict(lambda: len(rows) + 1)
     events: list[dict[str, Any]] = []
-    causes: dict[int, Entry] = {}
+    causes: dict[int, TraceEntry] = {}
     for entry in entries:
         causes.setdefault(entry.sequence, entry)
         told = {"sequence": entry.sequence, "cause": entry.cause, "sender": entry.sender}
@@ -39,7 +39,7 @@ def _span(name: str, row: int, start_ns: int, end_ns: int, told: dict[str, Any])
 
 
 def _arrow(
-    cause: Entry, cause_row: int, effect: Entry, row: int, number: int
+    cause: TraceEntry, cause_row: int, effect: TraceEntry, row: int, number: int
 ) -> list[dict[str, Any]]:
     shared = {"name": "causes", "cat": "cause", "id": number, "pid": 1}
     return [

@@ -19,7 +19,7 @@ from vrut_lite.recording.mcap_records import (
 )
 
 
-class Packed(NamedTuple):
+class PackedContent(NamedTuple):
     """Zstandard bytes, and their declared unpacked size."""
 
     data: memoryview
@@ -37,8 +37,8 @@ class Contents(NamedTuple):
     """The facts of a journal, its chunks of messages, and its arrays by digest."""
 
     facts: dict[str, str]
-    chunks: list[Packed]
-    arrays: dict[str, Packed]
+    chunks: list[PackedContent]
+    arrays: dict[str, PackedContent]
 
     @property
     def message_bytes(self) -> int:
@@ -77,7 +77,7 @@ def _limited(every: Iterator[Record]) -> Iterator[Record]:
         yield record
 
 
-def _chunk(fields: Fields) -> Packed:
+def _chunk(fields: Fields) -> PackedContent:
     fields.part(16)  # The times of its first and its last message.
     size = fields.number(8)
     fields.part(4)  # Its checksum: that of the whole data section fits.
@@ -86,10 +86,10 @@ def _chunk(fields: Fields) -> Packed:
         raise UserError(f"a chunk is compressed by '{compression}', not by zstd")
     if size > CHUNK_BYTES:
         raise UserError(f"a chunk is larger than {CHUNK_BYTES} bytes")
-    return Packed(fields.part(fields.number(8)), size)
+    return PackedContent(fields.part(fields.number(8)), size)
 
 
-def _note_array(arrays: dict[str, Packed], fields: Fields) -> None:
+def _note_array(arrays: dict[str, PackedContent], fields: Fields) -> None:
     fields.part(16)  # Two times.
     digest = fields.text()
     fields.text()  # Its media type.
@@ -102,7 +102,7 @@ def _note_array(arrays: dict[str, Packed], fields: Fields) -> None:
         raise UserError(f"the array {digest} is damaged") from None
     if not 0 <= size <= ARRAY_BYTES:
         raise UserError(f"the array {digest} is larger than {ARRAY_BYTES} bytes")
-    arrays[digest] = Packed(data, size)
+    arrays[digest] = PackedContent(data, size)
 
 
 def _note_facts(facts: dict[str, str], fields: Fields) -> None:

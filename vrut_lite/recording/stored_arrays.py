@@ -9,7 +9,7 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.recording.codec import Handle, no_arrays
-from vrut_lite.recording.contents import Packed
+from vrut_lite.recording.contents import PackedContent
 
 _DTYPE = re.compile(r"[<>|][biuf][0-9]{1,2}")
 _MOST_DIMENSIONS = 32
@@ -18,7 +18,7 @@ _MOST_DIMENSIONS = 32
 class StoredArrays:
     """Finds arrays by their handles."""
 
-    def __init__(self, packed: Mapping[str, Packed]):
+    def __init__(self, packed: Mapping[str, PackedContent]):
         self._packed = packed
         self._unpacked: dict[str, Array] = {}
 

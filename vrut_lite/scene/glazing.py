@@ -8,7 +8,7 @@ import numpy as np
 from vrut_lite.messages.glazing import IOR, Glazing, clear_at_right_angles
 from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.scene.materials import SurfaceMaterial
-from vrut_lite.scene.mesh import Mesh
+from vrut_lite.scene.mesh import TriangleMesh
 from vrut_lite.scene.placed import PlacedMesh
 from vrut_lite.scene.scene_file_error import SceneFileError
 
@@ -26,7 +26,7 @@ def glazed(
         known = ", ".join(sorted(names))
         raise SceneFileError(f"glazing: the scene has no material '{unknown[0]}'; it has {known}")
     materials: dict[int, SurfaceMaterial] = {}
-    meshes: dict[int, Mesh] = {}
+    meshes: dict[int, TriangleMesh] = {}
     found = []
     for place in placed:
         mesh, old = place.mesh, place.mesh.material

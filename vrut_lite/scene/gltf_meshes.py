@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from vrut_lite.scene.draco import decode_draco
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Primitive
-from vrut_lite.scene.gltf_shapes import TRIANGLES, Shape, shape_of
+from vrut_lite.scene.gltf_shapes import TRIANGLES, ShapeKey, shape_of
 from vrut_lite.scene.gltf_skinning import UNBENT, Bend, joints_and_weights
 from vrut_lite.scene.materials import GltfMaterials
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
     Geometry,
-    Mesh,
+    TriangleMesh,
     make_geometry,
     make_mesh,
     used_vertices,
@@ -33,8 +33,8 @@ class GltfMeshes:
     def __init__(self, file: GltfFile) -> None:
         self._file = file
         self._materials = GltfMaterials(file)
-        self._geometries: dict[Shape, Geometry | None] = {}
-        self._made: dict[tuple[int, Bend], list[tuple[str, Mesh]]] = {}
+        self._geometries: dict[ShapeKey, Geometry | None] = {}
+        self._made: dict[tuple[int, Bend], list[tuple[str, TriangleMesh]]] = {}
         self._palettes: Mapping[int, NDArray[np.float64]] = {}
         self._bent_bytes = 0
 
@@ -46,7 +46,7 @@ class GltfMeshes:
         self._file.folder.budget.release(self._bent_bytes)
         self._bent_bytes = 0
 
-    def get(self, index: int, bend: Bend) -> list[tuple[str, Mesh]]:
+    def get(self, index: int, bend: Bend) -> list[tuple[str, TriangleMesh]]:
         """Named meshes, one for each primitive that is made of triangles."""
         if (index, bend) not in self._made:
             source = item_at(self._file.document.meshes, index, "mesh")
@@ -55,7 +55,7 @@ class GltfMeshes:
             self._made[index, bend] = [(name, mesh) for name, mesh in made if mesh is not None]
         return self._made[index, bend]
 
-    def _make(self, primitive: Primitive, name: str, bend: Bend) -> Mesh | None:
+    def _make(self, primitive: Primitive, name: str, bend: Bend) -> TriangleMesh | None:
         shape = shape_of(self._file, primitive, bend)
         if shape is None:
             return None
@@ -74,7 +74,7 @@ class GltfMeshes:
 
     # Converting signalling NaNs warns; `make_geometry` refuses them afterwards.
     @np.errstate(invalid="ignore", over="ignore")
-    def _geometry(self, shape: Shape, name: str) -> Geometry | None:
+    def _geometry(self, shape: ShapeKey, name: str) -> Geometry | None:
         budget = self._file.folder.budget
         self._take(shape.size_bytes(self._file), name, shape.bent)
         arrays, faces = self._arrays(shape)
@@ -105,7 +105,7 @@ class GltfMeshes:
             colours=arrays.get("COLOR_0"),
         )
 
-    def _named(self, shape: Shape) -> list[tuple[str, int]]:
+    def _named(self, shape: ShapeKey) -> list[tuple[str, int]]:
         """The attributes and the targets' displacements, with their accessors."""
         moved = [
             (f"{key} {number}", at)
@@ -115,7 +115,7 @@ class GltfMeshes:
         return [*shape.attributes, *moved]
 
     def _bend(
-        self, shape: Shape, arrays: dict[str, NDArray[Any]], faces: NDArray[np.int64]
+        self, shape: ShapeKey, arrays: dict[str, NDArray[Any]], faces: NDArray[np.int64]
     ) -> NDArray[np.int64]:
         """Move positions and normals by targets and skin; the triangles as they then wind."""
         for key in ("POSITION", "NORMAL"):
@@ -136,7 +136,7 @@ class GltfMeshes:
         mirrored = np.linalg.det(matrices[0, :3, :3]) < 0
         return faces[:, ::-1] if mirrored else faces
 
-    def _arrays(self, shape: Shape) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
+    def _arrays(self, shape: ShapeKey) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
         """The attributes that exist, as stored, and the triangles (F, 3)."""
         if shape.draco is None:
             arrays = {key: self._file.array(number) for key, number in shape.attributes}
@@ -154,7 +154,7 @@ class GltfMeshes:
             raise SceneFileError("its Draco data lack positions; export it again")
         return arrays, faces
 
-    def _faces(self, shape: Shape, vertices: int) -> NDArray[np.int64]:
+    def _faces(self, shape: ShapeKey, vertices: int) -> NDArray[np.int64]:
         """Triangles (F, 3) of a list, strip or fan, with or without indices."""
         if shape.indices is None:
             order = np.arange(vertices)

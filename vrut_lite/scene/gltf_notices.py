@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_points_and_lines import TOLD_STROKES
-from vrut_lite.scene.gltf_schema import Mesh, Node, Primitive
+from vrut_lite.scene.gltf_schema import GltfMesh, Node, Primitive
 from vrut_lite.scene.gltf_terms import averaged_maps
 from vrut_lite.scene.gltf_variants import variant_names
 from vrut_lite.scene.uv_layers import layers_of, texture_infos
@@ -26,7 +26,7 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
     notices.tell("scene beside the default one", "not drawn", max(others, 0))
 
 
-def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
+def _tell_mesh(file: GltfFile, mesh: GltfMesh) -> None:
     notices = file.notices
     unfilled = [primitive for primitive in mesh.primitives if primitive.mode < _TRIANGLES]
     notices.tell("points or lines", TOLD_STROKES, len(unfilled))

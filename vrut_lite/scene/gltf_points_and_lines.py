@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vrut_lite.array import Array
 from vrut_lite.messages.points_and_lines import PointsAndLines
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
-from vrut_lite.scene.gltf_schema import Material, Mesh, Primitive
+from vrut_lite.scene.gltf_schema import GltfMaterial, GltfMesh, Primitive
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.vertex_colours import within_range
 
@@ -51,7 +51,7 @@ class GltfStrokes:
             SceneFileError: its arrays do not hold, or are too large.
         """
         if index not in self._made:
-            mesh: Mesh = item_at(self._file.document.meshes, index, "mesh")
+            mesh: GltfMesh = item_at(self._file.document.meshes, index, "mesh")
             found = [one for one in mesh.primitives if one.mode < _TRIANGLES]
             self._made[index] = [self._make(one) for one in found if "POSITION" in one.attributes]
         return self._made[index]
@@ -88,7 +88,9 @@ class GltfStrokes:
         """Base colours (V, 4), by factor and vertex."""
         file, number = self._file, primitive.material
         source = (
-            Material() if number is None else item_at(file.document.materials, number, "material")
+            GltfMaterial()
+            if number is None
+            else item_at(file.document.materials, number, "material")
         )
         rgba = np.tile(
             np.asarray(source.pbr_metallic_roughness.base_color_factor, float), (count, 1)

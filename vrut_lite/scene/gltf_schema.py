@@ -10,30 +10,30 @@ Vector3 = tuple[float, float, float]
 Vector4 = tuple[float, float, float, float]
 
 
-class Part(Struct, frozen=True, rename="camel"):
+class GltfPart(Struct, frozen=True, rename="camel"):
     """Base of all parts: camel case in the file; unknown fields are ignored."""
 
 
-class Asset(Part, frozen=True):
+class Asset(GltfPart, frozen=True):
     """The file's metadata, of which the version is read."""
 
     version: str
 
 
-class MeshoptBuffer(Part, frozen=True):
+class MeshoptBuffer(GltfPart, frozen=True):
     """A buffer that may lack its bytes, since all its views are packed elsewhere."""
 
     fallback: bool = False
 
 
-class BufferExtensions(Part, frozen=True):
+class BufferExtensions(GltfPart, frozen=True):
     """The extensions of a buffer that are honoured; both names mean the same."""
 
     ext: MeshoptBuffer | None = field(default=None, name="EXT_meshopt_compression")
     khr: MeshoptBuffer | None = field(default=None, name="KHR_meshopt_compression")
 
 
-class Buffer(Part, frozen=True):
+class Buffer(GltfPart, frozen=True):
     """Raw bytes; without a URI they are the GLB's binary chunk."""
 
     byte_length: Size
@@ -47,7 +47,7 @@ class Buffer(Part, frozen=True):
         return packed is not None and packed.fallback
 
 
-class MeshoptView(Part, frozen=True):
+class MeshoptView(GltfPart, frozen=True):
     """Where a view's bytes are packed, and how."""
 
     buffer: Index
@@ -59,14 +59,14 @@ class MeshoptView(Part, frozen=True):
     byte_offset: Size = 0
 
 
-class BufferViewExtensions(Part, frozen=True):
+class BufferViewExtensions(GltfPart, frozen=True):
     """The extensions of a buffer view that are honoured; both names mean the same."""
 
     ext: MeshoptView | None = field(default=None, name="EXT_meshopt_compression")
     khr: MeshoptView | None = field(default=None, name="KHR_meshopt_compression")
 
 
-class BufferView(Part, frozen=True):
+class BufferView(GltfPart, frozen=True):
     """A slice of a buffer."""
 
     buffer: Index
@@ -81,7 +81,7 @@ class BufferView(Part, frozen=True):
         return self.extensions.ext or self.extensions.khr
 
 
-class SparseIndices(Part, frozen=True):
+class SparseIndices(GltfPart, frozen=True):
     """Which elements a sparse accessor replaces."""
 
     buffer_view: Index
@@ -89,14 +89,14 @@ class SparseIndices(Part, frozen=True):
     byte_offset: Size = 0
 
 
-class SparseValues(Part, frozen=True):
+class SparseValues(GltfPart, frozen=True):
     """The elements that replace them."""
 
     buffer_view: Index
     byte_offset: Size = 0
 
 
-class Sparse(Part, frozen=True):
+class Sparse(GltfPart, frozen=True):
     """A few elements that differ from the rest."""
 
     count: Annotated[int, Meta(ge=1, le=2**31)]
@@ -104,7 +104,7 @@ class Sparse(Part, frozen=True):
     values: SparseValues
 
 
-class Accessor(Part, frozen=True):
+class Accessor(GltfPart, frozen=True):
     """A typed array inside a buffer view; without a view it is zero."""
 
     component_type: Literal[5120, 5121, 5122, 5123, 5125, 5126]
@@ -116,27 +116,27 @@ class Accessor(Part, frozen=True):
     sparse: Sparse | None = None
 
 
-class Image(Part, frozen=True):
+class Image(GltfPart, frozen=True):
     """An encoded picture, in a file, a data URI or a buffer view."""
 
     uri: str | None = None
     buffer_view: Index | None = None
 
 
-class OtherSource(Part, frozen=True):
+class OtherSource(GltfPart, frozen=True):
     """EXT_texture_webp and KHR_texture_basisu: the image to take instead."""
 
     source: Index
 
 
-class TextureExtensions(Part, frozen=True):
+class TextureExtensions(GltfPart, frozen=True):
     """The extensions of a texture that are honoured."""
 
     webp: OtherSource | None = field(default=None, name="EXT_texture_webp")
     basis: OtherSource | None = field(default=None, name="KHR_texture_basisu")
 
 
-class Sampler(Part, frozen=True):
+class GltfSampler(GltfPart, frozen=True):
     """How texels are looked up beyond the image's edges and between each other; OpenGL's codes."""
 
     wrap_s: int = 10497
@@ -144,7 +144,7 @@ class Sampler(Part, frozen=True):
     mag_filter: int | None = None
 
 
-class Texture(Part, frozen=True):
+class Texture(GltfPart, frozen=True):
     """An image as it is sampled; a texture without a source is empty."""
 
     source: Index | None = None
@@ -152,7 +152,7 @@ class Texture(Part, frozen=True):
     extensions: TextureExtensions = TextureExtensions()
 
 
-class TextureTransform(Part, frozen=True):
+class TextureTransform(GltfPart, frozen=True):
     """KHR_texture_transform: texture coordinates are scaled, turned and moved, in this order."""
 
     offset: tuple[float, float] = (0.0, 0.0)
@@ -161,13 +161,13 @@ class TextureTransform(Part, frozen=True):
     tex_coord: Index | None = None
 
 
-class TextureInfoExtensions(Part, frozen=True):
+class TextureInfoExtensions(GltfPart, frozen=True):
     """The extensions of a texture reference that are honoured."""
 
     transform: TextureTransform | None = field(default=None, name="KHR_texture_transform")
 
 
-class TextureInfo(Part, frozen=True):
+class TextureInfo(GltfPart, frozen=True):
     """Which texture, through which set of coordinates.
 
     A normal map may have a scale, an occlusion map a strength.
@@ -180,7 +180,7 @@ class TextureInfo(Part, frozen=True):
     extensions: TextureInfoExtensions = TextureInfoExtensions()
 
 
-class MetallicRoughness(Part, frozen=True):
+class MetallicRoughness(GltfPart, frozen=True):
     """The core material model; the defaults are glTF's."""
 
     base_color_factor: Vector4 = (1.0, 1.0, 1.0, 1.0)
@@ -190,7 +190,7 @@ class MetallicRoughness(Part, frozen=True):
     metallic_roughness_texture: TextureInfo | None = None
 
 
-class Material(Part, frozen=True):
+class GltfMaterial(GltfPart, frozen=True):
     """A surface; the defaults are glTF's."""
 
     name: str = ""
@@ -206,27 +206,27 @@ class Material(Part, frozen=True):
     extensions: Raw = Raw(b"{}")
 
 
-class DracoMesh(Part, frozen=True):
+class DracoMesh(GltfPart, frozen=True):
     """KHR_draco_mesh_compression: the packed bytes, and Draco's ids of the attributes."""
 
     buffer_view: Index
     attributes: dict[str, Index]
 
 
-class VariantMapping(Part, frozen=True):
+class VariantMapping(GltfPart, frozen=True):
     """The material that some variants give a primitive."""
 
     material: Index
     variants: list[Index]
 
 
-class VariantMappings(Part, frozen=True):
+class VariantMappings(GltfPart, frozen=True):
     """KHR_materials_variants of a primitive."""
 
     mappings: list[VariantMapping] = []
 
 
-class PrimitiveExtensions(Part, frozen=True):
+class PrimitiveExtensions(GltfPart, frozen=True):
     """The extensions of a primitive that are honoured."""
 
     draco: DracoMesh | None = field(default=None, name="KHR_draco_mesh_compression")
@@ -235,7 +235,7 @@ class PrimitiveExtensions(Part, frozen=True):
     )
 
 
-class Primitive(Part, frozen=True):
+class Primitive(GltfPart, frozen=True):
     """Triangles (or points or lines, which are passed over) of one material."""
 
     attributes: dict[str, Index]
@@ -246,7 +246,7 @@ class Primitive(Part, frozen=True):
     mode: Annotated[int, Meta(ge=0, le=6)] = 4
 
 
-class Mesh(Part, frozen=True):
+class GltfMesh(GltfPart, frozen=True):
     """Primitives that move together."""
 
     primitives: list[Primitive]
@@ -254,19 +254,19 @@ class Mesh(Part, frozen=True):
     weights: list[float] = []
 
 
-class Instancing(Part, frozen=True):
+class Instancing(GltfPart, frozen=True):
     """EXT_mesh_gpu_instancing: accessors of translations, rotations and scales."""
 
     attributes: dict[str, Index]
 
 
-class LampIndex(Part, frozen=True):
+class LampIndex(GltfPart, frozen=True):
     """KHR_lights_punctual: the lamp that a node carries."""
 
     light: Index
 
 
-class IesInstance(Part, frozen=True):
+class IesInstance(GltfPart, frozen=True):
     """EXT_lights_ies: the luminaire that a node carries."""
 
     light: Index
@@ -274,7 +274,7 @@ class IesInstance(Part, frozen=True):
     color: Vector3 = (1.0, 1.0, 1.0)
 
 
-class NodeExtensions(Part, frozen=True):
+class NodeExtensions(GltfPart, frozen=True):
     """The extensions of a node that are honoured."""
 
     instancing: Instancing | None = field(default=None, name="EXT_mesh_gpu_instancing")
@@ -282,7 +282,7 @@ class NodeExtensions(Part, frozen=True):
     ies: IesInstance | None = field(default=None, name="EXT_lights_ies")
 
 
-class Node(Part, frozen=True):
+class Node(GltfPart, frozen=True):
     """A node of the tree; `matrix` is column-major and excludes the other three."""
 
     name: str = ""
@@ -298,14 +298,14 @@ class Node(Part, frozen=True):
     extensions: NodeExtensions = NodeExtensions()
 
 
-class Spot(Part, frozen=True):
+class Spot(GltfPart, frozen=True):
     """The cone of a spot, radians from its axis."""
 
     inner_cone_angle: Annotated[float, Meta(ge=0.0)] = 0.0
     outer_cone_angle: Annotated[float, Meta(gt=0.0, le=1.5708)] = 0.7853981633974483
 
 
-class Lamp(Part, frozen=True):
+class Lamp(GltfPart, frozen=True):
     """KHR_lights_punctual: candela, or lux of a directional light."""
 
     type: Literal["directional", "point", "spot"]
@@ -315,13 +315,13 @@ class Lamp(Part, frozen=True):
     spot: Spot = Spot()
 
 
-class Lamps(Part, frozen=True):
+class GltfLampList(GltfPart, frozen=True):
     """The lamps of the document."""
 
     lights: list[Lamp] = []
 
 
-class IesProfile(Part, frozen=True):
+class IesProfile(GltfPart, frozen=True):
     """EXT_lights_ies: an IES file."""
 
     uri: str | None = None
@@ -329,73 +329,73 @@ class IesProfile(Part, frozen=True):
     name: str = ""
 
 
-class IesProfiles(Part, frozen=True):
+class IesProfiles(GltfPart, frozen=True):
     """The luminaires of the document."""
 
     lights: list[IesProfile] = []
 
 
-class Variant(Part, frozen=True):
+class Variant(GltfPart, frozen=True):
     """KHR_materials_variants: another look of the scene."""
 
     name: str = ""
 
 
-class Variants(Part, frozen=True):
+class Variants(GltfPart, frozen=True):
     """The variants of the document."""
 
     variants: list[Variant] = []
 
 
-class GltfExtensions(Part, frozen=True):
+class GltfExtensions(GltfPart, frozen=True):
     """The extensions of the document that are honoured."""
 
     variants: Variants = field(default_factory=Variants, name="KHR_materials_variants")
-    punctual: Lamps = field(default_factory=Lamps, name="KHR_lights_punctual")
+    punctual: GltfLampList = field(default_factory=GltfLampList, name="KHR_lights_punctual")
     ies: IesProfiles = field(default_factory=IesProfiles, name="EXT_lights_ies")
 
 
-class Perspective(Part, frozen=True):
+class Perspective(GltfPart, frozen=True):
     """A pinhole; the angle is vertical, in radians."""
 
     yfov: Annotated[float, Meta(gt=0.0, lt=3.1415)]
 
 
-class Camera(Part, frozen=True):
+class Camera(GltfPart, frozen=True):
     """A camera; an orthographic one has no `perspective` and is passed over."""
 
     name: str = ""
     perspective: Perspective | None = None
 
 
-class Scene(Part, frozen=True):
+class Scene(GltfPart, frozen=True):
     """The roots of one tree of nodes."""
 
     nodes: list[Index] = []
 
 
-class Skin(Part, frozen=True):
+class Skin(GltfPart, frozen=True):
     """Joints that bend a mesh."""
 
     joints: Annotated[list[Index], Meta(min_length=1)]
     inverse_bind_matrices: Index | None = None
 
 
-class AnimationTarget(Part, frozen=True):
+class AnimationTarget(GltfPart, frozen=True):
     """Which part of which node moves; other paths than a node's belong to extensions."""
 
     path: str
     node: Index | None = None
 
 
-class AnimationChannel(Part, frozen=True):
+class AnimationChannel(GltfPart, frozen=True):
     """A sampler that moves a target."""
 
     sampler: Index
     target: AnimationTarget
 
 
-class AnimationSampler(Part, frozen=True):
+class AnimationSampler(GltfPart, frozen=True):
     """Keys: accessors of times and of values."""
 
     input: Index
@@ -403,7 +403,7 @@ class AnimationSampler(Part, frozen=True):
     interpolation: Literal["LINEAR", "STEP", "CUBICSPLINE"] = "LINEAR"
 
 
-class Animation(Part, frozen=True):
+class Animation(GltfPart, frozen=True):
     """Movements of nodes over time."""
 
     name: str = ""
@@ -411,7 +411,7 @@ class Animation(Part, frozen=True):
     samplers: list[AnimationSampler] = []
 
 
-class Gltf(Part, frozen=True):
+class Gltf(GltfPart, frozen=True):
     """The whole document."""
 
     asset: Asset
@@ -423,9 +423,9 @@ class Gltf(Part, frozen=True):
     accessors: list[Accessor] = []
     images: list[Image] = []
     textures: list[Texture] = []
-    samplers: list[Sampler] = []
-    materials: list[Material] = []
-    meshes: list[Mesh] = []
+    samplers: list[GltfSampler] = []
+    materials: list[GltfMaterial] = []
+    meshes: list[GltfMesh] = []
     nodes: list[Node] = []
     cameras: list[Camera] = []
     scenes: list[Scene] = []

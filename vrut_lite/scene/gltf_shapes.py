@@ -5,7 +5,7 @@ from collections.abc import Hashable
 from typing import NamedTuple
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
-from vrut_lite.scene.gltf_schema import Material, Primitive
+from vrut_lite.scene.gltf_schema import GltfMaterial, Primitive
 from vrut_lite.scene.gltf_skinning import Bend
 from vrut_lite.scene.mesh import MESH_BYTES, geometry_bytes
 from vrut_lite.scene.placed import check_places, check_triangles
@@ -18,7 +18,7 @@ _INDEX_BYTES = 4
 _MATRIX_LAYERS = 8
 
 
-class Shape(NamedTuple):
+class ShapeKey(NamedTuple):
     """Key of a geometry: primitives of one shape share triangles, whatever their materials."""
 
     mode: int
@@ -64,12 +64,14 @@ class Shape(NamedTuple):
         return (_MATRIX_LAYERS if self.skin is not None else 0) + 4 * len(self.targets)
 
 
-def shape_of(file: GltfFile, primitive: Primitive, bend: Bend) -> Shape | None:
+def shape_of(file: GltfFile, primitive: Primitive, bend: Bend) -> ShapeKey | None:
     """The shape of a primitive that is bent like this, or None if it has no triangles."""
     if primitive.mode < TRIANGLES or "POSITION" not in primitive.attributes:
         return None
     number = primitive.material
-    source = Material() if number is None else item_at(file.document.materials, number, "material")
+    source = (
+        GltfMaterial() if number is None else item_at(file.document.materials, number, "material")
+    )
     layers = layers_of(source)[0] or [UvLayer("TEXCOORD_0", None)]
     wanted = {*_READ, *(layer.attribute for layer in layers)}
     if bend.skin is not None:
@@ -84,7 +86,7 @@ def shape_of(file: GltfFile, primitive: Primitive, bend: Bend) -> Shape | None:
     draco = None
     if packed is not None:
         draco = (packed.buffer_view, tuple(sorted(packed.attributes.items())))
-    return Shape(
+    return ShapeKey(
         primitive.mode,
         tuple(attributes),
         primitive.indices,
@@ -106,7 +108,7 @@ class Sizes:
         """Check so many places of meshes that are bent like this."""
         file = self._file
         places = triangles = size_bytes = 0
-        shapes: set[Shape] = set()
+        shapes: set[ShapeKey] = set()
         for (number, bend), times in placed.items():
             for primitive in item_at(file.document.meshes, number, "mesh").primitives:
                 shape = shape_of(file, primitive, bend)
@@ -125,7 +127,7 @@ class Sizes:
         check_triangles(triangles)
         file.folder.budget.check(size_bytes, "its meshes")
 
-    def _ask(self, shape: Shape) -> None:
+    def _ask(self, shape: ShapeKey) -> None:
         """Counts each accessor once, and the triangle list that is made for each shape."""
         file, budget = self._file, self._file.folder.budget
         for index in (*shape.accessors(), shape.indices):

@@ -15,7 +15,7 @@ from PIL import Image
 
 from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.numeric_types import Vector
-from vrut_lite.scene.gltf_schema import Material, Part, TextureInfo
+from vrut_lite.scene.gltf_schema import GltfMaterial, GltfPart, TextureInfo
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 # Which extensions of materials are drawn.
@@ -38,22 +38,22 @@ _WHITE: Vector = (1.0, 1.0, 1.0)
 _BLACK: Vector = (0.0, 0.0, 0.0)
 
 
-class _Strength(Part, frozen=True):
+class _Strength(GltfPart, frozen=True):
     emissive_strength: float = 1.0
 
 
-class _Ior(Part, frozen=True):
+class _Ior(GltfPart, frozen=True):
     ior: float = 1.5
 
 
-class _Specular(Part, frozen=True):
+class _Specular(GltfPart, frozen=True):
     specular_factor: float = 1.0
     specular_texture: TextureInfo | None = None
     specular_color_factor: Vector = _WHITE
     specular_color_texture: TextureInfo | None = None
 
 
-class _Clearcoat(Part, frozen=True):
+class _Clearcoat(GltfPart, frozen=True):
     clearcoat_factor: float = 0.0
     clearcoat_texture: TextureInfo | None = None
     clearcoat_roughness_factor: float = 0.0
@@ -61,32 +61,32 @@ class _Clearcoat(Part, frozen=True):
     clearcoat_normal_texture: TextureInfo | None = None
 
 
-class _Sheen(Part, frozen=True):
+class _Sheen(GltfPart, frozen=True):
     sheen_color_factor: Vector = _BLACK
     sheen_color_texture: TextureInfo | None = None
     sheen_roughness_factor: float = 0.0
     sheen_roughness_texture: TextureInfo | None = None
 
 
-class _Anisotropy(Part, frozen=True):
+class _Anisotropy(GltfPart, frozen=True):
     anisotropy_strength: float = 0.0
     anisotropy_rotation: float = 0.0
     anisotropy_texture: TextureInfo | None = None
 
 
-class _Transmission(Part, frozen=True):
+class _Transmission(GltfPart, frozen=True):
     transmission_factor: float = 0.0
     transmission_texture: TextureInfo | None = None
 
 
-class _Volume(Part, frozen=True):
+class _Volume(GltfPart, frozen=True):
     thickness_factor: float = 0.0
     thickness_texture: TextureInfo | None = None
     attenuation_distance: float | None = None
     attenuation_color: Vector = _WHITE
 
 
-class _Iridescence(Part, frozen=True):
+class _Iridescence(GltfPart, frozen=True):
     iridescence_factor: float = 0.0
     iridescence_texture: TextureInfo | None = None
     iridescence_ior: float = 1.3
@@ -95,7 +95,7 @@ class _Iridescence(Part, frozen=True):
     iridescence_thickness_texture: TextureInfo | None = None
 
 
-class _Extensions(Part, frozen=True):
+class _Extensions(GltfPart, frozen=True):
     strength: _Strength = field(default=_Strength(), name="KHR_materials_emissive_strength")
     ior: _Ior = field(default=_Ior(), name="KHR_materials_ior")
     specular: _Specular = field(default=_Specular(), name="KHR_materials_specular")
@@ -111,12 +111,12 @@ class _Extensions(Part, frozen=True):
 ImageOf = Callable[[TextureInfo], Image.Image | None]
 
 
-def emissive_strength(source: Material) -> float:
+def emissive_strength(source: GltfMaterial) -> float:
     """Factor of a material's emission."""
     return max(_finite(_extensions(source).strength.emissive_strength, 1.0), 0.0)
 
 
-def further_textures(source: Material) -> dict[str, TextureInfo]:
+def further_textures(source: GltfMaterial) -> dict[str, TextureInfo]:
     """The textures of extensions that are kept texel by texel, by the names of maps."""
     found = _extensions(source)
     named = {
@@ -130,7 +130,7 @@ def further_textures(source: Material) -> dict[str, TextureInfo]:
     return {name: info for name, info in named.items() if info is not None}
 
 
-def averaged_maps(source: Material) -> list[str]:
+def averaged_maps(source: GltfMaterial) -> list[str]:
     """The file's names of those that scale their factor by their mean, or that are left out."""
     found = _extensions(source)
     textures = {
@@ -144,7 +144,7 @@ def averaged_maps(source: Material) -> list[str]:
     return [name for name, info in textures.items() if info is not None]
 
 
-def bounded_factors(source: Material) -> dict[str, Any]:
+def bounded_factors(source: GltfMaterial) -> dict[str, Any]:
     """Factors of extensions that belong to [0, 1], by the names that users read."""
     found = _extensions(source)
     return {
@@ -160,7 +160,7 @@ def bounded_factors(source: Material) -> dict[str, Any]:
     }
 
 
-def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
+def terms_of(source: GltfMaterial, image_of: ImageOf) -> SurfaceTerms:
     """The numbers of a material's extensions, inside their ranges.
 
     `image_of` decodes a texture's image.
@@ -233,7 +233,7 @@ def _extinction_per_m(volume: _Volume) -> Vector:
     return float(red), float(green), float(blue)
 
 
-def _extensions(source: Material) -> _Extensions:
+def _extensions(source: GltfMaterial) -> _Extensions:
     return _decoded(bytes(source.extensions))
 
 

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from vrut_lite.scene.gltf_schema import Gltf, Mesh, Primitive
+from vrut_lite.scene.gltf_schema import Gltf, GltfMesh, Primitive
 
 
 def variant_names(document: Gltf) -> list[str]:
@@ -26,7 +26,7 @@ def with_variant(document: Gltf, variant: str) -> Gltf:
     return msgspec.structs.replace(document, meshes=meshes)
 
 
-def _dressed(mesh: Mesh, number: int) -> Mesh:
+def _dressed(mesh: GltfMesh, number: int) -> GltfMesh:
     primitives = [
         msgspec.structs.replace(one, material=_material(one, number)) for one in mesh.primitives
     ]

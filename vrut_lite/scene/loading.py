@@ -24,7 +24,7 @@ from vrut_lite.scene.glazing import glazed
 from vrut_lite.scene.gltf_points_and_lines import Strokes, packed_strokes
 from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
-from vrut_lite.scene.mesh import Mesh, mirrored
+from vrut_lite.scene.mesh import TriangleMesh, mirrored
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, box_of, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.scene_files import SceneFile, SceneFiles
@@ -264,7 +264,7 @@ def _told_height(stood: list[_Stood], extent_m: NDArray[np.float64]) -> list[str
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
     """Reverse the triangles that a mirroring matrix turns inside out (glTF 2.0, section 3.7.4)."""
-    turned: dict[int, Mesh] = {}
+    turned: dict[int, TriangleMesh] = {}
     result = []
     for place in placed:
         if np.linalg.det(place.world_from_model[:3, :3]) < 0:

@@ -10,7 +10,7 @@ from PIL import Image
 from vrut_lite.messages.scene_content import MAP_NAMES, AlphaMode, Sampler, Wrap
 from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.scene.gltf_file import GltfFile, item_at
-from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
+from vrut_lite.scene.gltf_schema import GltfMaterial, Texture, TextureInfo
 from vrut_lite.scene.gltf_terms import bounded_factors, emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
 from vrut_lite.scene.import_warnings import Notices
@@ -107,7 +107,7 @@ class GltfMaterials:
             self._materials[index] = self._convert(source)
         return self._materials[index]
 
-    def _convert(self, source: Material) -> SurfaceMaterial:
+    def _convert(self, source: GltfMaterial) -> SurfaceMaterial:
         pbr = source.pbr_metallic_roughness
         layers, numbers = layers_of(source)
         infos = texture_infos(source)

@@ -33,7 +33,7 @@ class Geometry:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh(Geometry):
+class TriangleMesh(Geometry):
     """Triangles of one material."""
 
     material: SurfaceMaterial
@@ -134,12 +134,12 @@ def make_geometry(
     )
 
 
-def make_mesh(geometry: Geometry, material: SurfaceMaterial) -> Mesh:
+def make_mesh(geometry: Geometry, material: SurfaceMaterial) -> TriangleMesh:
     """A mesh of one material; it shares the geometry's arrays."""
-    return Mesh(**vars(geometry), material=material)
+    return TriangleMesh(**vars(geometry), material=material)
 
 
-def mirrored(mesh: Mesh, budget: SceneBudget) -> Mesh:
+def mirrored(mesh: TriangleMesh, budget: SceneBudget) -> TriangleMesh:
     """The same mesh with its triangles wound the other way, for a matrix that mirrors it.
 
     Raises:

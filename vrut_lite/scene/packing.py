@@ -25,7 +25,7 @@ from vrut_lite.numeric_types import vector
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.materials import SurfaceMaterial
-from vrut_lite.scene.mesh import Mesh
+from vrut_lite.scene.mesh import TriangleMesh
 
 _GLTF_NAMES: dict[MapName, str] = {
     "base_colour": "baseColorTexture",
@@ -67,7 +67,7 @@ class _Geometry:
         self._first_rows: dict[tuple[Any, ...], int] = {}
         self._table: list[tuple[int, ...]] = []
 
-    def add(self, mesh: Mesh, material: int) -> None:
+    def add(self, mesh: TriangleMesh, material: int) -> None:
         """Add a mesh with this material."""
         first = self._first_row(self._positions, mesh.vertices, mesh.normals)
         if self._normals.count == first:
@@ -152,7 +152,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
 
 
 def _geometry(
-    loaded: LoadedScene, meshes: list[Mesh], materials: list[SurfaceMaterial]
+    loaded: LoadedScene, meshes: list[TriangleMesh], materials: list[SurfaceMaterial]
 ) -> SceneGeometry:
     geometry = _Geometry()
     material_numbers = {id(material): number for number, material in enumerate(materials)}

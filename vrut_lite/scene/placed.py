@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.scene.mesh import Mesh
+from vrut_lite.scene.mesh import TriangleMesh
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 MAX_TRIANGLES = 20_000_000
@@ -22,7 +22,7 @@ class PlacedMesh:
     """
 
     name: str
-    mesh: Mesh
+    mesh: TriangleMesh
     world_from_model: NDArray[np.float64]
 
     def world_triangles(self) -> NDArray[np.float64]:

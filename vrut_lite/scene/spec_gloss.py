@@ -15,9 +15,9 @@ from PIL import Image
 
 from vrut_lite.numeric_types import Vector
 from vrut_lite.scene.gltf_schema import (
-    Material,
+    GltfMaterial,
+    GltfPart,
     MetallicRoughness,
-    Part,
     TextureInfo,
     Vector4,
 )
@@ -26,7 +26,7 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 NAME = "KHR_materials_pbrSpecularGlossiness"
 
 
-class SpecGloss(Part, frozen=True):
+class SpecGloss(GltfPart, frozen=True):
     """The extension, with its defaults; alpha of its texture is glossiness, RGB sRGB-encoded."""
 
     diffuse_factor: Vector4 = (1.0, 1.0, 1.0, 1.0)
@@ -36,11 +36,11 @@ class SpecGloss(Part, frozen=True):
     specular_glossiness_texture: TextureInfo | None = None
 
 
-class _Extensions(Part, frozen=True):
+class _Extensions(GltfPart, frozen=True):
     spec_gloss: SpecGloss | None = field(default=None, name=NAME)
 
 
-def spec_gloss_of(source: Material) -> SpecGloss | None:
+def spec_gloss_of(source: GltfMaterial) -> SpecGloss | None:
     """The extension of a material, also of a converted one.
 
     Raises:
@@ -55,7 +55,7 @@ def spec_gloss_of(source: Material) -> SpecGloss | None:
         raise SceneFileError(f"its {NAME} is not valid ({fault}); export it again") from fault
 
 
-def as_metallic_roughness(source: Material) -> Material:
+def as_metallic_roughness(source: GltfMaterial) -> GltfMaterial:
     """The material itself, or the replacement of its specular-glossiness."""
     found = spec_gloss_of(source)
     if found is None:

@@ -26,7 +26,7 @@ from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, default_material
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
-    Mesh,
+    TriangleMesh,
     geometry_bytes,
     make_geometry,
     make_mesh,
@@ -120,7 +120,7 @@ class _Reader:
         self._time = Usd.TimeCode.EarliestTime()
         self._at = UsdGeom.XformCache(self._time)
         self._materials = UsdMaterials(folder, budget, notices, self._time)
-        self._made: dict[str, list[Mesh]] = {}
+        self._made: dict[str, list[TriangleMesh]] = {}
         self._triangles = 0
 
     def read(self) -> tuple[list[PlacedMesh], list[SceneCamera], Placement]:
@@ -187,7 +187,7 @@ class _Reader:
             self._made[key] = self._meshes(source)
         return [PlacedMesh(prim.GetName(), mesh, matrix) for mesh in self._made[key]]
 
-    def _meshes(self, prim: Any) -> list[Mesh]:
+    def _meshes(self, prim: Any) -> list[TriangleMesh]:
         from pxr import UsdGeom
 
         mesh, name = UsdGeom.Mesh(prim), prim.GetName()

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.scene.gltf_schema import Material, TextureInfo, TextureTransform
+from vrut_lite.scene.gltf_schema import GltfMaterial, TextureInfo, TextureTransform
 from vrut_lite.scene.gltf_terms import further_textures
 
 MOST_LAYERS = 2
@@ -30,7 +30,7 @@ class UvLayer(NamedTuple):
         return np.concatenate([uv[:, :1], 1.0 - uv[:, 1:]], axis=1)
 
 
-def texture_infos(source: Material) -> dict[str, TextureInfo]:
+def texture_infos(source: GltfMaterial) -> dict[str, TextureInfo]:
     """The textures of a material by glTF's names, the base colour's first.
 
     Those of extensions follow, by the names of maps.
@@ -47,7 +47,7 @@ def texture_infos(source: Material) -> dict[str, TextureInfo]:
     return {**core, **further_textures(source)}
 
 
-def layers_of(source: Material) -> tuple[list[UvLayer], dict[str, int]]:
+def layers_of(source: GltfMaterial) -> tuple[list[UvLayer], dict[str, int]]:
     """The layers of a material, and the number of the layer for each map that has one."""
     layers: list[UvLayer] = []
     numbers: dict[str, int] = {}

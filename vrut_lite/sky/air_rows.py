@@ -28,7 +28,7 @@ BELOW_LEVEL_M = 500.0
 _MOST_CROWDED, _CROWDING_ALTITUDE_M = 0.95, 1000.0
 
 
-class Grid(NamedTuple):
+class AirGrid(NamedTuple):
     """The parameters that place the nodes, named as in `AirVolume`."""
 
     observer_altitude_m: float
@@ -50,18 +50,18 @@ class RowsBelow(NamedTuple):
     moved_place: float
 
 
-def grid_of(volume: AirVolume) -> Grid:
+def grid_of(volume: AirVolume) -> AirGrid:
     """The grid of a volume."""
-    return Grid(*(getattr(volume, name) for name in Grid._fields))
+    return AirGrid(*(getattr(volume, name) for name in AirGrid._fields))
 
 
-def horizon_depth(grid: AirVolume | Grid) -> FloatArray:
+def horizon_depth(grid: AirVolume | AirGrid) -> FloatArray:
     """1 + mu (2,) of the ground's horizon, and of the zenith or, from above the air, its edge."""
     edge = 2.0 if _inside(grid) else _grazing_depth(grid, grid.top_altitude_m)
     return np.array([_grazing_depth(grid, 0.0), edge])
 
 
-def row_heights(grid: Grid) -> FloatArray:
+def row_heights(grid: AirGrid) -> FloatArray:
     """1 + mu (rows,), first the rows above the horizon, both parts outward from the horizon."""
     horizon, top = horizon_depth(grid)
     up = np.linspace(0.0, 1.0, grid.rows_above) ** 2
@@ -76,7 +76,7 @@ def row_heights(grid: Grid) -> FloatArray:
     return np.concatenate([horizon + (top - horizon) * up, horizon * (1.0 - down)])
 
 
-def rows_of(grid: Grid, one_plus: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+def rows_of(grid: AirGrid, one_plus: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Fractional row (...,) of a height 1 + mu, and whether it is below the horizon."""
     horizon, top = horizon_depth(grid)
     is_below = one_plus < horizon
@@ -92,7 +92,7 @@ def rows_of(grid: Grid, one_plus: FloatArray) -> tuple[FloatArray, NDArray[np.bo
     return np.where(is_below, lowest, up * (grid.rows_above - 1)), is_below
 
 
-def rows_below(grid: AirVolume | Grid) -> RowsBelow:
+def rows_below(grid: AirVolume | AirGrid) -> RowsBelow:
     """The spacing of the rows below the horizon."""
     altitude_m, in_space = grid.observer_altitude_m, grid.observer_altitude_m / grid.top_altitude_m
     rise = altitude_m / (altitude_m + _CROWDING_ALTITUDE_M)
@@ -107,11 +107,11 @@ def rows_below(grid: AirVolume | Grid) -> RowsBelow:
     return RowsBelow(c, x, row / last)
 
 
-def _inside(grid: AirVolume | Grid) -> bool:
+def _inside(grid: AirVolume | AirGrid) -> bool:
     return grid.observer_altitude_m <= grid.top_altitude_m
 
 
-def _bend_depth(grid: AirVolume | Grid) -> float:
+def _bend_depth(grid: AirVolume | AirGrid) -> float:
     """1 + mu of the ray that meets the depth just at the reach, or that grazes the depth.
 
     It is 0, the nadir's, where the reach is shorter than the way straight down.
@@ -128,7 +128,7 @@ def _bend_depth(grid: AirVolume | Grid) -> float:
     return float(sine * sine / (1.0 + np.sqrt(max((1.0 - sine) * (1.0 + sine), 0.0))))
 
 
-def _grazing_depth(grid: AirVolume | Grid, grazed_altitude_m: float) -> float:
+def _grazing_depth(grid: AirVolume | AirGrid, grazed_altitude_m: float) -> float:
     """1 + mu of the ray that descends from the observer to graze a lower altitude."""
     radius = grid.ground_radius_m + grid.observer_altitude_m
     grazed = grid.ground_radius_m + grazed_altitude_m

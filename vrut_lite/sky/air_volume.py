@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray, Vector
-from vrut_lite.sky.air_rows import BELOW_LEVEL_M, Grid, grid_of, row_heights, rows_of
+from vrut_lite.sky.air_rows import BELOW_LEVEL_M, AirGrid, grid_of, row_heights, rows_of
 
 # Altitude (m) of the eye at which slices are uniform.
 _EVEN_ALTITUDE_M = 5000.0
@@ -75,7 +75,9 @@ def slice_shares(slices: int, observer_altitude_m: float) -> FloatArray:
     return u * (2.0 * even + (1.0 - 2.0 * even) * u)
 
 
-def span_m(grid: Grid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayLike) -> FloatArray:
+def span_m(
+    grid: AirGrid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayLike
+) -> FloatArray:
     """Length (...,) of rays that the slices divide, in m.
 
     Args:
@@ -98,7 +100,7 @@ def span_m(grid: Grid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayL
     return np.clip(whole, min(SHORTEST_SPAN_M, grid.reach_m), grid.reach_m)
 
 
-def node_rays(grid: Grid, columns: int, mu_s: float) -> NodeRays:
+def node_rays(grid: AirGrid, columns: int, mu_s: float) -> NodeRays:
     """The rays of all nodes; mu_s is the cosine of the sun's zenith angle at the observer."""
     one_plus = row_heights(grid)
     mu, sine = one_plus - 1.0, np.sqrt(one_plus * (2.0 - one_plus))
@@ -191,7 +193,7 @@ class _Entry(NamedTuple):
     mu: FloatArray
 
 
-def _enter(grid: Grid, view: FloatArray) -> _Entry:
+def _enter(grid: AirGrid, view: FloatArray) -> _Entry:
     mu = view[..., 1]
     if grid.observer_altitude_m <= grid.top_altitude_m:
         return _Entry(np.zeros_like(mu), np.full(mu.shape, grid.observer_altitude_m), mu)
@@ -205,7 +207,7 @@ def _enter(grid: Grid, view: FloatArray) -> _Entry:
     )
 
 
-def _entry(grid: Grid, mu: FloatArray, sine: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _entry(grid: AirGrid, mu: FloatArray, sine: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Half the chord in the air (...,) and the distance to its start, for an eye above the air."""
     radius = grid.ground_radius_m + grid.observer_altitude_m
     top_radius = grid.ground_radius_m + grid.top_altitude_m
@@ -228,7 +230,7 @@ def _slice_of(share: FloatArray, observer_altitude_m: float) -> FloatArray:
     return np.clip(share / np.maximum(even + root, 1e-300), 0.0, 1.0)
 
 
-def _rows_of(grid: Grid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+def _rows_of(grid: AirGrid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     level = view[..., 0] ** 2 + view[..., 2] ** 2
     # 1 + mu without cancellation near the nadir, where a far observer sees the whole planet.
     one_plus = np.where(

@@ -1,6 +1,6 @@
 """Measured paths and runs with known numbers."""
 
-from vrut_lite_lab.bench.results import FORMAT, Errors, GroupNote, Machine, Measured, Results
+from vrut_lite_lab.bench.results import FORMAT, Errors, GroupNote, Machine, MeasuredPath, Results
 
 MACHINE = Machine(
     date="2026-11-21 12:00 UTC",
@@ -15,13 +15,15 @@ MACHINE = Machine(
 )
 
 
-def measured(name: str, rounds_s: list[float], p99: float = 0.01, mean: float = 0.001) -> Measured:
+def measured(
+    name: str, rounds_s: list[float], p99: float = 0.01, mean: float = 0.001
+) -> MeasuredPath:
     """A path of the group "sky" whose errors by day are these, and twice as large by night."""
     errors = {
         "sun 10°, 0 m up": Errors(mean, p99, 2 * p99),
         "sun -4°, 0 m up": Errors(2 * mean, 2 * p99, 4 * p99),
     }
-    return Measured(
+    return MeasuredPath(
         group="sky",
         name=name,
         family=name.split(",")[0],
@@ -34,7 +36,7 @@ def measured(name: str, rounds_s: list[float], p99: float = 0.01, mean: float = 
     )
 
 
-def run_of(*paths: Measured, machine: Machine = MACHINE, quick: bool = True) -> Results:
+def run_of(*paths: MeasuredPath, machine: Machine = MACHINE, quick: bool = True) -> Results:
     """A run that measured these."""
     return Results(
         format=FORMAT,

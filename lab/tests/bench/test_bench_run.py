@@ -13,7 +13,14 @@ from click.testing import CliRunner
 
 from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite_lab.bench import registry, session
-from vrut_lite_lab.bench.bench_path import BenchPath, Clock, Errors, Group, Spent, relative_errors
+from vrut_lite_lab.bench.bench_path import (
+    BenchPath,
+    Errors,
+    Group,
+    Spent,
+    WorkClock,
+    relative_errors,
+)
 from vrut_lite_lab.bench.command import bench
 from vrut_lite_lab.bench.page import files_of
 from vrut_lite_lab.bench.paths import light_map
@@ -30,7 +37,7 @@ def fake_path(name: str, seconds: float, error: float, units: int = 1) -> BenchP
         prepare=lambda: lambda: "made",
         error=lambda result: {"sun 10°": Errors(error / 10, error, 2 * error)},
         units=units,
-        clock=Clock("seconds", lambda work: Spent(work(), seconds, 2 * seconds)),
+        clock=WorkClock("seconds", lambda work: Spent(work(), seconds, 2 * seconds)),
     )
 
 
@@ -56,7 +63,7 @@ def test_slow_calls_are_timed_once() -> None:
         calls.append(30.0)
         return Spent(work(), 30.0, 30.0)
 
-    slow = BenchPath("slow", "slow", lambda: lambda: None, None, clock=Clock("seconds", clock))
+    slow = BenchPath("slow", "slow", lambda: lambda: None, None, clock=WorkClock("seconds", clock))
     (found,) = measure_group(fake_group(slow), QUICK, lambda _: None)
     assert found.rounds_s == [30.0]
     assert len(calls) == 1
@@ -74,7 +81,7 @@ def test_a_call_that_compiles_is_not_timed() -> None:
             numba.njit(lambda x: x + 1)(len(calls))
         return Spent(work(), calls[-1], calls[-1])
 
-    path = BenchPath("a", "a", lambda: lambda: None, None, clock=Clock("seconds", clock))
+    path = BenchPath("a", "a", lambda: lambda: None, None, clock=WorkClock("seconds", clock))
     (found,) = measure_group(fake_group(path), QUICK, lambda _: None)
     assert found.rounds_s == [0.01] * QUICK.rounds
 

@@ -20,13 +20,13 @@ from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.models.rules import PUBLISHED
 from vrut_lite_lab.study.report import study as study_parts
 from vrut_lite_lab.study.report.choices import ModelSet, chosen_set, model_by_name, usual_sets
-from vrut_lite_lab.study.report.figures import Row, figures
+from vrut_lite_lab.study.report.figures import MomentSkies, figures
 from vrut_lite_lab.study.report.folder import study_folder
 from vrut_lite_lab.study.report.moments import Moment, moments
 from vrut_lite_lab.study.report.panels import TILE
 from vrut_lite_lab.study.report.scores import score, table_two
-from vrut_lite_lab.study.report.skies import Sky, directional_radiance, measured_sky, model_sky
-from vrut_lite_lab.study.report.study import Plan, write_study
+from vrut_lite_lab.study.report.skies import StudySky, directional_radiance, measured_sky, model_sky
+from vrut_lite_lab.study.report.study import StudyPlan, write_study
 from vrut_lite_lab.study.rules.airs import clear_air
 
 
@@ -88,7 +88,7 @@ def test_a_pixel_shows_the_direction_it_is_in() -> None:
     pixel = 17
     relative = at.azimuth_rad[[pixel]] - moment.sun_azimuth_rad
     alone = model.sky_radiance(moment.sun_zenith_rad, at.zenith_rad[[pixel]], relative)
-    expected = Sky(alone, np.zeros((1, 3)))
+    expected = StudySky(alone, np.zeros((1, 3)))
     assert sky.luminance[pixel] == pytest.approx(_luminance(expected.radiance)[0], rel=1e-9)
     np.testing.assert_allclose(sky.radiance, directional_radiance(model, moment))
 
@@ -111,7 +111,7 @@ def test_figures_have_a_tile_for_each_sky() -> None:
     """Rows are moments, columns models, physics and measurements; errors are from the latter."""
     at, moment = pixels(32), measured_moment()
     models = tuple(model_sky(GreySky(factor), moment, at) for factor in (1.0, 2.0))
-    row = Row(
+    row = MomentSkies(
         moment, models, model_sky(GreySky(3.0), moment, at), measured_sky(moment.measured, at)
     )
     made = {figure.name: figure.image for figure in figures(["a", "b"], "c", [row, row], at)}
@@ -141,7 +141,7 @@ def written(tmp_path_factory):
     """A small study, and what it told."""
     told: list[str] = []
     moment = measured_moment(1.1)
-    plan = Plan(
+    plan = StudyPlan(
         sets=[ModelSet("some", "Some models", (GreySky(), model_by_name("preetham")))],
         moments=[moment, Moment("06:00", 1.51, 1.1)],
         scored=[moment],

@@ -9,7 +9,7 @@ from test_study_measurements import write_npz
 
 from vrut_lite.errors import UserError
 from vrut_lite_lab.study.framework.atmosphere import STUDY, StudyAtmosphere
-from vrut_lite_lab.study.framework.day import KIDER, Day
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
 from vrut_lite_lab.study.framework.measurements import read_measurements
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.models.registry import MODELS
@@ -63,11 +63,11 @@ def test_every_input_is_told_with_its_source(another_day):
 def test_the_suns_distance_is_that_of_the_date():
     """Perihelion in January, aphelion in July; Kider's day as the Almanac has it."""
     for month, expected in ((1, 0.9833), (7, 1.0167)):
-        day = Day(place="", date=date(2014, month, 4), latitude_deg=0, longitude_deg=0,
+        day = MeasuredDay(place="", date=date(2014, month, 4), latitude_deg=0, longitude_deg=0,
                   utc_offset_h=0, optical_depth_550=0.1)  # fmt: skip
         assert day.sun_distance == pytest.approx(expected, abs=2e-4)
-    computed = Day(place="", date=KIDER.date, latitude_deg=0, longitude_deg=0, utc_offset_h=0,
-                   optical_depth_550=0.1).sun_distance  # fmt: skip
+    computed = MeasuredDay(place="", date=KIDER.date, latitude_deg=0, longitude_deg=0,
+                           utc_offset_h=0, optical_depth_550=0.1).sun_distance  # fmt: skip
     assert computed == pytest.approx(KIDER.sun_distance, abs=2e-4)
 
 

@@ -8,16 +8,16 @@ from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite_lab.study.command import study
 from vrut_lite_lab.study.peers.airs import air
 from vrut_lite_lab.study.peers.blender import BLENDER, VARIABLE
-from vrut_lite_lab.study.peers.peer import NotHere, Shot
+from vrut_lite_lab.study.peers.peer import NotHere, PeerShot
 from vrut_lite_lab.study.peers.prague import VARIABLE as PRAGUE_FILE
 from vrut_lite_lab.study.peers.prague import Prague, read_prague
 from vrut_lite_lab.study.peers.radiance_skies import _sun_of_hour, read_spectra, solar_hour, turned
 from vrut_lite_lab.study.peers.run import Truths, scored_peers
 from vrut_lite_lab.study.peers.scores import score
 from vrut_lite_lab.study.peers.truth import Truth
-from vrut_lite_lab.study.peers.views import HEIGHT, WIDTH, View, of_picture, rays, whole
+from vrut_lite_lab.study.peers.views import HEIGHT, WIDTH, SkyViewpoint, of_picture, rays, whole
 
-VIEW = View(30.0)
+VIEW = SkyViewpoint(30.0)
 EVERYWHERE = (slice(None), slice(None))
 
 
@@ -107,7 +107,7 @@ def test_what_is_not_here_is_said_in_a_line(monkeypatch):
         title, air, grey = "itself", "continental", False
 
         def shots(self, views):
-            return {VIEW: Shot(whole(sky_of_two_colours().rgb), 0.1)}
+            return {VIEW: PeerShot(whole(sky_of_two_colours().rgb), 0.1)}
 
     monkeypatch.setenv(VARIABLE, "/nowhere/python")
     told = []

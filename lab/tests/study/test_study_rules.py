@@ -13,7 +13,7 @@ from vrut_lite_lab.study.rules.against_truth import (
     rule_errors,
     truth,
 )
-from vrut_lite_lab.study.rules.airs import Rays, rays_to, rgb_airs, spectral_airs
+from vrut_lite_lab.study.rules.airs import SeaLevelRays, rays_to, rgb_airs, spectral_airs
 from vrut_lite_lab.study.rules.kernels import classical_radiance
 from vrut_lite_lab.study.rules.run_times import cpu_run_times
 
@@ -65,7 +65,7 @@ def test_errors_of_the_finest_samples_are_those_of_the_note(sun: float) -> None:
     air, rays = spectral_airs()["A"], rays_to(sun)
     # One direction of each ring, toward the sun, away from it and across.
     some = [0, 8, 40, 41, 44, 72, 76, 36, 80]
-    rays = Rays(rays.mu[some], rays.mu_s, rays.nu[some])
+    rays = SeaLevelRays(rays.mu[some], rays.mu_s, rays.nu[some])
     right = truth(air, rays)
     for rule, (_, _, finest) in PUBLISHED[sun].items():
         off = classical_radiance(air, rays, rule, (512, 256)) / right - 1.0
@@ -128,7 +128,7 @@ def test_kernel_is_the_twin_on_another_planet() -> None:
 
 def test_the_other_simpson_gives_odd_nodes_the_trapezoids_depth() -> None:
     """Plain sums over one ray: even nodes by Simpson's rule, odd ones half a step further."""
-    air, rays = rgb_airs()["A"], Rays(np.array([1.0]), 1.0, np.array([1.0]))
+    air, rays = rgb_airs()["A"], SeaLevelRays(np.array([1.0]), 1.0, np.array([1.0]))
     # Toward the zenith with the sun there, all light passes the same column: numbers for one.
     nodes, step = np.linspace(0.0, 60_000.0, 5), 15_000.0
     total = np.zeros(3)
@@ -213,7 +213,7 @@ def test_shader_errs_like_its_twin() -> None:
     zenith = np.radians(60.0)
     face = texel_directions(8)[2].reshape(-1, 3)
     nu = face @ [0.0, np.cos(zenith), -np.sin(zenith)]
-    rays = Rays(face[:, 1], float(np.cos(zenith)), nu)
+    rays = SeaLevelRays(face[:, 1], float(np.cos(zenith)), nu)
     off = classical_radiance(air, rays, "simpson", (16, 8)) / truth(air, rays) - 1.0
     assert errors["simpson"] == pytest.approx(np.sqrt((off**2).mean()), rel=1e-3)
     assert errors["gauss-legendre"] < 2e-6

@@ -39,7 +39,7 @@ def sizes_of(errors: NDArray[Any]) -> Errors:
     return Errors(float(errors.mean()), float(np.quantile(errors, 0.99)), float(errors.max()))
 
 
-class Clock(NamedTuple):
+class WorkClock(NamedTuple):
     """A clock: its name in words, and the function that times work."""
 
     name: str
@@ -61,8 +61,8 @@ def wall_spent(work: Work) -> Spent:
     return Spent(result, spent, spent)
 
 
-CPU_TIME = Clock("CPU time of the process", cpu_spent)
-WALL_TIME = Clock("wall time", wall_spent)
+CPU_TIME = WorkClock("CPU time of the process", cpu_spent)
+WALL_TIME = WorkClock("wall time", wall_spent)
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class BenchPath:
     parameters: dict[str, Parameter] = field(default_factory=dict)
     units: int = 1
     batch: str = ""
-    clock: Clock = CPU_TIME
+    clock: WorkClock = CPU_TIME
     device: str = "CPU"
     once: bool = False
     done: Callable[[Work], int] | None = None

@@ -94,7 +94,9 @@ def _measured(
     console = Console(stderr=True)
     with Progress(console=console, refresh_per_second=4, disable=not console.is_terminal) as bars:
         bar = bars.add_task("", total=None)
-        session = _session.Session(kinds, quick, lambda what: bars.update(bar, description=what))
+        session = _session.BenchSession(
+            kinds, quick, lambda what: bars.update(bar, description=what)
+        )
         try:
             session.measure()
             for _ in range(_TRIES if old is not None else 0):

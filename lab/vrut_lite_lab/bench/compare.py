@@ -15,14 +15,14 @@ rounding (1e-12).
 from typing import NamedTuple
 
 from vrut_lite.errors import UserError
-from vrut_lite_lab.bench.results import Measured, Results
+from vrut_lite_lab.bench.results import MeasuredPath, Results
 
 SLOWER, SLOWER_ONCE = 1.1, 1.5
 LESS_ACCURATE, ROUNDING = 1.05, 1e-12
 Key = tuple[str, str]
 
 
-class Comparison(NamedTuple):
+class BenchComparison(NamedTuple):
     """Sentences about worse paths, and about paths that cannot be compared."""
 
     worse: list[str]
@@ -44,7 +44,7 @@ def check_comparable(old: Results, quick: bool, kinds: list[str]) -> None:
         )
 
 
-def compare(old: Results, new: Results) -> Comparison:
+def compare(old: Results, new: Results) -> BenchComparison:
     """The worse paths of the new results."""
     before = _by_key(old)
     pairs = [(before[key], now) for key, now in _by_key(new).items() if key in before]
@@ -56,7 +56,7 @@ def compare(old: Results, new: Results) -> Comparison:
     groups = {path.group for path in new.paths}
     gone = sorted(before.keys() - _by_key(new).keys())
     remarks += [f"{group}, {name}: no longer measured" for group, name in gone if group in groups]
-    return Comparison(worse, remarks)
+    return BenchComparison(worse, remarks)
 
 
 def slower_paths(old: Results, new: Results) -> list[Key]:
@@ -72,7 +72,7 @@ def slower_paths(old: Results, new: Results) -> list[Key]:
     ]
 
 
-def is_slower(then: Measured, now: Measured, pace_then_s: float, pace_now_s: float) -> bool:
+def is_slower(then: MeasuredPath, now: MeasuredPath, pace_then_s: float, pace_now_s: float) -> bool:
     """Whether a path is slower by the rule above."""
     if then.clock != now.clock:
         return False
@@ -84,7 +84,7 @@ def is_slower(then: Measured, now: Measured, pace_then_s: float, pace_now_s: flo
     return ratio > SLOWER and min(after) > max(before)
 
 
-def less_accurate(then: Measured, now: Measured) -> str:
+def less_accurate(then: MeasuredPath, now: MeasuredPath) -> str:
     """A sentence about the condition under which errors grew most, or nothing."""
     grown = [
         (getattr(after, size) / max(getattr(before, size), ROUNDING), name, size)
@@ -115,5 +115,5 @@ def _same_machine(old: Results, new: Results) -> bool:
     return (a.processor, a.cores) == (b.processor, b.cores)
 
 
-def _by_key(results: Results) -> dict[Key, Measured]:
+def _by_key(results: Results) -> dict[Key, MeasuredPath]:
     return {(path.group, path.name): path for path in results.paths}

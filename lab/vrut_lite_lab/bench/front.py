@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from vrut_lite_lab.bench.results import GroupNote, Measured
+from vrut_lite_lab.bench.results import GroupNote, MeasuredPath
 
 
 def pareto_front(seconds: Sequence[float], errors: Sequence[float]) -> list[int]:
@@ -15,7 +15,7 @@ def pareto_front(seconds: Sequence[float], errors: Sequence[float]) -> list[int]
     return front
 
 
-def on_front(group: GroupNote, paths: Sequence[Measured]) -> list[Measured]:
+def on_front(group: GroupNote, paths: Sequence[MeasuredPath]) -> list[MeasuredPath]:
     """The paths of a group that none beats in time and in its error by day, fastest first."""
     rivals = [path for path in paths if path.name.endswith(group.front_of) and path.errors]
     seconds = [path.seconds for path in rivals]

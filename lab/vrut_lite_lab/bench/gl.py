@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.render.gl_environment import probe_gl
 from vrut_lite.render.gl_owner import GlOwner
-from vrut_lite_lab.bench.bench_path import WALL_TIME, Clock, Spent, Work, cpu_spent
+from vrut_lite_lab.bench.bench_path import WALL_TIME, Spent, Work, WorkClock, cpu_spent
 
 _CLOSERS: list[Callable[[], None]] = []
 
@@ -66,13 +66,13 @@ def clock_name(renderer: str) -> str:
     return "timer query" if has_timer(renderer) else "CPU time of all threads"
 
 
-def gl_clock() -> Clock:
+def gl_clock() -> WorkClock:
     """The clock of a `GlWork`."""
     name = probe_gl()[0]
-    return Clock(clock_name(name), _by_query if has_timer(name) else cpu_spent)
+    return WorkClock(clock_name(name), _by_query if has_timer(name) else cpu_spent)
 
 
-def gl_read_back_clock() -> Clock:
+def gl_read_back_clock() -> WorkClock:
     """For work whose results are read back: wall time, or CPU time where the CPU does it all."""
     return WALL_TIME if has_timer(probe_gl()[0]) else gl_clock()
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vrut_lite.errors import ModuleFailed
-from vrut_lite_lab.bench.bench_path import BenchPath, Clock, Errors, Parameter, Spent, Work
+from vrut_lite_lab.bench.bench_path import BenchPath, Errors, Parameter, Spent, Work, WorkClock
 
 
 def figures_of(what: str, module: str, *arguments: object, **environment: str) -> dict[str, Any]:
@@ -52,6 +52,6 @@ def measured_path(
         prepare=lambda: lambda: None,
         error=error,
         batch=batch,
-        clock=Clock(clock, spent),
+        clock=WorkClock(clock, spent),
         once=True,
     )

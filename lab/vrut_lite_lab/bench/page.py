@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from html import escape
 
 from vrut_lite_lab.bench.front import on_front
-from vrut_lite_lab.bench.peers import Row, peer_rows
+from vrut_lite_lab.bench.peers import PeerRow, peer_rows
 from vrut_lite_lab.bench.plots import plot_png
-from vrut_lite_lab.bench.results import GroupNote, Measured, Results, to_json
+from vrut_lite_lab.bench.results import GroupNote, MeasuredPath, Results, to_json
 
 PAGE, JSON = "index.html", "bench.json"
 _STYLE = """
@@ -39,7 +39,7 @@ def files_of(results: Results) -> dict[str, bytes]:
     return files
 
 
-def path_row(path: Measured) -> tuple[str | float | None, ...]:
+def path_row(path: MeasuredPath) -> tuple[str | float | None, ...]:
     """A path's line: times in ms, noise and errors as shares."""
     noise = max(path.rounds_s) / path.seconds - 1.0 if len(path.rounds_s) > 1 else None
     return (
@@ -108,7 +108,7 @@ def _cell(value: object) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
-def _csv(header: Sequence[str], rows: Iterator[Sequence[object]] | Sequence[Row]) -> bytes:
+def _csv(header: Sequence[str], rows: Iterator[Sequence[object]] | Sequence[PeerRow]) -> bytes:
     file = io.StringIO(newline="")
     writer = csv.writer(file)
     writer.writerow(header)
@@ -132,7 +132,7 @@ def _markdown(results: Results) -> Iterator[str]:
         yield _cells(row.what, who, row.theirs_ms, row.ours_ms, row.ratio)
 
 
-def _front_lines(group: GroupNote, paths: Sequence[Measured]) -> Iterator[str]:
+def _front_lines(group: GroupNote, paths: Sequence[MeasuredPath]) -> Iterator[str]:
     yield f"| on the front | ms for {group.unit} | error, mean | 99 % | at night, 99 % |"
     yield "|---|---:|---:|---:|---:|"
     for path in on_front(group, paths):
@@ -140,7 +140,7 @@ def _front_lines(group: GroupNote, paths: Sequence[Measured]) -> Iterator[str]:
         yield _cells(path.name, 1e3 * path.seconds, *errors)
 
 
-def _time_lines(paths: Sequence[Measured]) -> Iterator[str]:
+def _time_lines(paths: Sequence[MeasuredPath]) -> Iterator[str]:
     yield "| what | ms |"
     yield "|---|---:|"
     for path in paths:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vrut_lite_lab.bench.results import Measured
+from vrut_lite_lab.bench.results import MeasuredPath
 
 THESIS = "thesis (Hvezda 2020)"
 CPU, CARD = "i7-8750H", "GTX 1060"
@@ -20,7 +20,7 @@ HILLAIRE_MS = 0.31
 _FLOAT32, _LIVE = "cube_map, float32", "this machine, live"
 
 
-class Peer(NamedTuple):
+class PeerFigure(NamedTuple):
     """A figure of others, and the path of this run that does the same.
 
     `ms` is None if it was measured in this run: then `theirs` is the path.
@@ -34,7 +34,7 @@ class Peer(NamedTuple):
     theirs: tuple[str, str] | None = None
 
 
-class Row(NamedTuple):
+class PeerRow(NamedTuple):
     """A line of the table: milliseconds, ours and theirs, and theirs over ours."""
 
     what: str
@@ -46,15 +46,15 @@ class Row(NamedTuple):
     ratio: float
 
 
-def peers() -> list[Peer]:
+def peers() -> list[PeerFigure]:
     """All figures of others."""
     return [*_cube_maps(), *_live(), *_bruneton()]
 
 
-def _cube_maps() -> list[Peer]:
+def _cube_maps() -> list[PeerFigure]:
     """Table 5.1."""
     return [
-        Peer(f"Hosek-Wilkie cube map, {size}²", THESIS, hardware, ms, _ours(size))
+        PeerFigure(f"Hosek-Wilkie cube map, {size}²", THESIS, hardware, ms, _ours(size))
         for size in THESIS_MS[CPU]
         for hardware in (CPU, CARD)
         for ms in [THESIS_MS[hardware][size]]
@@ -65,14 +65,14 @@ def _ours(size: int) -> tuple[str, str]:
     return "hosek-wilkie", f"{_FLOAT32}, {size}²"
 
 
-def _live() -> list[Peer]:
+def _live() -> list[PeerFigure]:
     """Peers measured in the same run: numpy, mitsuba, and others' signals."""
     rows = []
     for name in ("pluggy", "PySide6"):
         for count, who in ((1, "1 subscriber"), (4, "4 subscribers")):
             group = f"dispatch-{count}"
             what, ours = f"a thousand messages, {who}", (group, "vrut_lite, posts after one input")
-            rows.append(Peer(what, name, _LIVE, None, ours, (group, name)))
+            rows.append(PeerFigure(what, name, _LIVE, None, ours, (group, name)))
     for size in (64, 256, 1024):
         what, group = f"Hosek-Wilkie cube map, {size}²", "hosek-wilkie"
         sky_only = group, f"{_FLOAT32}, sky rows only, {size}²"
@@ -83,34 +83,34 @@ def _live() -> list[Peer]:
             ("mitsuba's sunsky, sky texels", sky_only),
         ):
             theirs = group, f"{name}, {size}²"
-            rows.append(Peer(what, name, _LIVE, None, ours, theirs))
+            rows.append(PeerFigure(what, name, _LIVE, None, ours, theirs))
     return rows
 
 
-def _bruneton() -> list[Peer]:
+def _bruneton() -> list[PeerFigure]:
     """Section 5.2, table 5.2, and Hillaire's frame."""
     tables = "tables", "fast solver, 4 orders, published size"
     rows = [
-        Peer("tables, four orders", THESIS, CARD, THESIS_PRECOMPUTATION_MS, tables),
-        Peer(
+        PeerFigure("tables, four orders", THESIS, CARD, THESIS_PRECOMPUTATION_MS, tables),
+        PeerFigure(
             "tables, four orders, a quarter the nodes an axis", "published pipeline, numpy float64",
             _LIVE, None, ("tables", "fast solver, 4 orders, quarter size"),
             ("tables", "published pipeline, numpy float64, 4 orders, quarter size"),
         ),
-        Peer(
+        PeerFigure(
             "tables, four orders", "published pipeline as shaders", _LIVE, None,
             tables, ("tables", "published pipeline, GPU shaders, 4 orders, published size"),
         ),
     ]  # fmt: skip
     for size, ms in THESIS_CUBE_MS.items():
         ours = "sky-cube", f"fill_cube, float32, {size}²"
-        rows.append(Peer(f"cube map of all scattering, {size}²", THESIS, CARD, ms, ours))
+        rows.append(PeerFigure(f"cube map of all scattering, {size}²", THESIS, CARD, ms, ours))
     moved = "sky-chain", "moved sun, clear air"
-    rows.append(Peer("sky of a moved sun", "Hillaire 2020", "GTX 1080", HILLAIRE_MS, moved))
+    rows.append(PeerFigure("sky of a moved sun", "Hillaire 2020", "GTX 1080", HILLAIRE_MS, moved))
     return rows
 
 
-def peer_rows(paths: Sequence[Measured]) -> list[Row]:
+def peer_rows(paths: Sequence[MeasuredPath]) -> list[PeerRow]:
     """The lines whose path was measured."""
     by_key = {(path.group, path.name): path for path in paths}
     rows = []
@@ -122,7 +122,7 @@ def peer_rows(paths: Sequence[Measured]) -> list[Row]:
             continue
         ours_ms = 1e3 * ours.seconds
         rows.append(
-            Row(
+            PeerRow(
                 peer.what, peer.who, peer.hardware, theirs_ms, ours.name, ours_ms,
                 theirs_ms / ours_ms,
             )

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from vrut_lite_lab.bench.front import on_front
-from vrut_lite_lab.bench.results import GroupNote, Measured
+from vrut_lite_lab.bench.results import GroupNote, MeasuredPath
 
 _MARKS = "osD^vPXphd*<>"
 # Smaller errors than double precision has are drawn here.
 _LEAST_ERROR = 1e-16
 
 
-def plot_png(group: GroupNote, paths: Sequence[Measured]) -> bytes:
+def plot_png(group: GroupNote, paths: Sequence[MeasuredPath]) -> bytes:
     """The group's plot as PNG: run time against error, or bars for groups without errors."""
     import matplotlib
 
@@ -35,7 +35,7 @@ def plot_png(group: GroupNote, paths: Sequence[Measured]) -> bytes:
     return file.getvalue()
 
 
-def _points(axes: Any, group: GroupNote, paths: Sequence[Measured]) -> None:
+def _points(axes: Any, group: GroupNote, paths: Sequence[MeasuredPath]) -> None:
     factor, unit = _unit(paths)
     times = [factor * path.seconds for path in paths]
     errors = [max(path.worst() or 0.0, _LEAST_ERROR) for path in paths]
@@ -74,7 +74,7 @@ def _decorate(axes: Any) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _family(axes: Any, paths: Sequence[Measured], factor: float, mark: str) -> None:
+def _family(axes: Any, paths: Sequence[MeasuredPath], factor: float, mark: str) -> None:
     """By day filled and joined, by night hollow."""
     ordered = sorted(paths, key=lambda path: path.seconds)
     times = [factor * path.seconds for path in ordered]
@@ -86,12 +86,12 @@ def _family(axes: Any, paths: Sequence[Measured], factor: float, mark: str) -> N
         axes.plot(*np.array(night).T, mark, markersize=5, **hollow)
 
 
-def _label(path: Measured) -> str:
+def _label(path: MeasuredPath) -> str:
     """A point's name within its family."""
     return path.name.removeprefix(path.family).lstrip(", ") or path.name
 
 
-def _bars(axes: Any, group: GroupNote, paths: Sequence[Measured]) -> None:
+def _bars(axes: Any, group: GroupNote, paths: Sequence[MeasuredPath]) -> None:
     families = list(dict.fromkeys(path.family for path in paths))
     kinds = list(dict.fromkeys(_label(path) for path in paths))
     height = 0.8 / max(len(kinds), 1)
@@ -106,7 +106,7 @@ def _bars(axes: Any, group: GroupNote, paths: Sequence[Measured]) -> None:
     axes.legend(fontsize=7)
 
 
-def _unit(paths: Sequence[Measured]) -> tuple[float, str]:
+def _unit(paths: Sequence[MeasuredPath]) -> tuple[float, str]:
     """Microseconds where most take less than a hundredth of a millisecond."""
     middle = float(np.median([path.seconds for path in paths]))
     return (1e6, "microseconds") if middle < 1e-5 else (1e3, "ms")

@@ -17,7 +17,7 @@ class Errors(msgspec.Struct, frozen=True):
     largest: float
 
 
-class Measured(msgspec.Struct, frozen=True):
+class MeasuredPath(msgspec.Struct, frozen=True):
     """One path: seconds and errors.
 
     Attributes:
@@ -98,7 +98,7 @@ class Results(msgspec.Struct, frozen=True):
     machine: Machine
     spent_s: float
     groups: list[GroupNote]
-    paths: list[Measured]
+    paths: list[MeasuredPath]
     left_out: dict[str, str]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from vrut_lite import compiled_code
 from vrut_lite.errors import ModuleFailed
 from vrut_lite_lab.bench.bench_path import CPU_TIME, BenchPath, Group, Spent, Work
-from vrut_lite_lab.bench.results import Errors, Measured
+from vrut_lite_lab.bench.results import Errors, MeasuredPath
 
 Tell = Callable[[str], None]
 Refuse = Callable[[str, str], None]
@@ -56,7 +56,7 @@ def raise_refused(name: str, reason: str) -> None:
 
 def measure_group(
     group: Group, effort: Effort, tell: Tell, refuse: Refuse = raise_refused
-) -> list[Measured]:
+) -> list[MeasuredPath]:
     """Measure every path of a group.
 
     Args:
@@ -74,7 +74,7 @@ def measure_group(
 
 def _measure_batch(
     group: Group, paths: Iterable[BenchPath], effort: Effort, tell: Tell, refuse: Refuse
-) -> list[Measured]:
+) -> list[MeasuredPath]:
     running: list[_Running] = []
     for path in paths:
         try:
@@ -152,9 +152,9 @@ def _time_round(running: _Running, calls: int) -> None:
     running.walls_s.append(min(one.wall_s for one in spent))
 
 
-def _measured(group: Group, running: _Running) -> Measured:
+def _measured(group: Group, running: _Running) -> MeasuredPath:
     path = running.path
-    return Measured(
+    return MeasuredPath(
         group=group.name,
         name=path.name,
         family=path.family,

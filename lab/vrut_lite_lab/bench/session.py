@@ -11,13 +11,13 @@ from vrut_lite_lab.bench.bench_path import Group
 from vrut_lite_lab.bench.compare import Key
 from vrut_lite_lab.bench.machine import load, machine
 from vrut_lite_lab.bench.registry import KINDS
-from vrut_lite_lab.bench.results import FORMAT, GroupNote, Measured, Results
+from vrut_lite_lab.bench.results import FORMAT, GroupNote, MeasuredPath, Results
 from vrut_lite_lab.bench.runner import FULL, QUICK, measure_group, pace_s
 
 Tell = Callable[[str], None]
 
 
-class Session:
+class BenchSession:
     """Measures kinds of computation; `tell` is called with the name of each step."""
 
     def __init__(self, kinds: list[str], quick: bool, tell: Tell):
@@ -25,7 +25,7 @@ class Session:
         self._effort = QUICK if quick else FULL
         self._load, self._start_s, self._pace_s = load(), time.perf_counter(), pace_s()
         self._notes: dict[str, GroupNote] = {}
-        self._found: dict[Key, Measured] = {}
+        self._found: dict[Key, MeasuredPath] = {}
         self._left_out: dict[str, str] = {}
         # Paths whose figures would be false, and why.
         self.refused: dict[str, str] = {}

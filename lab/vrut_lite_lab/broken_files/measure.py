@@ -28,34 +28,34 @@ _MIB = 2.0**20
 _PATIENCE_S = 120
 
 
-class Opened(NamedTuple):
+class OpenedFile(NamedTuple):
     """How opening a file ended, and the most memory that the rule allows for it."""
 
     end: str
     allowed_bytes: float
 
 
-class Row(NamedTuple):
+class FileRow(NamedTuple):
     """Time and memory of one file; without `opened` the process was killed or ended itself."""
 
     kind: str
     file_bytes: int
     peak_bytes: int
     cpu_s: float
-    opened: Opened | None
+    opened: OpenedFile | None
 
 
-Open = Callable[[Path], Opened]
+Open = Callable[[Path], OpenedFile]
 
 
-def open_scene(path: Path) -> Opened:
+def open_scene(path: Path) -> OpenedFile:
     """Open a scene under the default limit."""
     budget = budget_of_environment()
     try:
         end = f"{load_scene(path, budget).triangles:,} triangles"
     except UserError as refused:
         end = str(refused).removeprefix(f"cannot open the scene {path}: ")
-    return Opened(end, budget.peak_bytes)
+    return OpenedFile(end, budget.peak_bytes)
 
 
 def scene_files(
@@ -68,7 +68,7 @@ def scene_files(
         yield MANGLED, _written(folder, *broken(number))
 
 
-def measured(files: Iterable[tuple[str, Path]], open_file: Open) -> Iterator[Row]:
+def measured(files: Iterable[tuple[str, Path]], open_file: Open) -> Iterator[FileRow]:
     """Open each file of a (kind, path) in a process of its own."""
     for kind, path in files:
         size = sum(file.stat().st_size for file in path.parent.iterdir())
@@ -84,10 +84,10 @@ def measured(files: Iterable[tuple[str, Path]], open_file: Open) -> Iterator[Row
                 told = receiver.recv()
         child.kill()
         child.join()
-        yield Row(kind, size, *(told or (0, float(_PATIENCE_S), None)))
+        yield FileRow(kind, size, *(told or (0, float(_PATIENCE_S), None)))
 
 
-def table(rows: list[Row]) -> Iterator[str]:
+def table(rows: list[FileRow]) -> Iterator[str]:
     """Markdown: a line for each kind, the most that one of its files took."""
     yield "| kind | files | largest, MiB | peak, MiB | by the rule, MiB | CPU, s | ends |"
     yield "|---|---:|---:|---:|---:|---:|---|"
@@ -105,7 +105,7 @@ def table(rows: list[Row]) -> Iterator[str]:
         )
 
 
-def _short(opened: Opened | None) -> str:
+def _short(opened: OpenedFile | None) -> str:
     if opened is None:
         return "NO END"
     return opened.end if len(opened.end) < 90 else opened.end[:86] + " ..."

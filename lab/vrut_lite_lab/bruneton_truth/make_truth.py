@@ -57,7 +57,7 @@ sun; irradiance_error; total and its error: irradiance_total, irradiance_total_e
 3); axes irradiance_aerosol_factor, irradiance_sun_zenith_deg."""
 
 
-class Rays(NamedTuple):
+class TruthRays(NamedTuple):
     """Rays (n,) in degrees and metres."""
 
     altitude_m: FloatArray
@@ -65,13 +65,13 @@ class Rays(NamedTuple):
     azimuth_deg: FloatArray
 
 
-def all_rays(air: Atmosphere) -> Rays:
+def all_rays(air: Atmosphere) -> TruthRays:
     """Observers and directions, the same for each sun."""
     rows = _around(0.0, GROUND_VIEWS_DEG)
     for altitude in AIR_ALTITUDES_M:
         rows += _around(altitude, _air_views(air, altitude))
     rows += _around(SPACE_ALTITUDE_M, _space_views(air))
-    return Rays(*np.array(rows).T)
+    return TruthRays(*np.array(rows).T)
 
 
 def _around(altitude: float, zeniths: tuple[float, ...]) -> list[tuple[float, float, float]]:
@@ -100,7 +100,7 @@ def _horizon_deg(air: Atmosphere, altitude: float) -> float:
 
 
 def trace(
-    air: Atmosphere, rays: Rays, sun_deg: float, paths: int, seed: int
+    air: Atmosphere, rays: TruthRays, sun_deg: float, paths: int, seed: int
 ) -> dict[str, FloatArray]:
     """The arrays of one sun, named as in NOTES."""
     mu, mu_s = np.cos(np.radians(rays.view_zenith_deg)), float(np.cos(np.radians(sun_deg)))
@@ -133,7 +133,7 @@ def trace(
 def trace_radiance(clear: Atmosphere, hazy: Atmosphere) -> dict[str, FloatArray]:
     """All suns of both airs, one after the other."""
     rays = all_rays(clear)
-    low = Rays(*(part[rays.altitude_m <= AIR_ALTITUDES_M[0]] for part in rays))
+    low = TruthRays(*(part[rays.altitude_m <= AIR_ALTITUDES_M[0]] for part in rays))
     jobs = [(clear, rays, 1.0, *item) for item in PATHS.items()]
     jobs += [(hazy, low, HAZE, *item) for item in HAZY_PATHS.items()]
     parts = []

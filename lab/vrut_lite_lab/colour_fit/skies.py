@@ -52,7 +52,7 @@ class Skies(NamedTuple):
     height_m: FloatArray
 
 
-class Conditions(NamedTuple):
+class FitConditions(NamedTuple):
     """The skies to compute: every atmosphere under every sun, seen from every height."""
 
     turbidities: tuple[float, ...]
@@ -62,14 +62,14 @@ class Conditions(NamedTuple):
     heights_m: tuple[float, ...]
 
 
-TO_FIT = Conditions(
+TO_FIT = FitConditions(
     turbidities=(1.05, 2.0, 4.0, 10.0),
     albedos=(0.0, 0.3, 0.8),
     ozone_du=(0.0, 200.0, 350.0, 500.0),
     suns_deg=(90, 60, 40, 25, 15, 10, 6, 3, 1, 0, -1, -2, -3, -4, -5, -6, -7, -8, -9),
     heights_m=(0.0, 3000.0, 12_000.0),
 )
-TO_TEST = Conditions(
+TO_TEST = FitConditions(
     turbidities=(1.5, 3.0, 6.0),
     albedos=(0.1, 0.5),
     ozone_du=(100.0, 300.0, 450.0),
@@ -97,7 +97,7 @@ TO_TEST = Conditions(
 )
 
 
-def compute(conditions: Conditions, progress: Callable[[str], None]) -> Skies:
+def compute(conditions: FitConditions, progress: Callable[[str], None]) -> Skies:
     """Every sky of the conditions; a few seconds for each atmosphere."""
     atmospheres = list(_atmospheres(conditions))
     collected: list[Skies] = []
@@ -114,7 +114,7 @@ def join(parts: Iterable[Skies]) -> Skies:
     return Skies(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _atmospheres(conditions: Conditions) -> Iterator[tuple[float, Atmosphere]]:
+def _atmospheres(conditions: FitConditions) -> Iterator[tuple[float, Atmosphere]]:
     """Pairs of turbidity and atmosphere; the air ends at 60 and at 120 km by turns."""
     wishes = product(conditions.turbidities, conditions.albedos, conditions.ozone_du)
     for index, (turbidity, albedo, ozone_du) in enumerate(wishes):

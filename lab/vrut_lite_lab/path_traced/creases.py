@@ -37,7 +37,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 from vrut_lite_lab.path_traced.cases import states
 from vrut_lite_lab.radiance.grids import hour_of as hour_of_state
 from vrut_lite_lab.scenes.crease_rooms import crease_room, inside_of
-from vrut_lite_lab.tolerance.light_transport import Room, hour_of, scene_of
+from vrut_lite_lab.tolerance.light_transport import TrialRoom, hour_of, scene_of
 
 SCENES = (
     "large/hall.toml", "work/indoor.glb", "work/room.glb", "work/ground.glb", "street.toml",
@@ -316,7 +316,7 @@ def _rms(error: FloatArray | BoolArray) -> float:
     return float(np.sqrt(np.mean(np.square(error))))
 
 
-def rooms(count: int) -> Iterator[tuple[str, Room]]:
+def rooms(count: int) -> Iterator[tuple[str, TrialRoom]]:
     """Random rooms, always the same."""
     for seed in range(count):
         yield f"room {seed}", crease_room(np.random.default_rng(seed))

@@ -25,7 +25,7 @@ from vrut_lite_lab.pictures.drawing import SKIES, Captioned, sheet, shots
 HEADER = ["| scene, hour, sky | FLIP | floor | sunlit | shadowed | sky |", "|---" * 6 + "|"]
 
 
-class Truth(NamedTuple):
+class CaseTruths(NamedTuple):
     """The truths of a case: radiance (h, w, 3), of both seeds if there are two.
 
     `clean` is the first seed's without grain, `floor` the FLIP to the other's, NaN without one.
@@ -37,7 +37,7 @@ class Truth(NamedTuple):
     regions: dict[str, Mask]
 
 
-def truth_of(case: Case) -> Truth | None:
+def truth_of(case: Case) -> CaseTruths | None:
     """The truths on disk of a case; None if more than the other seed is missing."""
     first = known_truth(case, TRUTH, case.samples)
     guide, regions = known(case, GUIDES_NAME), known(case, REGIONS_NAME)
@@ -46,8 +46,8 @@ def truth_of(case: Case) -> Truth | None:
     clean = denoised(first, guide)
     other = known_truth(case, OTHER_TRUTH, case.samples)
     if other is None:
-        return Truth(first, clean, float("nan"), regions)
-    return Truth(0.5 * (first + other), clean, flip(denoised(other, guide), clean), regions)
+        return CaseTruths(first, clean, float("nan"), regions)
+    return CaseTruths(0.5 * (first + other), clean, flip(denoised(other, guide), clean), regions)
 
 
 def compared(scene: str, sky: str) -> Iterator[tuple[str, list[Captioned]]]:

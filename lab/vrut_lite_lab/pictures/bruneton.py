@@ -30,7 +30,7 @@ CUBE_SIZE, FISHEYE_PX = 1024, 280
 Picture = NDArray[np.integer]
 
 
-class View(NamedTuple):
+class NorthView(NamedTuple):
     """A camera that looks north; the sun stands so far east of that."""
 
     caption: str
@@ -41,23 +41,23 @@ class View(NamedTuple):
 
 
 CLIMB = (
-    View("the ground, sun 20 deg", 2.0, 20.0, 15.0),
-    View("2 km", 2e3, 20.0, 5.0),
-    View("12 km", 12e3, 20.0, -2.0),
-    View("100 km", 100e3, 20.0, -12.0),
-    View("3000 km", 3e6, 20.0, -55.0),
-    View("3000 km, sun 12 deg below the level", 3e6, -12.0, -50.0),
+    NorthView("the ground, sun 20 deg", 2.0, 20.0, 15.0),
+    NorthView("2 km", 2e3, 20.0, 5.0),
+    NorthView("12 km", 12e3, 20.0, -2.0),
+    NorthView("100 km", 100e3, 20.0, -12.0),
+    NorthView("3000 km", 3e6, 20.0, -55.0),
+    NorthView("3000 km, sun 12 deg below the level", 3e6, -12.0, -50.0),
 )
 THESIS = (
-    View("A.6 on the ground, sun 30 deg", 2.0, 30.0, 20.0, 0.0),
-    View("A.7 on the ground, sun -2.03 deg", 2.0, -2.03, 15.0, 0.0),
-    View("A.8 inside the atmosphere, 20 km", 20e3, 10.0, -3.0, 0.0),
-    View("A.9 in space, 6000 km", 6e6, -20.0, -60.0, 40.0),
+    NorthView("A.6 on the ground, sun 30 deg", 2.0, 30.0, 20.0, 0.0),
+    NorthView("A.7 on the ground, sun -2.03 deg", 2.0, -2.03, 15.0, 0.0),
+    NorthView("A.8 inside the atmosphere, 20 km", 20e3, 10.0, -3.0, 0.0),
+    NorthView("A.9 in space, 6000 km", 6e6, -20.0, -60.0, 40.0),
 )
 DAY_DEG = (45.0, 20.0, 8.0, 2.0, 0.0, -2.0, -4.0, -6.0, -9.0, -12.0)
 
 
-def draw(field: SourceField, view: View) -> Picture:
+def draw(field: SourceField, view: NorthView) -> Picture:
     """The camera's picture (300, 480, 3)."""
     sun = sun_direction(view.sun_elevation_deg, view.sun_azimuth_deg)
     around = surroundings(field, view.height_m, sun)

@@ -41,7 +41,7 @@ _RIM_BLURS = 2.0
 _STANDS_OUT, _LEAST_JUMP, _NEIGHBOURS = 3.0, 1.0 / 255.0, 15
 
 
-class Step(NamedTuple):
+class ClimbStep(NamedTuple):
     """How the picture changes between two heights above the ground, in shares of white.
 
     `largest` and `most` (99.9th percentile) are of the change itself. `unsteady` is of what is
@@ -105,7 +105,7 @@ def draw_climb(
 
 def steps_between(
     heights: NDArray[np.float64], pictures: list[NDArray[np.uint8]], blur_px: float = _BLUR_PX
-) -> list[Step]:
+) -> list[ClimbStep]:
     """What changes from each picture to the next when small movement is blurred away."""
     smooth = (_blurred(picture, blur_px) for picture in pictures)
     changes = [upper - lower for lower, upper in pairwise(smooth)]
@@ -118,7 +118,9 @@ def steps_between(
     usual = median_filter(np.array([row[2] for row in rows]), _NEIGHBOURS, mode="nearest")
     limit = np.maximum(_STANDS_OUT * usual, _LEAST_JUMP)
     return [
-        Step(float(lower), float(upper), float(row[0]), float(row[1]), float(row[2]), row[2] > top)
+        ClimbStep(
+            float(lower), float(upper), float(row[0]), float(row[1]), float(row[2]), row[2] > top
+        )
         for lower, upper, row, top in zip(heights, heights[1:], rows, limit, strict=False)
     ]
 
@@ -131,11 +133,11 @@ def _blurred(picture: NDArray[np.uint8], blur_px: float) -> NDArray[np.float32]:
     return np.asarray(whole[rim_px : height - rim_px, rim_px : width - rim_px])
 
 
-def write_steps(folder: Path, steps: list[Step]) -> None:
+def write_steps(folder: Path, steps: list[ClimbStep]) -> None:
     """Table, plot, and the jumps in words."""
     with (folder / "climb.csv").open("w", newline="") as file:
         rows = csv.writer(file)
-        rows.writerow(Step._fields)
+        rows.writerow(ClimbStep._fields)
         rows.writerows(steps)
     print(f"{'height above ground, m':>24} {'largest':>9} {'99.9 %':>9} {'unsteady':>9}   (of 255)")
     for step in steps:
@@ -147,7 +149,7 @@ def write_steps(folder: Path, steps: list[Step]) -> None:
     _plot(folder / "climb_steps.png", steps)
 
 
-def _plot(path: Path, steps: list[Step]) -> None:
+def _plot(path: Path, steps: list[ClimbStep]) -> None:
     import matplotlib
 
     matplotlib.use("Agg")

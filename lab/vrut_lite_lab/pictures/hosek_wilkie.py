@@ -21,7 +21,7 @@ from vrut_lite.pictures.display import display_picture
 from vrut_lite_lab.pictures.drawing import sheet, view_directions
 
 
-class Figure(NamedTuple):
+class AppendixFigure(NamedTuple):
     """A figure of the appendix; the camera's pitch is above the horizon, towards the sun."""
 
     caption: str
@@ -32,15 +32,15 @@ class Figure(NamedTuple):
 
 
 FIGURES = (
-    Figure("A.1 sunrise, T = 5, albedo 0.1", 5.0, 0.1, 4.0, 15.0),
-    Figure("A.2 sundown, T = 5, albedo 0.1", 5.0, 0.1, 2.0, 15.0),
-    Figure("A.3 sun at zenith, T = 5, albedo 0.1", 5.0, 0.1, 89.0, 20.0),
-    Figure("A.4 sun at zenith, T = 5, albedo 0.1, looking up", 5.0, 0.1, 89.0, 70.0),
-    Figure("A.5 sundown, T = 3, albedo 0.9", 3.0, 0.9, 2.0, 15.0),
+    AppendixFigure("A.1 sunrise, T = 5, albedo 0.1", 5.0, 0.1, 4.0, 15.0),
+    AppendixFigure("A.2 sundown, T = 5, albedo 0.1", 5.0, 0.1, 2.0, 15.0),
+    AppendixFigure("A.3 sun at zenith, T = 5, albedo 0.1", 5.0, 0.1, 89.0, 20.0),
+    AppendixFigure("A.4 sun at zenith, T = 5, albedo 0.1, looking up", 5.0, 0.1, 89.0, 70.0),
+    AppendixFigure("A.5 sundown, T = 3, albedo 0.9", 3.0, 0.9, 2.0, 15.0),
 )
 
 
-def draw(figure: Figure) -> NDArray[np.integer]:
+def draw(figure: AppendixFigure) -> NDArray[np.integer]:
     """The figure (h, w, 3)."""
     elevation_rad = float(np.radians(figure.sun_elevation_deg))
     light = Daylight(

@@ -47,7 +47,7 @@ HEADER = [
 ]
 
 
-class Film:
+class HourFilm:
     """The frames of an hour: all light, and all but the sun's own."""
 
     def __init__(self, scene: str, start: str, step_s: float):
@@ -114,7 +114,7 @@ def _rms(off: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.mean(off * off, axis=0)))
 
 
-def strips(name: str, film: Film) -> Iterator[Captioned]:
+def strips(name: str, film: HourFilm) -> Iterator[Captioned]:
     """Print a line of the table for each film, and show it."""
     for told, frames in (("all light", film.whole), ("without the sun's own", film.sunless)):
         unsteady = Unsteadiness(frames, film.seen)
@@ -142,7 +142,7 @@ def main() -> None:
     print("\n".join(HEADER), flush=True)
     pictures: list[Captioned] = []
     for scene in chosen.scenes:
-        film = Film(scene, chosen.start, chosen.step)
+        film = HourFilm(scene, chosen.start, chosen.step)
         pictures += strips(Path(scene).stem, film)
     sheet(pictures, _SHOWN + 1).save(chosen.strip, quality=85)
 

@@ -42,7 +42,7 @@ _SIZE, _THUMBNAIL = (480, 300), (320, 200)
 _SKY_HEIGHT = 256
 
 
-class Drawn(NamedTuple):
+class CaptionedPicture(NamedTuple):
     """A picture (300, 480, 3) of 8 bits, its exposure, and what is written above it."""
 
     name: str
@@ -51,7 +51,7 @@ class Drawn(NamedTuple):
     display: NDArray[np.uint8]
 
 
-class GroundLight(NamedTuple):
+class GroundIlluminance(NamedTuple):
     """Illuminance of level, open ground, and of what faces the sun by the sun alone, in lux.
 
     The sun's elevation is apparent.
@@ -77,7 +77,7 @@ def project_of(scene: str, sky: str) -> Project:
     )
 
 
-def draw(scene: str, sky: str) -> Iterator[Drawn]:
+def draw(scene: str, sky: str) -> Iterator[CaptionedPicture]:
     """The scene's pictures at all hours."""
     shot_of_hour = shots(project_of(scene, sky), [f"{_DAY}T{hour}" for hour in HOURS])
     for hour, shot in zip(HOURS, shot_of_hour, strict=True):
@@ -85,10 +85,10 @@ def draw(scene: str, sky: str) -> Iterator[Drawn]:
         ev100 = shot.picture.ev100
         caption = f"{name} {hour}, sun {sun:.1f}°, {SKIES[sky]}, EV {ev100:.1f}"
         file_name = f"{name}_{hour.replace(':', '')}_{sky}"
-        yield Drawn(file_name, caption, ev100, shot.picture.display)
+        yield CaptionedPicture(file_name, caption, ev100, shot.picture.display)
 
 
-def ground_light(sky: str, hour: str) -> GroundLight:
+def ground_light(sky: str, hour: str) -> GroundIlluminance:
     """What a sky and its sun give level ground, as `vrut-lite sky --sidecar` tells it."""
     project = project_of(DRAWN[0], sky)
     studio = SkyPlan(project, size=_SKY_HEIGHT).open()
@@ -99,7 +99,7 @@ def ground_light(sky: str, hour: str) -> GroundLight:
     of_sky = _vector(told["skyHorizontalIrradianceRgb"])
     up = _vector(told["sunDirection"])[1]
     facing_lx = float(luminance(_vector(told["sunIrradianceRgb"]))) * LUMENS_PER_WATT
-    return GroundLight(
+    return GroundIlluminance(
         float(np.degrees(np.arcsin(up))),
         float(luminance(of_sky)) * LUMENS_PER_WATT,
         facing_lx * max(up, 0.0),
@@ -142,7 +142,7 @@ def _beside(lux: list[float]) -> str:
     return " / ".join(f"{one:,.0f}" if one >= 10.0 else f"{one:.1g}" for one in lux)
 
 
-def exposure_table(rows: list[list[Drawn]]) -> list[str]:
+def exposure_table(rows: list[list[CaptionedPicture]]) -> list[str]:
     """Lines of a Markdown table: EV100 of each scene and hour, Hosek-Wilkie's and Bruneton's."""
     lines = ["| scene | " + " | ".join(HOURS) + " |", "|---" * (len(HOURS) + 1) + "|"]
     for scene, row in zip(DRAWN, rows, strict=True):
@@ -152,7 +152,7 @@ def exposure_table(rows: list[list[Drawn]]) -> list[str]:
     return lines
 
 
-def pairs(scene: str) -> list[Drawn]:
+def pairs(scene: str) -> list[CaptionedPicture]:
     """One row of the sheet: for each hour the one sky, then the other."""
     by_sky = [list(draw(scene, sky)) for sky in SKIES]
     return [drawn for hour in zip(*by_sky, strict=True) for drawn in hour]

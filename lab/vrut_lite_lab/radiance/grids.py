@@ -20,7 +20,7 @@ from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 from vrut_lite.scene.scene_state import SceneState
 from vrut_lite_lab.path_traced.cases import states
-from vrut_lite_lab.radiance.irradiance import Effort, irradiance_by_radiance
+from vrut_lite_lab.radiance.irradiance import RadianceEffort, irradiance_by_radiance
 from vrut_lite_lab.scenes import trials
 
 # Of the mean: points with less light by both lie inside bodies.
@@ -31,7 +31,7 @@ _CLEARANCE_M = 1e-3
 
 
 @dataclass(frozen=True)
-class Grid:
+class MeasuredPoints:
     """Points in a scene: a file in scenes/, or the name of a trial scene.
 
     `corners_m`: x and z of two corners; `height_m` above the world's origin; `counts` along x, z.
@@ -62,18 +62,18 @@ class Grid:
 
 # At desks in the rooms, at a man's chest outdoors and in halls.
 GRIDS = (
-    Grid("work/indoor.glb", (-1.4, -1.7, 1.4, 1.7), 0.85),
-    Grid("large/hall.toml", (-24.0, 8.0, 24.0, 64.0), 1.5),
-    Grid("courtyard", (-4.0, -4.0, 4.0, 4.0), 1.2),
-    Grid("colour_bleeding", (-1.7, -1.7, 1.7, 1.7), 0.85),
-    Grid("street.toml", (-2.0, -12.0, 2.0, 12.0), 1.5),
-    Grid("atrium", (-5.0, -8.0, 5.0, 8.0), 1.5),
-    Grid("pavilion.gltf", (-6.0, -6.0, 6.0, 6.0), 2.5),
+    MeasuredPoints("work/indoor.glb", (-1.4, -1.7, 1.4, 1.7), 0.85),
+    MeasuredPoints("large/hall.toml", (-24.0, 8.0, 24.0, 64.0), 1.5),
+    MeasuredPoints("courtyard", (-4.0, -4.0, 4.0, 4.0), 1.2),
+    MeasuredPoints("colour_bleeding", (-1.7, -1.7, 1.7, 1.7), 0.85),
+    MeasuredPoints("street.toml", (-2.0, -12.0, 2.0, 12.0), 1.5),
+    MeasuredPoints("atrium", (-5.0, -8.0, 5.0, 8.0), 1.5),
+    MeasuredPoints("pavilion.gltf", (-6.0, -6.0, 6.0, 6.0), 2.5),
 )
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class ComparedIrradiance:
     """Luminance of the irradiance (P,) without the key light's own, W m^-2, by both."""
 
     ours: FloatArray
@@ -121,13 +121,17 @@ class Baked:
         self.bake = Bake(self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
         self.bake.add_rays(quality.rays)
 
-    def at_points(self, places_m: FloatArray, hour: Illumination, effort: Effort) -> Compared:
+    def at_points(
+        self, places_m: FloatArray, hour: Illumination, effort: RadianceEffort
+    ) -> ComparedIrradiance:
         """Upwards at points: by rays of their own, which end on the light map's patches."""
         up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
         ours = light_at(self.bake, places_m, up, hour, effort.rays).irradiance_rgb
         return self._compared(ours, places_m, up, hour, effort)
 
-    def on_texels(self, grid: Grid, count: int, hour: Illumination, effort: Effort) -> Compared:
+    def on_texels(
+        self, grid: MeasuredPoints, count: int, hour: Illumination, effort: RadianceEffort
+    ) -> ComparedIrradiance:
         """Some texels below a grid that face up, not within bodies, as the frame shows them."""
         bake, surfaces = self.bake, self.surfaces
         texels = bake.texels
@@ -149,10 +153,12 @@ class Baked:
         places_m: FloatArray,
         normals: FloatArray,
         hour: Illumination,
-        effort: Effort,
-    ) -> Compared:
+        effort: RadianceEffort,
+    ) -> ComparedIrradiance:
         theirs = irradiance_by_radiance(self.surfaces, hour, places_m, normals, effort)
-        return Compared(np.asarray(luminance(ours), float), np.asarray(luminance(theirs), float))
+        return ComparedIrradiance(
+            np.asarray(luminance(ours), float), np.asarray(luminance(theirs), float)
+        )
 
 
 def hour_of(state: SceneState) -> Illumination:
@@ -172,7 +178,7 @@ def hour_of(state: SceneState) -> Illumination:
 
 
 def compared_hours(
-    grid: Grid, sky: str, hours: tuple[str, ...]
+    grid: MeasuredPoints, sky: str, hours: tuple[str, ...]
 ) -> Iterator[tuple[str, Baked, Illumination]]:
     """The caption, the scene and the light of each hour."""
     baked: Baked | None = None

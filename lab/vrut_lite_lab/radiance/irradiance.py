@@ -23,7 +23,7 @@ _LEAST_WEIGHT = 0.5
 
 
 @dataclass(frozen=True)
-class Effort:
+class RadianceEffort:
     """How hard Radiance tries: rays from each point, and how many bounces they may take."""
 
     rays: int = 32_768
@@ -41,7 +41,7 @@ def irradiance_by_radiance(
     hour: Illumination,
     places_m: FloatArray,
     normals: FloatArray,
-    effort: Effort = Effort(),
+    effort: RadianceEffort = RadianceEffort(),
 ) -> FloatArray:
     """Irradiance (P, 3), W m^-2, without the key light's own, at points (P, 3) in world axes.
 
@@ -57,7 +57,7 @@ def both_by_radiance(
     hour: Illumination,
     places_m: FloatArray,
     normals: FloatArray,
-    effort: Effort = Effort(),
+    effort: RadianceEffort = RadianceEffort(),
     glass: Glass | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Irradiance (P, 3), W m^-2, of all light, and of it that straight from the key light.
@@ -71,11 +71,15 @@ def both_by_radiance(
         scene, sky = write_scene(surfaces, hour, folder, glass), write_sky(hour, folder)
         sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
         every = _traced(folder, (scene, sky, sun), rows, effort, "-I+")
-        return every, _traced(folder, (scene, sun), rows, Effort(effort.rays, 0), "-I+")
+        return every, _traced(folder, (scene, sun), rows, RadianceEffort(effort.rays, 0), "-I+")
 
 
 def radiance_by_radiance(
-    surfaces: Surfaces, hour: Illumination, eye_m: Vector, directions: FloatArray, effort: Effort
+    surfaces: Surfaces,
+    hour: Illumination,
+    eye_m: Vector,
+    directions: FloatArray,
+    effort: RadianceEffort,
 ) -> FloatArray:
     """Radiance (R, 3), W m^-2 sr^-1, that comes to an eye from directions (R, 3), world axes.
 
@@ -92,7 +96,7 @@ def radiance_by_radiance(
 
 
 def _traced(
-    folder: Path, files: tuple[str, ...], rows: FloatArray, effort: Effort, *options: str
+    folder: Path, files: tuple[str, ...], rows: FloatArray, effort: RadianceEffort, *options: str
 ) -> FloatArray:
     """What `rtrace` finds (R, 3) along rays (R, 6): places and directions."""
     (folder / "scene.oct").write_bytes(run_in(folder, "oconv", *files))

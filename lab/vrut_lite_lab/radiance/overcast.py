@@ -23,11 +23,11 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.messages.glazing import Glazing
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.project import project_of_path
-from vrut_lite_lab.radiance.grids import GRIDS, Grid
-from vrut_lite_lab.radiance.irradiance import Effort, both_by_radiance
+from vrut_lite_lab.radiance.grids import GRIDS, MeasuredPoints
+from vrut_lite_lab.radiance.irradiance import RadianceEffort, both_by_radiance
 
 # Above what stands in the room.
-GLAZED = Grid("glazed_room", (-1.7, -1.7, 1.7, 1.7), 1.4)
+GLAZED = MeasuredPoints("glazed_room", (-1.7, -1.7, 1.7, 1.7), 1.4)
 PANES: dict[str, Mapping[str, Glazing]] = {
     "one clear pane": {"glass": Glazing(0.923, panes=1)},
     "one pane of 0.6": {"glass": Glazing(0.6, panes=1)},
@@ -38,7 +38,7 @@ _TOLERANCE, _GROUND_ALBEDO = 0.1, 0.2
 
 
 def compared(
-    grid: Grid, effort: Effort, glazing: Mapping[str, Glazing] | None = None
+    grid: MeasuredPoints, effort: RadianceEffort, glazing: Mapping[str, Glazing] | None = None
 ) -> dict[str, FloatArray]:
     """Differences (P,) at a grid's points, shares of their mean, by what lights the scene."""
     opened = OpenedScene(project_of_path(str(Path("scenes") / grid.file)))
@@ -65,8 +65,8 @@ def main() -> None:
     """Print a line for each scene and light."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition(":")[0])
     parser.add_argument("--rays", type=int, default=8_192)
-    effort = Effort(parser.parse_args().rays)
-    cases: list[tuple[Grid, str, Mapping[str, Glazing] | None]] = [
+    effort = RadianceEffort(parser.parse_args().rays)
+    cases: list[tuple[MeasuredPoints, str, Mapping[str, Glazing] | None]] = [
         *((GLAZED, name, glazing) for name, glazing in PANES.items()),
         *((grid, "open", None) for grid in GRIDS[:3]),
     ]

@@ -29,8 +29,8 @@ from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite_lab.path_traced.cases import states
 from vrut_lite_lab.pictures.drawing import Captioned, sheet
 from vrut_lite_lab.radiance.by_cycles import picture_by_cycles
-from vrut_lite_lab.radiance.grids import GRIDS, Baked, Grid, hour_of
-from vrut_lite_lab.radiance.irradiance import Effort, radiance_by_radiance
+from vrut_lite_lab.radiance.grids import GRIDS, Baked, MeasuredPoints, hour_of
+from vrut_lite_lab.radiance.irradiance import RadianceEffort, radiance_by_radiance
 from vrut_lite_lab.radiance.three_renderers import HOUR, SKY
 
 _SIZE = (240, 150)
@@ -81,7 +81,7 @@ def pictures(
     ours_s = time.process_time() - start
     before = os.times()
     theirs = radiance_by_radiance(
-        baked.surfaces, hour, camera.eye_m, _directions(camera), Effort(_RADIANCE_RAYS)
+        baked.surfaces, hour, camera.eye_m, _directions(camera), RadianceEffort(_RADIANCE_RAYS)
     )
     radiance_s = os.times().children_user - before.children_user
     cycles = picture_by_cycles(baked.surfaces, hour, camera, _SIZE, _SAMPLES, 0)
@@ -107,7 +107,7 @@ def _lines(found: dict[str, tuple[FloatArray, float]]) -> list[str]:
     return lines
 
 
-def drawn(grid: Grid) -> list[Captioned]:
+def drawn(grid: MeasuredPoints) -> list[Captioned]:
     """The row of a scene; its lines are printed."""
     ((case, state),) = states(grid.file, SKY, (HOUR,))
     assert state.scene is not None

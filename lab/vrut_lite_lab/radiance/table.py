@@ -14,7 +14,7 @@ against Radiance at their middle. Differences are shares of the grid's mean. It 
 import argparse
 
 from vrut_lite_lab.radiance.grids import GRIDS, compared_hours
-from vrut_lite_lab.radiance.irradiance import Effort
+from vrut_lite_lab.radiance.irradiance import RadianceEffort
 
 SKY = "dynamic_skylight"
 HOURS = ("12:30", "20:00")
@@ -30,9 +30,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition(":")[0])
     names = [grid.scene for grid in GRIDS]
     parser.add_argument("scenes", nargs="*", default=names, help=f"of {', '.join(names)}")
-    parser.add_argument("--rays", type=int, default=Effort.rays, help="from each point")
+    parser.add_argument("--rays", type=int, default=RadianceEffort.rays, help="from each point")
     chosen = parser.parse_args()
-    effort = Effort(chosen.rays)
+    effort = RadianceEffort(chosen.rays)
     print("\n".join(HEADER), flush=True)
     for grid in GRIDS:
         if grid.scene not in chosen.scenes:

@@ -20,7 +20,7 @@ from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.radiance.by_cycles import irradiance_by_cycles
 from vrut_lite_lab.radiance.grids import GRIDS, Baked, compared_hours
-from vrut_lite_lab.radiance.irradiance import Effort, irradiance_by_radiance
+from vrut_lite_lab.radiance.irradiance import RadianceEffort, irradiance_by_radiance
 
 SKY, HOUR = "dynamic_skylight", "12:30"
 _SAMPLES, _RAYS = 8, 8192
@@ -46,7 +46,7 @@ def compare(baked: Baked, hour: Illumination, places_m: FloatArray) -> list[str]
     def radiance(seed: int) -> tuple[FloatArray, float]:
         before = os.times()
         found = irradiance_by_radiance(
-            baked.surfaces, hour, places_m, up, Effort(_RAYS + 64 * seed)
+            baked.surfaces, hour, places_m, up, RadianceEffort(_RAYS + 64 * seed)
         )
         after = os.times()
         spent_s = after.children_user - before.children_user

@@ -32,8 +32,8 @@ from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import BoolArray, FloatArray, IntArray
 from vrut_lite.project import project_of_path, with_weather
-from vrut_lite_lab.radiance.grids import GRIDS, Grid
-from vrut_lite_lab.radiance.irradiance import Effort, both_by_radiance
+from vrut_lite_lab.radiance.grids import GRIDS, MeasuredPoints
+from vrut_lite_lab.radiance.irradiance import RadianceEffort, both_by_radiance
 
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
 # Times of day of which every day is computed; all that is interpolated is between days.
@@ -95,7 +95,9 @@ class YearHere:
 
 
 @contextmanager
-def year_here(grid: Grid, weather: str, points: int, tolerance: float = 0.1) -> Iterator[YearHere]:
+def year_here(
+    grid: MeasuredPoints, weather: str, points: int, tolerance: float = 0.1
+) -> Iterator[YearHere]:
     """The year at evenly spread points of a grid, at CLOCKS of each day."""
     project = project_of_path(str(Path("scenes") / grid.file))
     opened = OpenedScene(with_weather(project, weather))
@@ -116,10 +118,10 @@ def year_here(grid: Grid, weather: str, points: int, tolerance: float = 0.1) -> 
 
 
 def compared_year(
-    grid: Grid,
+    grid: MeasuredPoints,
     weather: str,
     sampled: int,
-    effort: Effort,
+    effort: RadianceEffort,
     tolerance: float = 0.1,
     points: int = 9,
 ) -> ComparedYear:
@@ -161,7 +163,9 @@ def main() -> None:
     told = parser.parse_args()
     for scene in told.scenes:
         grid = next(grid for grid in GRIDS if grid.scene == scene)
-        found = compared_year(grid, told.weather, told.hours, Effort(_RAYS), points=told.points)
+        found = compared_year(
+            grid, told.weather, told.hours, RadianceEffort(_RAYS), points=told.points
+        )
         of_sum = found.of_sum
         print(
             f"{scene}: all light {_said(found.error)}; without the sun's own "

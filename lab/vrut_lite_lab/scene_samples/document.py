@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from vrut_lite_lab.scenes.shapes import Shape, box, sphere
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, sphere
 
 _KINDS = {"b": 5120, "B": 5121, "h": 5122, "H": 5123, "I": 5125, "f": 5126}
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
@@ -92,7 +92,7 @@ class Document:
             if extension not in found:
                 found.append(extension)
 
-    def mesh(self, shape: Shape, material: int, **more: Any) -> int:
+    def mesh(self, shape: PlainMesh, material: int, **more: Any) -> int:
         """A mesh of one primitive."""
         attributes = {
             "POSITION": self.array(shape.positions),
@@ -142,7 +142,7 @@ class Document:
     def behind(self) -> None:
         """A red and a blue column, for what is seen through."""
         for x, colour in ((-0.95, (0.7, 0.06, 0.05)), (0.95, (0.05, 0.1, 0.6))):
-            column = Shape(
+            column = PlainMesh(
                 sphere(0.16, 24).positions * [1, 4, 1], sphere(0.16, 24).normals,
                 sphere(0.16, 24).uv, sphere(0.16, 24).faces,
             )  # fmt: skip
@@ -162,5 +162,7 @@ class Document:
         return path
 
 
-def _quad(corners: NDArray[Any], normal: ArrayLike) -> Shape:
-    return Shape(np.asarray(corners, float), np.tile(normal, (4, 1)), PANEL_UV, QUAD.reshape(-1, 3))
+def _quad(corners: NDArray[Any], normal: ArrayLike) -> PlainMesh:
+    return PlainMesh(
+        np.asarray(corners, float), np.tile(normal, (4, 1)), PANEL_UV, QUAD.reshape(-1, 3)
+    )

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, joined, lathe, polygon
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, joined, lathe, polygon
 
 _HALF_M, _COURT_M, _AISLE_M, _WALL_M = 10.0, 3.0, 6.0, 0.3
 _BAY_M, _BAYS = 2.5, 8
@@ -58,13 +58,13 @@ def atrium() -> bytes:
     return writer.glb()
 
 
-def _column(low: float, high: float) -> Shape:
+def _column(low: float, high: float) -> PlainMesh:
     return lathe(
         [(0.3, low), (0.3, low + 0.25), (0.2, low + 0.35), (0.17, high - 0.4), (0.3, high)], 16
     )
 
 
-def _arch(spring: float, high: float) -> Shape:
+def _arch(spring: float, high: float) -> PlainMesh:
     """A plate over one bay along z about the origin, round below, from its columns to its top."""
     angle = np.linspace(0.0, np.pi, _ARC + 1)
     half = _BAY_M / 2

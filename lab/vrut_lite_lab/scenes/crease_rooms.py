@@ -3,12 +3,12 @@
 import numpy as np
 
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.tolerance.light_transport import Room
+from vrut_lite_lab.tolerance.light_transport import TrialRoom
 
 _WALL_M = 0.3
 
 
-def crease_room(rng: np.random.Generator) -> Room:
+def crease_room(rng: np.random.Generator) -> TrialRoom:
     """A room, in boxes (B, 6): every second one with walls that end on its floor, not beside it."""
     wide, high, deep = rng.uniform((3.0, 2.4, 3.0), (9.0, 4.0, 9.0))
     w, sill, head = _WALL_M, rng.uniform(0.0, 0.3) * high, rng.uniform(0.6, 0.9) * high
@@ -42,10 +42,10 @@ def crease_room(rng: np.random.Generator) -> Room:
     azimuth, elevation = rng.uniform(-1.0, 1.0), rng.uniform(0.2, 1.2)
     level = float(np.cos(elevation))
     sun = (level * float(np.sin(azimuth)), float(np.sin(elevation)), level * float(np.cos(azimuth)))
-    return Room(tuple(tuple(float(value) for value in box) for box in boxes), paint, sun)
+    return TrialRoom(tuple(tuple(float(value) for value in box) for box in boxes), paint, sun)
 
 
-def inside_of(room: Room) -> FloatArray:
+def inside_of(room: TrialRoom) -> FloatArray:
     """The corners (2, 3) of a room's inside with its window's reveals."""
     ceiling, left, right = room.boxes[1], room.boxes[2], room.boxes[3]
     skin = 1e-3

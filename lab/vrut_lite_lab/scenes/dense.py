@@ -14,7 +14,7 @@ import numpy as np
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
 from vrut_lite_lab.scenes.noise import fractal_noise
-from vrut_lite_lab.scenes.shapes import Shape, box, joined
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, joined
 
 _WIDTH_M, _MOST_QUADS, _TRIANGLES_A_BOX, _BOX_TRIANGLES = 200.0, 100, 2500, 12
 _HILL_M, _HILL_HEIGHT_M = 80.0, 12.0
@@ -42,7 +42,7 @@ def _height_m(x: FloatArray, z: FloatArray) -> FloatArray:
     return _HILL_HEIGHT_M * (1.0 + fractal_noise(x / _HILL_M, z / _HILL_M, 3, 8))
 
 
-def _tile(row: int, column: int, tiles: int, quads: int) -> Shape:
+def _tile(row: int, column: int, tiles: int, quads: int) -> PlainMesh:
     edge = _WIDTH_M / tiles
     along = np.linspace(0.0, edge, quads + 1) - 0.5 * _WIDTH_M
     x, z = (part.ravel() for part in np.meshgrid(along + column * edge, along + row * edge))
@@ -56,7 +56,7 @@ def _tile(row: int, column: int, tiles: int, quads: int) -> Shape:
     wide = quads + 1
     a = (np.arange(quads)[:, None] * wide + np.arange(quads)).ravel()
     faces = np.stack([[a, a + wide, a + 1], [a + 1, a + wide, a + wide + 1]]).transpose(2, 0, 1)
-    return Shape(
+    return PlainMesh(
         np.stack([x, _height_m(x, z), z], axis=1),
         normals,
         np.stack([x, z], axis=1) / _WIDTH_M,
@@ -64,7 +64,7 @@ def _tile(row: int, column: int, tiles: int, quads: int) -> Shape:
     )
 
 
-def _boxes(count: int) -> Shape:
+def _boxes(count: int) -> PlainMesh:
     """Boxes of 1 to 4 m, a metre deep in the ground."""
     rng = np.random.default_rng(1)
     x, z = rng.uniform(-0.48, 0.48, (2, count)) * _WIDTH_M

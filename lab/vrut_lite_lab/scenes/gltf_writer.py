@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite_lab.scenes.shapes import Shape
+from vrut_lite_lab.scenes.shapes import PlainMesh
 
 _FLOAT, _SHORT, _SIGNED_BYTE, _BYTE = 5126, 5123, 5120, 5121
 _VERTICES, _INDICES = 34962, 34963
@@ -59,7 +59,7 @@ class GltfWriter:
             material["doubleSided"] = True
         return self._add("materials", material)
 
-    def mesh(self, name: str, parts: list[tuple[Shape, int]]) -> int:
+    def mesh(self, name: str, parts: list[tuple[PlainMesh, int]]) -> int:
         """A mesh of shapes with their materials."""
         primitives = [self._primitive(shape, material) for shape, material in parts]
         return self._add("meshes", {"name": name, "primitives": primitives})
@@ -82,7 +82,7 @@ class GltfWriter:
         )
 
     def painted_mesh(
-        self, name: str, shape: Shape, colours: NDArray[np.float64], material: int
+        self, name: str, shape: PlainMesh, colours: NDArray[np.float64], material: int
     ) -> int:
         """A mesh in few bytes, with a linear colour (V, 3) in [0, 1] at each vertex.
 
@@ -161,7 +161,7 @@ class GltfWriter:
         document = {**self._document, "buffers": [buffer]}
         return json.dumps(document, separators=(",", ":")).encode()
 
-    def _primitive(self, shape: Shape, material: int) -> dict[str, Any]:
+    def _primitive(self, shape: PlainMesh, material: int) -> dict[str, Any]:
         return {
             "attributes": {
                 "POSITION": self._array(shape.positions, "VEC3", bounds=True),

@@ -1,7 +1,7 @@
 """A dark hall with three high windows to the south: `hall.glb`, made to show light shafts."""
 
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, joined, lathe
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, joined, lathe
 
 _HALF_WIDTH_M, _DEEP_M, _HIGH_M, _WALL_M = 30.0, 70.0, 28.0, 1.5
 _WINDOWS_M, _WINDOW_M, _SILL_M, _LINTEL_M = (-17.0, 0.0, 17.0), 4.4, 13.0, 22.0
@@ -33,7 +33,7 @@ def hall() -> bytes:
     return writer.glb()
 
 
-def _south_wall() -> list[Shape]:
+def _south_wall() -> list[PlainMesh]:
     half, near, far = _HALF_WIDTH_M + _WALL_M, _DEEP_M, _DEEP_M + _WALL_M
     shapes = [
         box((-half, 0.0, near), (half, _SILL_M, far)),
@@ -45,6 +45,6 @@ def _south_wall() -> list[Shape]:
     return shapes
 
 
-def _columns() -> list[Shape]:
+def _columns() -> list[PlainMesh]:
     profile = [(2.0, 0.0), (2.0, 1.2), (1.4, 1.7), (1.1, 25.0), (1.9, 27.0), (1.9, _HIGH_M)]
     return [lathe(profile, 24).moved(x, 0.0, z) for x in (-21.0, 21.0) for z in (20.0, 36.0, 52.0)]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite_lab.scenes.shapes import Shape
+from vrut_lite_lab.scenes.shapes import PlainMesh
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class ObjMaterial:
 
 
 def write_obj(
-    title: str, library: str, groups: list[tuple[ObjMaterial, Shape]]
+    title: str, library: str, groups: list[tuple[ObjMaterial, PlainMesh]]
 ) -> tuple[bytes, bytes]:
     """The OBJ and its MTL, which is to be saved under the name `library`."""
     lines = [f"# {title}", f"mtllib {library}"]
@@ -36,7 +36,7 @@ def write_obj(
     return ("\n".join(lines) + "\n").encode(), _mtl([material for material, _ in groups])
 
 
-def _polygons(shape: Shape) -> list[list[int]]:
+def _polygons(shape: PlainMesh) -> list[list[int]]:
     """The faces, fans of triangles joined again into the polygons they came from."""
     polygons: list[list[int]] = []
     for a, b, c in shape.faces.tolist():

@@ -4,7 +4,7 @@ import numpy as np
 
 from vrut_lite_lab.scenes import textures
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, disc, joined, lathe, sphere
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, disc, joined, lathe, sphere
 
 _COLUMNS = 8
 _FLOOR_M = 0.48
@@ -78,39 +78,39 @@ def _add_plants(writer: GltfWriter) -> None:
         writer.place(f"hedge {number + 1}", hedge, at, azimuth_deg=azimuth_deg)
 
 
-def _path() -> Shape:
+def _path() -> PlainMesh:
     """A walk from the south to the steps, and a round one about them."""
     ring = [lathe([(5.4, 0.0), (5.4, 0.03)], 64), disc(5.4, 0.03, 64, 4.3)]
     return joined([*ring, box((-1.2, 0.0, 5.2), (1.2, 0.025, 21.9))])
 
 
-def _steps() -> Shape:
+def _steps() -> PlainMesh:
     """Three round steps up to the floor, and the border around the marble."""
     profile = [(4.3, 0.0), (4.3, 0.16), (4.0, 0.16), (4.0, 0.32), (3.7, 0.32), (3.7, _FLOOR_M)]
     return lathe([*profile, (3.4, _FLOOR_M)], 64)
 
 
-def _column() -> Shape:
+def _column() -> PlainMesh:
     shaft = [(0.30, 0.12), (0.24, 0.16), (0.205, 0.22), (0.20, 1.2), (0.17, 2.78), (0.17, 2.82)]
     capital = [(0.22, 2.84), (0.22, 2.88), (0.27, 2.96)]
     slabs = [box((-0.3, 0.0, -0.3), (0.3, 0.12, 0.3)), box((-0.3, 2.96, -0.3), (0.3, 3.05, 0.3))]
     return joined([lathe(shaft + capital, 24), *slabs])
 
 
-def _entablature() -> Shape:
+def _entablature() -> PlainMesh:
     """The ring on the columns, outside up, top, and down inside."""
     outside = [(2.6, 3.53), (3.22, 3.53), (3.22, 3.83), (3.3, 3.83), (3.3, 3.95), (3.5, 4.05)]
     return lathe([*outside, (3.5, 4.15), (2.6, 4.15), (2.6, 3.53)], _RING_SEGMENTS)
 
 
-def _dome() -> Shape:
+def _dome() -> PlainMesh:
     angle = np.radians(np.linspace(0.0, 90.0, 13))
     profile = np.stack([3.1 * np.cos(angle), 4.15 + 1.75 * np.sin(angle)], axis=1)
     profile[-1, 0] = 0.0
     return joined([lathe([(3.1, 4.15), (3.1, 4.151)], 64), lathe(profile, 64, smooth=True)])
 
 
-def _ceiling() -> Shape:
+def _ceiling() -> PlainMesh:
     """The dome from within, seen from below."""
     angle = np.radians(np.linspace(90.0, 0.0, 9))
     profile = np.stack([2.6 * np.cos(angle), 4.15 + 1.4 * np.sin(angle)], axis=1)
@@ -119,11 +119,11 @@ def _ceiling() -> Shape:
     return lathe(profile, _RING_SEGMENTS, smooth=True)
 
 
-def _trunk(height_m: float) -> Shape:
+def _trunk(height_m: float) -> PlainMesh:
     return lathe([(0.28, 0.0), (0.17, 0.3), (0.13, height_m + 0.5)], 12)
 
 
-def _tiers() -> Shape:
+def _tiers() -> PlainMesh:
     """Cones, each smaller than the one below, closed underneath."""
     tiers = [(1.7, 0.8, 2.6), (1.4, 1.9, 3.7), (1.1, 3.0, 4.8), (0.75, 4.1, 5.9)]
     return joined(
@@ -131,7 +131,7 @@ def _tiers() -> Shape:
     )
 
 
-def _crown() -> Shape:
+def _crown() -> PlainMesh:
     """Five overlapping balls."""
     balls = [
         (0.0, 3.9, 0.0, 1.5),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, joined, lathe, polygon
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, joined, lathe, polygon
 
 ALTITUDE_M = 400e3
 _PANEL_M, _CELLS = (3.2, 1.1), (8, 3)
@@ -38,7 +38,7 @@ def satellite(altitude_m: float) -> bytes:
     return writer.glb()
 
 
-def _crinkled_box(x: float, y: float, z: float) -> Shape:
+def _crinkled_box(x: float, y: float, z: float) -> PlainMesh:
     """A box of foil: each face in plates that lean a little, each its own way."""
     rng = np.random.default_rng(17)
     whole = box((-x, -y, -z), (x, y, z))
@@ -52,11 +52,11 @@ def _crinkled_box(x: float, y: float, z: float) -> Shape:
                 plate = polygon([corners[0] + along * u / 4 + across * v / 4 for u, v in square])
                 normals = plate.normals + 0.2 * (rng.random((4, 3)) - 0.5)
                 normals /= np.sqrt(np.sum(normals**2, axis=1, keepdims=True))
-                plates.append(Shape(plate.positions, normals, plate.uv, plate.faces))
+                plates.append(PlainMesh(plate.positions, normals, plate.uv, plate.faces))
     return joined(plates)
 
 
-def _edges(x: float, y: float, z: float) -> Shape:
+def _edges(x: float, y: float, z: float) -> PlainMesh:
     """The bars along a box's edges, 5 cm thick."""
     w, bars = 0.05, []
     for a in (-1, 1):
@@ -72,7 +72,7 @@ def _edges(x: float, y: float, z: float) -> Shape:
     return joined(bars)
 
 
-def _panels() -> Shape:
+def _panels() -> PlainMesh:
     """Both wings' cells, with a white line between each and the next; they face up and south."""
     (long, wide), (columns, rows), cells = _PANEL_M, _CELLS, []
     for side in (-1.0, 1.0):
@@ -89,7 +89,7 @@ def _panels() -> Shape:
     return _leaning(joined(cells))
 
 
-def _panel_backs() -> Shape:
+def _panel_backs() -> PlainMesh:
     long, wide = _PANEL_M
     return _leaning(joined([
         box((1.1, -0.02, -wide / 2), (1.1 + long, 0.02, wide / 2)),
@@ -97,20 +97,20 @@ def _panel_backs() -> Shape:
     ]))  # fmt: skip
 
 
-def _booms() -> Shape:
+def _booms() -> PlainMesh:
     return joined(
         [box((0.6, -0.03, -0.03), (1.1, 0.03, 0.03)), box((-1.1, -0.03, -0.03), (-0.6, 0.03, 0.03))]
     )
 
 
-def _leaning(shape: Shape) -> Shape:
+def _leaning(shape: PlainMesh) -> PlainMesh:
     """Turned about the wings' axis, so that the panels face the sun of a morning."""
     c, s = 0.8, 0.6
     turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]).T
-    return Shape(shape.positions @ turn, shape.normals @ turn, shape.uv, shape.faces)
+    return PlainMesh(shape.positions @ turn, shape.normals @ turn, shape.uv, shape.faces)
 
 
-def _dish() -> Shape:
+def _dish() -> PlainMesh:
     """A bowl, hollow side up, and its back."""
     radius = np.linspace(0.0, 0.42, 9)
     rise = 0.86 + 0.55 * radius**2
@@ -119,7 +119,7 @@ def _dish() -> Shape:
     return joined([lathe(front, 40, smooth=True), lathe(back, 40, smooth=True)])
 
 
-def _feed() -> Shape:
+def _feed() -> PlainMesh:
     return joined(
         [
             lathe([(0.03, 0.75), (0.03, 1.16), (0.0, 1.18)], 16),

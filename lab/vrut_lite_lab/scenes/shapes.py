@@ -10,7 +10,7 @@ from vrut_lite.numeric_types import FloatArray
 
 
 @dataclass(frozen=True)
-class Shape:
+class PlainMesh:
     """Positions (V, 3), unit normals (V, 3), texture coordinates (V, 2) in metres, faces (F, 3).
 
     Texture coordinates run with v downwards, as glTF has them.
@@ -21,25 +21,25 @@ class Shape:
     uv: FloatArray
     faces: NDArray[np.int64]
 
-    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> "Shape":
+    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> "PlainMesh":
         """The shape at another place."""
-        return Shape(self.positions + np.array([x, y, z]), self.normals, self.uv, self.faces)
+        return PlainMesh(self.positions + np.array([x, y, z]), self.normals, self.uv, self.faces)
 
-    def turned(self, azimuth_deg: float) -> "Shape":
+    def turned(self, azimuth_deg: float) -> "PlainMesh":
         """The shape turned about the vertical axis, clockwise seen from above."""
         c, s = np.cos(np.radians(azimuth_deg)), np.sin(np.radians(azimuth_deg))
         turn = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]]).T
-        return Shape(self.positions @ turn, self.normals @ turn, self.uv, self.faces)
+        return PlainMesh(self.positions @ turn, self.normals @ turn, self.uv, self.faces)
 
-    def textured_every(self, size_m: float) -> "Shape":
+    def textured_every(self, size_m: float) -> "PlainMesh":
         """The shape with a texture that repeats each so many metres."""
-        return Shape(self.positions, self.normals, self.uv / size_m, self.faces)
+        return PlainMesh(self.positions, self.normals, self.uv / size_m, self.faces)
 
 
-def joined(shapes: Sequence[Shape]) -> Shape:
+def joined(shapes: Sequence[PlainMesh]) -> PlainMesh:
     """Several shapes as one."""
     starts = np.cumsum([0, *(len(shape.positions) for shape in shapes[:-1])])
-    return Shape(
+    return PlainMesh(
         np.concatenate([shape.positions for shape in shapes]),
         np.concatenate([shape.normals for shape in shapes]),
         np.concatenate([shape.uv for shape in shapes]),
@@ -47,7 +47,7 @@ def joined(shapes: Sequence[Shape]) -> Shape:
     )
 
 
-def polygon(corners: ArrayLike) -> Shape:
+def polygon(corners: ArrayLike) -> PlainMesh:
     """A flat convex polygon (N, 3), counter-clockwise seen from its front."""
     points = np.asarray(corners, dtype=float)
     normal = np.cross(points[1] - points[0], points[2] - points[0])
@@ -59,10 +59,10 @@ def polygon(corners: ArrayLike) -> Shape:
     uv = np.stack([points @ right, -(points @ np.cross(normal, right))], axis=1)
     middle = np.arange(1, len(points) - 1)
     faces = np.stack([np.zeros_like(middle), middle, middle + 1], axis=1)
-    return Shape(points, np.tile(normal, (len(points), 1)), uv, faces)
+    return PlainMesh(points, np.tile(normal, (len(points), 1)), uv, faces)
 
 
-def box(lower: ArrayLike, upper: ArrayLike) -> Shape:
+def box(lower: ArrayLike, upper: ArrayLike) -> PlainMesh:
     """A box between two corners."""
     (x0, y0, z0), (x1, y1, z1) = np.asarray(lower, float), np.asarray(upper, float)
     return joined(
@@ -77,15 +77,15 @@ def box(lower: ArrayLike, upper: ArrayLike) -> Shape:
     )
 
 
-def relief(lower: ArrayLike, upper: ArrayLike) -> Shape:
+def relief(lower: ArrayLike, upper: ArrayLike) -> PlainMesh:
     """A box that stands on a wall to its west: without its west face."""
     whole = box(lower, upper)
     keep = np.r_[0:4, 8:24]
     faces = np.concatenate([whole.faces[:2], whole.faces[4:] - 4])
-    return Shape(whole.positions[keep], whole.normals[keep], whole.uv[keep], faces)
+    return PlainMesh(whole.positions[keep], whole.normals[keep], whole.uv[keep], faces)
 
 
-def lathe(profile: ArrayLike, segments: int, *, smooth: bool = False) -> Shape:
+def lathe(profile: ArrayLike, segments: int, *, smooth: bool = False) -> PlainMesh:
     """A body of revolution about the vertical axis.
 
     Args:
@@ -100,15 +100,15 @@ def lathe(profile: ArrayLike, segments: int, *, smooth: bool = False) -> Shape:
     return joined([_revolved(piece, _profile_normals(piece), segments) for piece in pieces])
 
 
-def disc(radius_m: float, height_m: float, segments: int, inner_m: float = 0.0) -> Shape:
+def disc(radius_m: float, height_m: float, segments: int, inner_m: float = 0.0) -> PlainMesh:
     """A level disc or ring that faces up, its texture laid from above."""
     flat = lathe([(radius_m, height_m), (inner_m, height_m)], segments)
-    return Shape(flat.positions, flat.normals, flat.positions[:, [0, 2]], flat.faces)
+    return PlainMesh(flat.positions, flat.normals, flat.positions[:, [0, 2]], flat.faces)
 
 
 def sector(
     radii_m: tuple[float, float], azimuths_deg: tuple[float, float], height_m: float
-) -> Shape:
+) -> PlainMesh:
     """A level piece of a ring that faces up, between two azimuths (from north, clockwise)."""
     count = max(int(np.ceil((azimuths_deg[1] - azimuths_deg[0]) / 3.0)), 1)
     azimuth = np.radians(np.linspace(*azimuths_deg, count + 1))
@@ -124,10 +124,10 @@ def sector(
         ]
     )
     normals = np.tile([0.0, 1.0, 0.0], (len(positions), 1))
-    return Shape(positions, normals, positions[:, [0, 2]], faces)
+    return PlainMesh(positions, normals, positions[:, [0, 2]], faces)
 
 
-def sphere(radius_m: float, segments: int) -> Shape:
+def sphere(radius_m: float, segments: int) -> PlainMesh:
     """A ball about the origin."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, segments // 2 + 1)
     profile = radius_m * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -135,7 +135,7 @@ def sphere(radius_m: float, segments: int) -> Shape:
     return lathe(profile, segments, smooth=True)
 
 
-def obelisk(width_m: float, top_width_m: float, shaft_m: float, height_m: float) -> Shape:
+def obelisk(width_m: float, top_width_m: float, shaft_m: float, height_m: float) -> PlainMesh:
     """A square, tapering shaft with a pyramid on top, its base at the origin."""
     lower, upper = _square(width_m / 2, 0.0), _square(top_width_m / 2, shaft_m)
     tip = (0.0, height_m, 0.0)
@@ -166,7 +166,7 @@ def _profile_normals(points: FloatArray) -> FloatArray:
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
-def _revolved(points: FloatArray, normals: FloatArray, segments: int) -> Shape:
+def _revolved(points: FloatArray, normals: FloatArray, segments: int) -> PlainMesh:
     turn = np.linspace(0.0, 2 * np.pi, segments + 1)
     turn[-1] = 0.0  # The seam closes exactly.
     around = np.stack([np.sin(turn), np.zeros_like(turn), np.cos(turn)], axis=1)
@@ -180,7 +180,7 @@ def _revolved(points: FloatArray, normals: FloatArray, segments: int) -> Shape:
     area = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    return Shape(
+    return PlainMesh(
         positions.reshape(-1, 3),
         directions.reshape(-1, 3),
         np.stack([u.reshape(-1), v.reshape(-1)], axis=1),

@@ -1,7 +1,7 @@
 """Balls from mirror to chalk on plinths: what the sky does to metal, plastic and grey."""
 
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, disc, joined, lathe, polygon, sphere
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, disc, joined, lathe, polygon, sphere
 
 _RADIUS_M = 0.5
 _PITCH_M = 1.5
@@ -43,7 +43,7 @@ def build() -> dict[str, bytes]:
     return {"spheres.glb": writer.glb()}
 
 
-def _slabs(parity: int) -> Shape:
+def _slabs(parity: int) -> PlainMesh:
     """Every second slab of a floor of 12 m x 12 m, each 1.5 m wide."""
     return joined(
         [
@@ -55,18 +55,18 @@ def _slabs(parity: int) -> Shape:
     )
 
 
-def _level_square(x: float, z: float) -> Shape:
+def _level_square(x: float, z: float) -> PlainMesh:
     far_x, far_z = x + _PITCH_M, z + _PITCH_M
     return polygon([(x, 0.0, far_z), (far_x, 0.0, far_z), (far_x, 0.0, z), (x, 0.0, z)])
 
 
-def _kerb() -> Shape:
+def _kerb() -> PlainMesh:
     """Four beams around the floor, each laid against the next."""
     half, width = 4 * _PITCH_M, 0.3
     beam = box((-half, -0.12, half), (half + width, 0.02, half + width))
     return joined([beam.turned(90.0 * side) for side in range(4)])
 
 
-def _plinth() -> Shape:
+def _plinth() -> PlainMesh:
     """A round post of height 1, to be scaled."""
     return joined([lathe([(0.24, 0.0), (0.24, 1.0)], 40), disc(0.24, 1.0, 40)])

@@ -4,7 +4,16 @@ from dataclasses import dataclass
 
 from vrut_lite_lab.scenes import textures
 from vrut_lite_lab.scenes.obj_writer import ObjMaterial, write_obj
-from vrut_lite_lab.scenes.shapes import Shape, box, joined, lathe, obelisk, polygon, relief, sphere
+from vrut_lite_lab.scenes.shapes import (
+    PlainMesh,
+    box,
+    joined,
+    lathe,
+    obelisk,
+    polygon,
+    relief,
+    sphere,
+)
 
 _FRONT_M = 4.5
 _DEPTH_M = 8.0
@@ -55,7 +64,7 @@ _HOUSES = [
 
 def build() -> dict[str, bytes]:
     """File names and their bytes."""
-    parts: dict[str, list[Shape]] = {name: [] for name in _MATERIALS}
+    parts: dict[str, list[PlainMesh]] = {name: [] for name in _MATERIALS}
     for house in _HOUSES:
         _add_house(parts, house)
     _add_tower(parts)
@@ -76,10 +85,10 @@ def build() -> dict[str, bytes]:
     }
 
 
-def _add_house(parts: dict[str, list[Shape]], house: House) -> None:
+def _add_house(parts: dict[str, list[PlainMesh]], house: House) -> None:
     """A house is made to face east with its front on x = 0, then set on its side."""
     turn_deg, north_m = (0.0, house.south_m) if house.side < 0 else (180.0, house.south_m)
-    made: dict[str, list[Shape]] = {name: [] for name in parts}
+    made: dict[str, list[PlainMesh]] = {name: [] for name in parts}
     eaves_m = house.storeys * _STOREY_M + 0.6
     made[house.wall].append(_walls(house.width_m, eaves_m))
     made[house.roof].append(_roof(house.width_m, eaves_m))
@@ -96,7 +105,7 @@ def _add_house(parts: dict[str, list[Shape]], house: House) -> None:
             parts[name].append(shape.moved(x=house.side * _FRONT_M, z=north_m))
 
 
-def _walls(width_m: float, eaves_m: float) -> Shape:
+def _walls(width_m: float, eaves_m: float) -> PlainMesh:
     """Four walls, the sides ending in gables; the south wall on z = 0."""
     ridge_m, back, north = eaves_m + _DEPTH_M * 0.42, -_DEPTH_M, -width_m
     middle = back / 2
@@ -120,7 +129,7 @@ def _walls(width_m: float, eaves_m: float) -> Shape:
     )
 
 
-def _roof(width_m: float, eaves_m: float) -> Shape:
+def _roof(width_m: float, eaves_m: float) -> PlainMesh:
     """Two slabs that overhang the walls by 40 cm, and the boards under their edges."""
     slope, over, thick = 0.84, 0.4, 0.18
     ridge_m, low_m = eaves_m + _DEPTH_M / 2 * slope + 0.02, eaves_m - over * slope + 0.02
@@ -144,7 +153,7 @@ def _roof(width_m: float, eaves_m: float) -> Shape:
     return joined(sides + ends)
 
 
-def _add_openings(made: dict[str, list[Shape]], house: House) -> None:
+def _add_openings(made: dict[str, list[PlainMesh]], house: House) -> None:
     columns = round(house.width_m / 2.4)
     pitch_m = house.width_m / columns
     door = columns // 2
@@ -166,7 +175,7 @@ def _add_openings(made: dict[str, list[Shape]], house: House) -> None:
     )
 
 
-def _add_window(made: dict[str, list[Shape]], sill_m: float, z_m: float) -> None:
+def _add_window(made: dict[str, list[PlainMesh]], sill_m: float, z_m: float) -> None:
     """A frame with a cross of bars, four panes, and a sill that throws a shadow."""
     height_m, half_m = 1.6, 0.52
     made["glass"].append(
@@ -186,7 +195,7 @@ def _add_window(made: dict[str, list[Shape]], sill_m: float, z_m: float) -> None
     )
 
 
-def _add_tower(parts: dict[str, list[Shape]]) -> None:
+def _add_tower(parts: dict[str, list[PlainMesh]]) -> None:
     """A tower with a clock face closes the street in the north."""
     parts["brick"].append(box((-3.6, 0.0, -34.2), (3.6, 17.0, -27.0)))
     parts["kerb"].append(box((-3.8, 17.0, -34.4), (3.8, 17.5, -26.8)))
@@ -217,7 +226,7 @@ def _add_tower(parts: dict[str, list[Shape]]) -> None:
         )
 
 
-def _add_ground(parts: dict[str, list[Shape]]) -> None:
+def _add_ground(parts: dict[str, list[PlainMesh]]) -> None:
     """Setts across the street, and two pavements a step higher."""
     parts["paving"].append(
         polygon([(-13.0, 0.0, 20.0), (13.0, 0.0, 20.0), (13.0, 0.0, -35.0), (-13.0, 0.0, -35.0)])
@@ -226,7 +235,7 @@ def _add_ground(parts: dict[str, list[Shape]]) -> None:
         parts["kerb"].append(box((west, 0.0, -25.0), (east, 0.1, 14.0)))
 
 
-def _lamp() -> Shape:
+def _lamp() -> PlainMesh:
     post = lathe([(0.14, 0.0), (0.14, 0.25), (0.06, 0.4), (0.045, 3.6)], 10)
     head = [sphere(0.17, 10).moved(y=3.75), box((-0.2, 3.9, -0.2), (0.2, 3.95, 0.2))]
     return joined([post, *head])

@@ -7,7 +7,16 @@ as far, for shadows down to a sun 9.5 degrees high. All marks lie outside the pl
 import numpy as np
 
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, disc, joined, lathe, obelisk, polygon, sector
+from vrut_lite_lab.scenes.shapes import (
+    PlainMesh,
+    box,
+    disc,
+    joined,
+    lathe,
+    obelisk,
+    polygon,
+    sector,
+)
 
 GNOMON_HEIGHT_M = 1.0
 PLATE_RADIUS_M = 6.0
@@ -46,7 +55,7 @@ def build() -> dict[str, bytes]:
     return {"sundial.glb": writer.glb()}
 
 
-def _ring() -> tuple[Shape, Shape]:
+def _ring() -> tuple[PlainMesh, PlainMesh]:
     """Marks each 15 degrees, wide each 45 degrees, and the plain pieces between."""
     marks, gaps, end = [], [], -180.0 - 2.0
     for azimuth in range(-180, 180, 15):
@@ -61,7 +70,7 @@ def _ring() -> tuple[Shape, Shape]:
     return joined(marks), joined(gaps)
 
 
-def _letters() -> tuple[Shape, Shape]:
+def _letters() -> tuple[PlainMesh, PlainMesh]:
     """A red N with an arrow; E, S and W; each upright for a reader who faces it from the middle."""
     arrow = polygon([(-0.28, 0.0, -6.05), (0.28, 0.0, -6.05), (0.0, 0.0, -6.55)])
     arrow = arrow.moved(y=0.02)
@@ -89,7 +98,7 @@ def _letters() -> tuple[Shape, Shape]:
     return joined([placed["N"], arrow]), joined([placed[letter] for letter in "ESW"])
 
 
-def _stroke(x0: float, y0: float, x1: float, y1: float) -> Shape:
+def _stroke(x0: float, y0: float, x1: float, y1: float) -> PlainMesh:
     """A raised bar of a letter that lies on the ground, its top to the north."""
     length = float(np.hypot(x1 - x0, y1 - y0)) + 0.09
     bar = box((-0.045, 0.0, -length / 2), (0.045, 0.03, length / 2))

@@ -21,7 +21,7 @@ from vrut_lite_lab.scenes.landscape import (
     WEST_M,
     WIDTH_M,
 )  # fmt: skip
-from vrut_lite_lab.scenes.shapes import Shape, disc, joined
+from vrut_lite_lab.scenes.shapes import PlainMesh, disc, joined
 from vrut_lite_lab.scenes.terrain_objects import place_reference_objects
 from vrut_lite_lab.scenes.terrain_surface import albedo, curvature_m, height_m, slope
 from vrut_lite_lab.scenes.textures import ground_bumps, ground_grain
@@ -59,7 +59,7 @@ def build() -> dict[str, bytes]:
     for number, tile in enumerate(_tiles(positions[faces].mean(axis=1))):
         used, local = np.unique(faces[tile], return_inverse=True)
         corner = counts[used].min(axis=0)
-        shape = Shape(
+        shape = PlainMesh(
             counts[used] - corner, normals[used], points[used].astype(float), local.reshape(-1, 3)
         )
         mesh = writer.painted_mesh(f"land {number + 1}", shape, colours[used], land)
@@ -97,7 +97,7 @@ def _place_lake(writer: GltfWriter) -> None:
     x = rings.positions[:, 0] * LAKE_LONG_M
     z = rings.positions[:, 2] * LAKE_WIDE_M + 0.13 * x
     y = LAKE_M - curvature_m(x + LAKE_X_M, z + LAKE_Z_M)
-    shape = Shape(np.stack([x, y, z], axis=-1), rings.normals, rings.uv, rings.faces)
+    shape = PlainMesh(np.stack([x, y, z], axis=-1), rings.normals, rings.uv, rings.faces)
     writer.place("lake", writer.mesh("lake", [(shape, water)]), (LAKE_X_M, 0.0, LAKE_Z_M))
 
 

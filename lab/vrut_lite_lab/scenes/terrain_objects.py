@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
 from vrut_lite_lab.scenes.noise import uniform_hash
-from vrut_lite_lab.scenes.shapes import Shape, box, joined, polygon
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, joined, polygon
 from vrut_lite_lab.scenes.terrain_surface import FOREST, forest_share, height_m, slope
 
 HUT_X_M, HUT_Z_M = -172.0, 30.0
@@ -68,7 +68,7 @@ def _place_trees(writer: GltfWriter) -> None:
     corner = np.floor(positions.min(axis=0))
     counts = np.round((positions - corner) / _UNIT_M)
     needles = writer.material("needles", (1.0, 1.0, 1.0))
-    shape = Shape(counts, np.tile(normals, (len(foot), 1)), np.zeros((0, 2)), faces)
+    shape = PlainMesh(counts, np.tile(normals, (len(foot), 1)), np.zeros((0, 2)), faces)
     mesh = writer.painted_mesh("spruces", shape, colours, needles)
     at = (float(corner[0]), float(corner[1]), float(corner[2]))
     writer.place("spruces", mesh, at, (_UNIT_M,) * 3)
@@ -87,7 +87,7 @@ def _spruce() -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
     return np.concatenate(cones), np.tile(leaning, (3, 1)), faces
 
 
-def _walls() -> Shape:
+def _walls() -> PlainMesh:
     low, eaves, ridge, x, z = 0.7, 3.0, 5.2, 4.4, 3.1
     gables = [
         polygon([(x, low, z), (x, low, -z), (x, eaves, -z), (x, ridge, 0.0), (x, eaves, z)]),
@@ -100,7 +100,7 @@ def _walls() -> Shape:
     return joined([*gables, *sides])
 
 
-def _roof() -> Shape:
+def _roof() -> PlainMesh:
     x, z, eaves, ridge = 5.2, 4.0, 2.55, 5.4
     slopes = []
     for side in (1.0, -1.0):

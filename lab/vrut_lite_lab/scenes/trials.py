@@ -15,7 +15,7 @@ import numpy as np
 
 from vrut_lite_lab.scenes.atrium import atrium
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, joined, lathe, polygon, sphere
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, joined, lathe, polygon, sphere
 
 FOLDER = Path(tempfile.gettempdir()) / "vrut_lite_trials"
 # Of thin walls: two texels of a light map of 0.05 m, one of 0.1 m.
@@ -238,7 +238,7 @@ def garden_room() -> bytes:
     return writer.glb()
 
 
-def _leaves(count: int) -> Shape:
+def _leaves(count: int) -> PlainMesh:
     """Leaves of 5 cm in a ball above a pot."""
     rng = np.random.default_rng(4)
     leaves = []
@@ -255,7 +255,7 @@ def _leaves(count: int) -> Shape:
 
 def _wall_x(
     x0: float, x1: float, along_z: tuple[float, float], high: float, holes: list[Hole]
-) -> list[Shape]:
+) -> list[PlainMesh]:
     """A wall across x with one hole after another along z."""
     pieces = [((x0, low, a), (x1, top, b)) for a, b, low, top in _solid(along_z, high, holes)]
     return [box(*corners) for corners in pieces]
@@ -263,7 +263,7 @@ def _wall_x(
 
 def _wall_z(
     z0: float, z1: float, along_x: tuple[float, float], high: float, holes: list[Hole]
-) -> list[Shape]:
+) -> list[PlainMesh]:
     """A wall across z with one hole after another along x."""
     pieces = [((a, low, z0), (b, top, z1)) for a, b, low, top in _solid(along_x, high, holes)]
     return [box(*corners) for corners in pieces]
@@ -281,7 +281,7 @@ def _solid(along: tuple[float, float], high: float, holes: list[Hole]) -> list[H
 
 def _wedge(
     from_deg: float, to_deg: float, radii_m: tuple[float, float], low: float, top: float
-) -> Shape:
+) -> PlainMesh:
     """A winding step about the vertical axis, clockwise seen from above."""
     angles = np.radians([from_deg, to_deg])
     inner, outer = (

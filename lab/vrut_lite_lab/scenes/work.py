@@ -6,7 +6,7 @@ lab/vrut_lite_lab/work_skipped.py measures the work that is left out in them.
 import numpy as np
 
 from vrut_lite_lab.scenes.gltf_writer import GltfWriter
-from vrut_lite_lab.scenes.shapes import Shape, box, disc, joined, lathe, obelisk, sphere
+from vrut_lite_lab.scenes.shapes import PlainMesh, box, disc, joined, lathe, obelisk, sphere
 
 _PLANET_M, _SEEN_RAD = 6.36e6, 0.2
 _PEAKS = 7
@@ -91,12 +91,12 @@ def planet() -> bytes:
     return writer.glb()
 
 
-def _turned(shape: Shape) -> Shape:
+def _turned(shape: PlainMesh) -> PlainMesh:
     """The shape seen from within."""
-    return Shape(shape.positions, -shape.normals, shape.uv, shape.faces[:, ::-1])
+    return PlainMesh(shape.positions, -shape.normals, shape.uv, shape.faces[:, ::-1])
 
 
-def _table() -> Shape:
+def _table() -> PlainMesh:
     legs = [
         box((x - 0.03, 0.0, z - 0.03), (x + 0.03, 0.71, z + 0.03))
         for x in (-0.55, 0.55)
@@ -105,7 +105,7 @@ def _table() -> Shape:
     return joined([box((-0.65, 0.71, -0.42), (0.65, 0.75, 0.42)), *legs])
 
 
-def _shell() -> Shape:
+def _shell() -> PlainMesh:
     """Walls and a ceiling, 10 cm thick, with a window to the west."""
     low, high, south, north = 0.9, 2.0, 0.8, -0.8
     west = [
@@ -123,7 +123,7 @@ def _shell() -> Shape:
     return joined([box(*corners) for corners in (*west, *others)])
 
 
-def _cap() -> Shape:
+def _cap() -> PlainMesh:
     """The planet's top at the origin; rings widen outwards, as their flat faces may."""
     angle = _SEEN_RAD * np.linspace(1.0, 0.0, 41) ** 2
     profile = _PLANET_M * np.stack([np.sin(angle), -2.0 * np.sin(angle / 2.0) ** 2], axis=1)

@@ -14,7 +14,7 @@ from vrut_lite.lazy import lazy
 
 if TYPE_CHECKING:
     from vrut_lite_lab.study.report.folder import Folder
-    from vrut_lite_lab.study.report.study import Plan
+    from vrut_lite_lab.study.report.study import StudyPlan
 
 # They need libraries that `--help` need not wait for.
 _choices = lazy("vrut_lite_lab.study.report.choices")
@@ -108,7 +108,9 @@ def _write(
         write(folder, tell)
 
 
-def _plan(quick: bool, measurements: str | None, models: str | None, times: str | None) -> "Plan":
+def _plan(
+    quick: bool, measurements: str | None, models: str | None, times: str | None
+) -> "StudyPlan":
     sets = [_choices.chosen_set(models.split(","))] if models else _choices.usual_sets(quick)
     measured = _measurements.read_measurements(Path(measurements)) if measurements else []
     day = measured[0].day if measured else _day.KIDER
@@ -120,7 +122,7 @@ def _plan(quick: bool, measurements: str | None, models: str | None, times: str 
     shown = _moments.moments((times or usual).split(","), measured)
     published = bool(measured) and not models and day == _day.KIDER
     table_two = _truth.SAMPLES[: 2 if quick else 3] if published else ()
-    return _study.Plan(
+    return _study.StudyPlan(
         day=day,
         sets=_choices.sets_on_day(sets, day),
         moments=shown,

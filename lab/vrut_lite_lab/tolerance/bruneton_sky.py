@@ -19,7 +19,7 @@ from bruneton_sky.sky_view import SkyView, fill_cube, sky_view
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes
-from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
+from bruneton_sky.tolerance import FRONTS, TABLES, BrunetonQuality, quality_for
 from bruneton_sky.unseen_moves import sun_step_rad
 from numpy.typing import NDArray
 
@@ -43,7 +43,7 @@ _SEEDS = (1, 2)
 _BLACK = np.zeros(3)
 
 
-class View(NamedTuple):
+class TrialView(NamedTuple):
     """An observer and a sun (elevation and world azimuth)."""
 
     height_m: float
@@ -63,17 +63,17 @@ class View(NamedTuple):
         )
 
 
-class Air(NamedTuple):
+class ViewedAtmosphere(NamedTuple):
     """An atmosphere, and the views that it is seen from."""
 
     settings: BrunetonSkySettings
-    views: tuple[View, ...]
+    views: tuple[TrialView, ...]
 
 
-_TIMED = View(0.0, 0.8, 0.3)
+_TIMED = TrialView(0.0, 0.8, 0.3)
 
 
-def two_sets(pictures: int) -> tuple[list[Air], list[Air]]:
+def two_sets(pictures: int) -> tuple[list[ViewedAtmosphere], list[ViewedAtmosphere]]:
     """Airs with so many views in each set: drawn at random, and dealt in turn by their haze."""
     count = -(-pictures // VIEWS)
     drawn = [air for seed in _SEEDS for air in random_airs(count, seed)]
@@ -81,29 +81,29 @@ def two_sets(pictures: int) -> tuple[list[Air], list[Air]]:
     return drawn[::2], drawn[1::2]
 
 
-def random_airs(count: int, seed: int) -> list[Air]:
+def random_airs(count: int, seed: int) -> list[ViewedAtmosphere]:
     """So many airs, always the same for a seed."""
     rng = np.random.default_rng(seed)
     return [_air(rng) for _ in range(count)]
 
 
-def _air(rng: np.random.Generator) -> Air:
+def _air(rng: np.random.Generator) -> ViewedAtmosphere:
     settings = BrunetonSkySettings(
         turbidity=float(10.0 ** rng.uniform(0.0, 1.0)),
         albedo=float(rng.uniform(0.0, 1.0)),
     )
-    return Air(settings, tuple(_view(rng, index) for index in range(VIEWS)))
+    return ViewedAtmosphere(settings, tuple(_view(rng, index) for index in range(VIEWS)))
 
 
-def _view(rng: np.random.Generator, index: int) -> View:
+def _view(rng: np.random.Generator, index: int) -> TrialView:
     low, high = (-6.0, 0.0) if index % 3 == 0 else (0.0, 90.0)
     aloft = 10.0 ** rng.uniform(np.log10(_LOWEST_M), np.log10(_HIGHEST_M))
     elevation_rad = float(np.radians(rng.uniform(low, high)))
     azimuth_rad = float(rng.uniform(-np.pi, np.pi))
-    return View(float(aloft) if index % 2 else 0.0, elevation_rad, azimuth_rad)
+    return TrialView(float(aloft) if index % 2 else 0.0, elevation_rad, azimuth_rad)
 
 
-def true_skies(air: Air) -> Truth:
+def true_skies(air: ViewedAtmosphere) -> Truth:
     """Radiance (n, 3) of each view's sky texels, by converged sizes."""
     field = solve(
         atmosphere_of(air.settings), _TRUE_ORDERS, SolverSizes.converged(), True, _TRUE_TOLERANCE
@@ -111,7 +111,7 @@ def true_skies(air: Air) -> Truth:
     return [evaluated(field, air, view) for view in air.views]
 
 
-def evaluated(field: SourceField, air: Air, view: View) -> FloatArray:
+def evaluated(field: SourceField, air: ViewedAtmosphere, view: TrialView) -> FloatArray:
     """Radiance (n, 3) of a view's sky texels, each ray by itself: light scattered once by the
     exact rule, light scattered more from the field's source."""
     directions = texel_directions(EDGE)[_sky_texels(air, view)]
@@ -125,14 +125,16 @@ def evaluated(field: SourceField, air: Air, view: View) -> FloatArray:
     return np.maximum(sky, 0.0)
 
 
-def _sky_texels(air: Air, view: View) -> NDArray[np.bool_]:
+def _sky_texels(air: ViewedAtmosphere, view: TrialView) -> NDArray[np.bool_]:
     """Which texels (6, EDGE, EDGE) look above the ground's horizon."""
     radius_m = atmosphere_of(air.settings).ground_radius_m
     horizon = float(horizon_mu(radius_m, view.height_m))
     return np.asarray(texel_directions(EDGE)[..., 1] > horizon)
 
 
-def air_errors(air: Air, skies: Sequence[FloatArray], quality: Quality) -> list[float]:
+def air_errors(
+    air: ViewedAtmosphere, skies: Sequence[FloatArray], quality: BrunetonQuality
+) -> list[float]:
     """Error of each view at this quality, with the largest move of the sun that is left out."""
     field = solve_air(atmosphere_of(air.settings), rung=quality.solver)
     return [
@@ -141,7 +143,9 @@ def air_errors(air: Air, skies: Sequence[FloatArray], quality: Quality) -> list[
     ]
 
 
-def _shown(field: SourceField, air: Air, view: View, quality: Quality) -> NDArray[np.floating]:
+def _shown(
+    field: SourceField, air: ViewedAtmosphere, view: TrialView, quality: BrunetonQuality
+) -> NDArray[np.floating]:
     """The shown sky (n, 3): looked up in the cube map; from aloft, in the table."""
     g = field.atmosphere.mie_g
     strayed = view._replace(
@@ -155,7 +159,7 @@ def _shown(field: SourceField, air: Air, view: View, quality: Quality) -> NDArra
     return sample_sky(fill_cube(table, quality.cube_size, _BLACK), directions)
 
 
-def _solver_errors(air: Air, skies: Truth) -> FloatArray:
+def _solver_errors(air: ViewedAtmosphere, skies: Truth) -> FloatArray:
     atmosphere = atmosphere_of(air.settings)
     fields = [solve_air(atmosphere, rung=rung) for rung in SOLVER_RUNGS]
     return np.array(
@@ -166,7 +170,7 @@ def _solver_errors(air: Air, skies: Truth) -> FloatArray:
     )
 
 
-def _table_errors(air: Air, _skies: Truth) -> FloatArray:
+def _table_errors(air: ViewedAtmosphere, _skies: Truth) -> FloatArray:
     """Against the same solution looked at ray by ray."""
     field = _usual(air.settings)
     errors = []
@@ -179,7 +183,7 @@ def _table_errors(air: Air, _skies: Truth) -> FloatArray:
     return np.array(errors)
 
 
-def _cube_errors(air: Air, _skies: Truth) -> FloatArray:
+def _cube_errors(air: ViewedAtmosphere, _skies: Truth) -> FloatArray:
     """Of look-ups between texels above the level, in every third view, against a fine map."""
     field, directions = _usual(air.settings), texel_directions(_TRUE_SIZE)
     chosen = np.random.default_rng(0).choice(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.sun_step import sun_step_rad
-from dynamic_skylight.tolerance import FRONTS, Quality, quality_for
+from dynamic_skylight.tolerance import FRONTS, HosekWilkieQuality, quality_for
 from dynamic_skylight.twilight import sky_of_hour
 
 from vrut_lite.geometry.encoding import decode_float16
@@ -63,7 +63,7 @@ def truth(hour: Hour) -> Truth:
     return [sky.radiance(np.arccos(directions[:, 1]), gamma), _lit(hour, _TRUE_LIGHT_SIZE)]
 
 
-def hour_error(hour: Hour, exact: Truth, quality: Quality) -> float:
+def hour_error(hour: Hour, exact: Truth, quality: HosekWilkieQuality) -> float:
     """The larger error of sky and light on surfaces at this quality, with the sun strayed."""
     shown, (sky, light) = _strayed(hour, quality.sun_change), exact
     return max(

@@ -50,7 +50,7 @@ _FACES = np.array(
 )
 
 
-class Room(NamedTuple):
+class TrialRoom(NamedTuple):
     """Boxes (B, 6) from corner to corner in metres, their paint (B,), and where the sun is."""
 
     boxes: tuple[tuple[float, ...], ...]
@@ -63,18 +63,18 @@ class _Laid(NamedTuple):
     layout: Layout
 
 
-def two_sets(pictures: int) -> tuple[list[Room], list[Room]]:
+def two_sets(pictures: int) -> tuple[list[TrialRoom], list[TrialRoom]]:
     """So many rooms in each set, always the same."""
     sets = [_rooms(pictures, seed) for seed in _SEEDS]
     return sets[0], sets[1]
 
 
-def _rooms(count: int, seed: int) -> list[Room]:
+def _rooms(count: int, seed: int) -> list[TrialRoom]:
     rng = np.random.default_rng(seed)
     return [(_room, _street)[n % 2](rng) for n in range(count)]
 
 
-def _room(rng: np.random.Generator) -> Room:
+def _room(rng: np.random.Generator) -> TrialRoom:
     wide, high, deep = rng.uniform((3.0, 2.4, 3.0), (9.0, 4.0, 9.0))
     w, sill, head = _WALL_M, rng.uniform(0.0, 0.3) * high, rng.uniform(0.6, 0.9) * high
     left, right = rng.uniform(0.1, 0.4) * wide, rng.uniform(0.6, 0.9) * wide
@@ -95,7 +95,7 @@ def _room(rng: np.random.Generator) -> Room:
     return _lit(rng, boxes)
 
 
-def _street(rng: np.random.Generator) -> Room:
+def _street(rng: np.random.Generator) -> TrialRoom:
     wide, long = rng.uniform((6.0, 50.0), (20.0, 100.0))
     boxes: list[tuple[float, ...]] = [(-12.0, -_WALL_M, 0.0, wide + 12.0, 0.0, long)]
     for x0, x1 in ((-10.0, 0.0), (wide, wide + 10.0)):
@@ -111,19 +111,19 @@ def _street(rng: np.random.Generator) -> Room:
     return _lit(rng, boxes)
 
 
-def _lit(rng: np.random.Generator, boxes: list[tuple[float, ...]]) -> Room:
+def _lit(rng: np.random.Generator, boxes: list[tuple[float, ...]]) -> TrialRoom:
     paint = tuple(rng.uniform(0.1, 0.8, len(boxes)).tolist())
     azimuth, elevation = rng.uniform(-1.0, 1.0), rng.uniform(0.2, 1.2)
     level = np.cos(elevation)
     sun = (level * np.sin(azimuth), np.sin(elevation), level * np.cos(azimuth))
-    return Room(
+    return TrialRoom(
         tuple(tuple(float(value) for value in box) for box in boxes),
         paint,
         (float(sun[0]), float(sun[1]), float(sun[2])),
     )
 
 
-def scene_of(room: Room) -> SceneOpened:
+def scene_of(room: TrialRoom) -> SceneOpened:
     """The room as if it had been opened."""
     boxes = np.array(room.boxes)
     corners = boxes[:, None, :3] + _CORNERS * (boxes[:, None, 3:] - boxes[:, None, :3])
@@ -178,7 +178,7 @@ def _painted(paint: FloatArray) -> SceneMaterials:
     )
 
 
-def hour_of(room: Room) -> Illumination:
+def hour_of(room: TrialRoom) -> Illumination:
     """An even sky of radiance 1 with a sun of 3 W m^-2, above a ground of albedo 0.2."""
     above = texel_directions(16)[..., 1:2] > 0.0
     ground = 0.2 * (1.0 + 3.0 / np.pi * room.sun[1])
@@ -193,7 +193,7 @@ def hour_of(room: Room) -> Illumination:
     )
 
 
-def _laid(room: Room, texels: int) -> _Laid:
+def _laid(room: TrialRoom, texels: int) -> _Laid:
     scene = scene_of(room)
     surfaces = surfaces_of(scene)
     return _Laid(surfaces, lay_out(scene, surfaces, None, texels))
@@ -205,7 +205,7 @@ def _baked(laid: _Laid, rays: int, patch_texels: float, left: float = 1e-4) -> B
     return bake
 
 
-def _light_at(laid: _Laid, bake: Bake, room: Room) -> FloatArray:
+def _light_at(laid: _Laid, bake: Bake, room: TrialRoom) -> FloatArray:
     """Irradiance as luminance (P,) at places that are the same in every layout of a room."""
     uv_px, inside = _places(laid.surfaces, laid.layout, np.array(room.boxes))
     texels = luminance(bake.light(hour_of(room)).texels[..., :3])
@@ -248,13 +248,13 @@ def light_error(light: FloatArray, true: FloatArray) -> float:
     return float(np.quantile(np.abs(light - true) / (true + 0.1 * true.mean()), _MOST_PLACES))
 
 
-def truth(room: Room) -> Truth:
+def truth(room: TrialRoom) -> Truth:
     """Light at the places by more texels, rays and patches than any choice has."""
     laid = _laid(room, _TRUE_SIZE)
     return [_light_at(laid, _baked(laid, _TRUE_RAYS, _TRUE_PATCH), room)]
 
 
-def _texel_errors(room: Room, true: Truth) -> FloatArray:
+def _texel_errors(room: TrialRoom, true: Truth) -> FloatArray:
     errors = []
     for texels in TEXELS:
         laid = _laid(room, texels)
@@ -262,7 +262,7 @@ def _texel_errors(room: Room, true: Truth) -> FloatArray:
     return np.array([errors])
 
 
-def _ray_errors(room: Room, _true: Truth) -> FloatArray:
+def _ray_errors(room: TrialRoom, _true: Truth) -> FloatArray:
     """Against twice the most rays, of the same texels.
 
     The fewer rays are among these: noise itself is larger than the difference, by sqrt(1 - share).
@@ -277,7 +277,7 @@ def _ray_errors(room: Room, _true: Truth) -> FloatArray:
     return np.array([[light_error(light, lights[-1]) for light in lights[:-1]]]) / left
 
 
-def _patch_errors(room: Room, _true: Truth) -> FloatArray:
+def _patch_errors(room: TrialRoom, _true: Truth) -> FloatArray:
     """Against patches of a texel each."""
     laid = _laid(room, _SIZE)
     lights = [
@@ -286,7 +286,7 @@ def _patch_errors(room: Room, _true: Truth) -> FloatArray:
     return np.array([[light_error(light, lights[-1]) for light in lights[:-1]]])
 
 
-def _bounce_errors(room: Room, _true: Truth) -> FloatArray:
+def _bounce_errors(room: TrialRoom, _true: Truth) -> FloatArray:
     """Against a hundredth of what the last choice leaves."""
     laid = _laid(room, _SIZE)
     bake, lights = _baked(laid, _RAYS, _PATCH), []
@@ -296,7 +296,7 @@ def _bounce_errors(room: Room, _true: Truth) -> FloatArray:
     return np.array([[light_error(light, lights[-1]) for light in lights[:-1]]])
 
 
-def quality_error(room: Room, true: Truth, quality: Quality) -> float:
+def quality_error(room: TrialRoom, true: Truth, quality: Quality) -> float:
     """With everything that a tolerance chooses."""
     laid = _laid(room, quality.texels)
     bake = _baked(laid, quality.rays, quality.patch_texels, quality.bounces_left)
@@ -310,7 +310,7 @@ def _timed(texels: int, rays: int, patch_texels: float) -> NDArray[Any]:
 
 
 @lru_cache(maxsize=1)
-def _timed_bake() -> tuple[Room, Bake]:
+def _timed_bake() -> tuple[TrialRoom, Bake]:
     room = _rooms(1, _SEEDS[0])[0]
     return room, _baked(_laid(room, _TIMED_SIZE), _TIMED_RAYS, _PATCH)
 

@@ -27,7 +27,7 @@ from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.sky.air_reach import UNSEEN_SHARE
-from vrut_lite.sky.air_rows import Grid
+from vrut_lite.sky.air_rows import AirGrid
 from vrut_lite.sky.air_volume import NodeRays, node_rays, slice_shares
 
 
@@ -59,7 +59,7 @@ class Matter(NamedTuple):
         colours: (groups, rows, slices, 4, 3), from light up to a node to its colour over 1 - T.
     """
 
-    grid: Grid
+    grid: AirGrid
     rays: NodeRays
     distance_m: FloatArray
     centre: FloatArray
@@ -130,7 +130,7 @@ def matter_before(
 ) -> Matter:
     """The matter along the rays of a volume; arguments as for `air_volume`."""
     air, height = field.thinned, float(np.asarray(sun_direction, dtype=float)[1])
-    grid = Grid(
+    grid = AirGrid(
         float(altitude_m), air.ground_radius_m, air.top_altitude_m, float(reach_m),
         sizes.rows_above, sizes.rows_below,
     )  # fmt: skip

@@ -26,7 +26,7 @@ from vrut_lite.numeric_types import FloatArray
 TURN_INSIDE, TURN_OUTSIDE = 0.85, 0.5
 
 
-class Rows(NamedTuple):
+class SkyViewRays(NamedTuple):
     """Rays by row (n,) and column (c,).
 
     `altitude_m`, `mu`: where and how a ray starts in the air. `hits`: whether it ends on the
@@ -50,7 +50,7 @@ def table_rows(
     above: int,
     below: int,
     columns: int,
-) -> Rows:
+) -> SkyViewRays:
     """The rays of a table with `above` and `below` rows above and below the horizon."""
     inside = altitude_m <= atmosphere.top_altitude_m
     depth = np.array([_depth(atmosphere, 0.0, altitude_m), 2.0])
@@ -68,7 +68,7 @@ def table_rows(
     nu = np.clip((mu * mu_s)[:, None] + across[:, None] * cos_phi, -1.0, 1.0)
     if inside:
         start = np.full(mu.shape, altitude_m)
-        return Rows(start, mu, hits, np.full(nu.shape, mu_s), nu, depth)
+        return SkyViewRays(start, mu, hits, np.full(nu.shape, mu_s), nu, depth)
     return _entering(atmosphere, altitude_m, sine, mu, hits, mu_s, nu, depth)
 
 
@@ -90,7 +90,7 @@ def _entering(
     mu_s: float,
     nu: FloatArray,
     depth: FloatArray,
-) -> Rows:
+) -> SkyViewRays:
     """The rays of an observer above the air, from where they enter it."""
     radius = atmosphere.ground_radius_m + altitude_m
     top_m = atmosphere.top_altitude_m
@@ -98,7 +98,7 @@ def _entering(
     planet = atmosphere.ground_radius_m, top_m
     distance, mu_there, _ = entry_to_air(*planet, radius * mu, radius * sine)
     mu_s_there = (radius * mu_s + distance[:, None] * nu) / top_radius
-    return Rows(
+    return SkyViewRays(
         np.full(mu.shape, top_m),
         mu_there,
         hits,

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
 from bruneton_sky.sky_view.cube_kernels import fill_faces
-from bruneton_sky.sky_view.rays import Rows, table_rows
+from bruneton_sky.sky_view.rays import SkyViewRays, table_rows
 from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.grid import SunGrid
@@ -183,7 +183,7 @@ def _in_this_air(
 
 
 def _nodes(
-    field: SourceField, rows: Rows, counts: tuple[int, int, int], bands: AerosolBands
+    field: SourceField, rows: SkyViewRays, counts: tuple[int, int, int], bands: AerosolBands
 ) -> NDArray[np.float32]:
     """The nodes of a table for its rays; `counts`: steps, bins for light scattered once, and
     more."""
@@ -209,7 +209,9 @@ def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:
     return 5 * steps // 2, 5 * once // 2, more
 
 
-def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[int, int, int]]]:
+def _parts(
+    rows: SkyViewRays, counts: tuple[int, int, int]
+) -> list[tuple[slice, tuple[int, int, int]]]:
     """Rows and the counts they are made with: the limb, and the planet's disc."""
     if rows.depth[1] > 1.0:
         return [(slice(None), counts)]

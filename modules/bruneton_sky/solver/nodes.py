@@ -24,7 +24,7 @@ from bruneton_sky.solver.scattering_operator import (
 )
 from bruneton_sky.solver.sizes import LATER, SolverSizes
 from bruneton_sky.solver.source_field import make_source
-from bruneton_sky.solver.wavelength_groups import LANES, Air, in_lanes
+from bruneton_sky.solver.wavelength_groups import LANES, WavelengthGroup, in_lanes
 from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Nodes(NamedTuple):
     phase functions.
     """
 
-    air: Air
+    air: WavelengthGroup
     sizes: SolverSizes
     altitude_m: FloatArray
     suns: SunGrid
@@ -123,7 +123,9 @@ class Nodes(NamedTuple):
         return np.asarray(light.reshape(-1, LANES), dtype=np.float32)
 
 
-def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes, group: int = 0) -> Nodes:
+def make_nodes(
+    atmosphere: Atmosphere, air: WavelengthGroup, sizes: SolverSizes, group: int = 0
+) -> Nodes:
     """The nodes of an atmosphere for a group of its wavelengths, whose air is `air`."""
     altitude = altitude_nodes(atmosphere, sizes.altitude)
     if air.layer_share > 0.0:
@@ -151,7 +153,7 @@ def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
     )
 
 
-def make_transmittance(air: Air) -> Lanes:
+def make_transmittance(air: WavelengthGroup) -> Lanes:
     """Transmittance (altitudes, columns * 4) of the sun's light, see `fill_transmittance`."""
     rows = nodes_of_axis(_TRANSMITTANCE_ROWS, air.layer_share)
     table = np.empty((rows, _TRANSMITTANCE_COLUMNS, LANES), dtype=np.float32)

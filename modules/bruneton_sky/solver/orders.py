@@ -16,7 +16,7 @@ from bruneton_sky.solver.sizes import LATER, SolverSizes
 from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.wavelength_groups import (
     LANES,
-    Air,
+    WavelengthGroup,
     groups_of_air,
     is_hazy,
     is_thick_haze,
@@ -212,7 +212,7 @@ def _quotient(part: Lanes, whole: Lanes) -> Lanes:
     return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
 
 
-def _skipped(groups: list[Air], orders: int, sums: list[_Sum]) -> dict[str, int]:
+def _skipped(groups: list[WavelengthGroup], orders: int, sums: list[_Sum]) -> dict[str, int]:
     """Counts of groups of wavelengths without a term, and of orders and bins not needed."""
     return {
         "molecules": sum(not air.scattering[0].any() for air in groups),

@@ -20,7 +20,7 @@ HAZE_REACH, HAZE_SHARE = 1.0, 0.4
 _HAZE, _THICK_HAZE = 0.1, 0.4
 
 
-class Air(NamedTuple):
+class WavelengthGroup(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
     `extinction` (5, 4): of molecules, aerosol, absorber, fog, aerosol aloft; `scattering` (4, 4):
@@ -46,7 +46,7 @@ class Air(NamedTuple):
     ground_albedo: NDArray[np.float64]
 
 
-def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
+def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
     """The atmosphere in groups of four wavelengths."""
     extinction = _in_fours(
         [
@@ -69,7 +69,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
     molecules = np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms))
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
     return [
-        Air(
+        WavelengthGroup(
             atmosphere.ground_radius_m,
             atmosphere.top_altitude_m,
             atmosphere.mie_scale_height_m,

@@ -21,7 +21,7 @@ from bruneton_sky.tables.parametrisations import (
     parametrisation_of,
     transmittance_coordinates,
 )
-from bruneton_sky.tables.rays import View, after, dot, level, moved, to_edge, view_from
+from bruneton_sky.tables.rays import ViewState, after, dot, level, moved, to_edge, view_from
 from bruneton_sky.tables.sizes import TableSizes, refuse_untabled, table_shapes
 from vrut_lite.arguments import check_type
 from vrut_lite.numeric_types import FloatArray
@@ -114,7 +114,7 @@ def smooth_step(low: ArrayLike, high: ArrayLike, value: ArrayLike) -> FloatArray
 
 
 def sky_radiance(
-    tables: TableArrays, view: View, shadow_length_m: FloatArray
+    tables: TableArrays, view: ViewState, shadow_length_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Radiance (..., C) of the air along whole rays, and transmittance (..., C) to space.
 
@@ -156,7 +156,7 @@ def with_phases(
 
 
 def radiance_to_point(
-    tables: TableArrays, view: View, distance_m: FloatArray, shadow_length_m: FloatArray
+    tables: TableArrays, view: ViewState, distance_m: FloatArray, shadow_length_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Radiance (..., C) that the air adds on the way to points, and its transmittance.
 
@@ -210,7 +210,7 @@ def sun_and_sky_irradiance(
     return disc * facing, _level_sky(tables, *level(air, point, sun)) * open_sky
 
 
-def ground_radiance(tables: TableArrays, view: View) -> FloatArray:
+def ground_radiance(tables: TableArrays, view: ViewState) -> FloatArray:
     """Radiance (..., C) of the bare level ground at the end of rays, through the air before it.
 
     R[L0] and R^[L*] of the thesis's equations 2.12 and 2.26; 0 where a ray misses the ground.

@@ -12,7 +12,7 @@ from bruneton_sky.tables.ray_lengths import ground_distance
 from vrut_lite.numeric_types import FloatArray
 
 
-class View(NamedTuple):
+class ViewState(NamedTuple):
     """A view: the state where its ray is first inside the air.
 
     `entry_m` (...,) is the distance from the observer to there, 0 for one in the air; `misses`:
@@ -24,7 +24,7 @@ class View(NamedTuple):
     misses: NDArray[np.bool_]
 
 
-def view_from(air: Atmosphere, camera: FloatArray, view: FloatArray, sun: FloatArray) -> View:
+def view_from(air: Atmosphere, camera: FloatArray, view: FloatArray, sun: FloatArray) -> ViewState:
     """The view from points (..., 3) in m along unit vectors (..., 3).
 
     From outside, the ray's state at its entry is made from its distance to the planet's
@@ -44,7 +44,7 @@ def view_from(air: Atmosphere, camera: FloatArray, view: FloatArray, sun: FloatA
     mu_s = (dot(camera, sun) + entry * nu) / np.where(outside, top_radius, radius)
     hits = make_ray(air.ground_radius_m, altitude, mu).hits_ground()
     state = State(altitude, mu, np.clip(mu_s, -1.0, 1.0), nu, hits)
-    return View(state, entry, misses)
+    return ViewState(state, entry, misses)
 
 
 def level(air: Atmosphere, point: FloatArray, sun: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.tables import look_ups
-from bruneton_sky.tables.rays import View, view_from
+from bruneton_sky.tables.rays import ViewState, view_from
 from vrut_lite.arguments import as_numbers, as_vectors, check_shapes
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
@@ -100,7 +100,7 @@ class Tables(look_ups.TableArrays):
         check_shapes(point_m=point, normal=facing, sun=to_sun)
         return look_ups.sun_and_sky_irradiance(self, point, facing, to_sun)
 
-    def _view(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> View:
+    def _view(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> ViewState:
         camera = self._point("camera_m", camera_m)
         along, to_sun = _checked_direction("view", view), _checked_direction("sun", sun)
         check_shapes(camera_m=camera, view=along, sun=to_sun)
@@ -132,7 +132,7 @@ def _checked_direction(name: str, value: ArrayLike) -> FloatArray:
     return direction / length
 
 
-def _shadow(shadow_length_m: ArrayLike, seen: View) -> FloatArray:
+def _shadow(shadow_length_m: ArrayLike, seen: ViewState) -> FloatArray:
     """Lengths (...,) in m that broadcast against the views."""
     shadow_m = as_numbers("shadow_length_m", shadow_length_m, 0.0, _FARTHEST_M, "m")
     check_shapes(shadow_length_m=shadow_m, rays=seen.state.mu_s)

@@ -24,7 +24,7 @@ from clouds.model.cloud_density import (
     WEATHER_WARP,
     WEATHER_WAVES,
 )
-from clouds.model.cloud_spread import Spread
+from clouds.model.cloud_spread import CloudSpread
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.messages.clouds import CloudForm
 from vrut_lite.njit import SUMS_IN_ORDER, njit
@@ -83,7 +83,7 @@ class Field(NamedTuple):
     levels: NDArray[np.int64]
     logs: tuple[float, ...]
     last: tuple[float, ...]
-    spread: Spread
+    spread: CloudSpread
     origin: tuple[float, ...]
     threshold: float
     extinction_per_m: float

@@ -21,7 +21,7 @@ _WIDTHS_M = 2.0 ** np.arange(24)
 _TOLD, _NONE = 0.02, 1e-6
 
 
-class Spread(NamedTuple):
+class CloudSpread(NamedTuple):
     """Standard deviations of weather and noise within a width: most / (1 + (half_m / width)^power).
 
     The noise is the shape less the detail times the form's `fraying`. Each (2,), weather first;
@@ -33,7 +33,7 @@ class Spread(NamedTuple):
     power: tuple[float, float]
 
 
-def spread_of(layer: CloudLayer) -> Spread:
+def spread_of(layer: CloudLayer) -> CloudSpread:
     """The spread fitted to that of the layer's maps, about 0.01."""
     form = layer.form
     first, second = (_variance(layer.weather, period) for period in form.weather_periods_m)
@@ -42,7 +42,7 @@ def spread_of(layer: CloudLayer) -> Spread:
     noise = shape + form.fraying**2 * _variance(layer.detail, form.detail_period_m)
     fits = [_fitted(np.sqrt(variance)) for variance in (weather, noise)]
     most, log_half, power = zip(*fits, strict=True)
-    return Spread(most, log_half, power)
+    return CloudSpread(most, log_half, power)
 
 
 def _fitted(deviations: FloatArray) -> tuple[float, float, float]:

@@ -108,7 +108,7 @@ def ice_crystals() -> PhaseTable:
         return PhaseTable(data["phase_per_sr"])
 
 
-class Scatterer(NamedTuple):
+class CloudParticles(NamedTuple):
     """Optical properties of a layer's particles.
 
     Attributes:
@@ -120,7 +120,7 @@ class Scatterer(NamedTuple):
     diffused: float
 
 
-def scatterer(particles: Particles) -> Scatterer:
+def scatterer(particles: Particles) -> CloudParticles:
     """The particles of a layer. Ice is diffused as droplets of the same scaled depth are."""
     if particles == "ice":
         wide = ice_crystals().values[::-1].T
@@ -128,7 +128,7 @@ def scatterer(particles: Particles) -> Scatterer:
     else:
         parts, diffused = _droplets_parts(), 1.0 - transport_tables().forward_share
     twice = np.repeat(transport_tables().log_twice[:, None], 3, axis=1)
-    return Scatterer(np.stack([*parts, twice]), diffused)
+    return CloudParticles(np.stack([*parts, twice]), diffused)
 
 
 def layer_transmittance(optical_depth: ArrayLike, sun_sine: ArrayLike) -> FloatArray:

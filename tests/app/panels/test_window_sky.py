@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox
 
 from vrut_lite.app.engine.module_states import states_of
 from vrut_lite.app.panels.module_panel import ModulePanel
-from vrut_lite.app.panels.number_field import NumberField, Scale
+from vrut_lite.app.panels.number_field import FieldScale, NumberField
 from vrut_lite.kernel.messages import SetSetting, SettingChanged, SlotChanged
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.sky import BackgroundChanged
@@ -178,7 +178,7 @@ def use(row):
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (1.0, 10.0), (50.0, 20_000.0), (-5.0, 5.0)])
 def test_a_slider_and_its_value_are_one(low, high):
     """Shares and values lead to each other; ranges over a factor of 100 go by factors."""
-    scale = Scale(low, high)
+    scale = FieldScale(low, high)
     assert scale.logarithmic == (low == 50.0)
     for share in (0.0, 0.25, 0.5, 1.0):
         assert scale.share_of(scale.value_at(share)) == pytest.approx(share)

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 from window_driver import SCENES
 
 from vrut_lite.app.view.camera_rig import CameraRig
-from vrut_lite.app.view.surroundings import Surroundings
+from vrut_lite.app.view.surroundings import OccupiedCells
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.project import load_project
 from vrut_lite.scene.loading import load_scene
@@ -24,7 +24,7 @@ def pavilion():
 
 @pytest.fixture(scope="module")
 def around(pavilion):
-    return Surroundings(pavilion)
+    return OccupiedCells(pavilion)
 
 
 def test_surfaces_fill_their_cells(pavilion, around):

@@ -10,7 +10,7 @@ from vrut_lite.app.compare.sky_comparison import (
     ANGLES_DEG,
     HAZE,
     SLOT,
-    Compared,
+    ComparedSkies,
     SkyComparison,
     Spectra,
     comparable,
@@ -127,7 +127,7 @@ class ComparePanel(QWidget):
         """Stop the comparison."""
         self.comparison.set_active(False)
 
-    def _show(self, compared: Compared) -> None:
+    def _show(self, compared: ComparedSkies) -> None:
         two = compared.two
         for disc, pixels in zip(self.discs, compared.discs, strict=True):
             disc.show_sky(pixels, two.sun.direction, two.wish.place.north_offset_rad)

@@ -38,7 +38,7 @@ DISC_SIZE = 192
 ANGLES_DEG = np.linspace(-90.0, 90.0, 181)
 
 
-class Compared(NamedTuple):
+class ComparedSkies(NamedTuple):
     """Two skies as shown: fisheyes (size, size, 3) at one exposure, and numbers.
 
     `meridian_cd_m2` holds (2, n) at `ANGLES_DEG`; `ratios` are those of `luminance_ratios`.
@@ -59,8 +59,8 @@ class Spectra(NamedTuple):
 
 
 class SkyComparison(QObject):
-    """Signals: `compared` (a `Compared`), then `spectra_seen` (a `Spectra`), which takes longer;
-    `refused` (a line), `shared_changed` (name, value).
+    """Signals: `compared` (a `ComparedSkies`), then `spectra_seen` (a `Spectra`), which takes
+    longer; `refused` (a line), `shared_changed` (name, value).
 
     Works only while it is active. `haze` is that of both skies, whatever their presets; `shared`
     are the other settings that both have by one name. Both get the same value, typed here or last
@@ -177,7 +177,9 @@ class SkyComparison(QObject):
                     partial(question, asked), self._take, partial(self._refuse, asked)
                 )
 
-    def _compare(self, asked: tuple[SkyWish, Vector], second: PreviewKernel) -> Compared | None:
+    def _compare(
+        self, asked: tuple[SkyWish, Vector], second: PreviewKernel
+    ) -> ComparedSkies | None:
         """On the second kernel's thread: both skies, unless they exist or others were requested."""
         wish, _ = asked
         if asked is not self._asked or wish == self._made:
@@ -199,8 +201,8 @@ class SkyComparison(QObject):
             return None
         return Spectra(direction, spectra_along(second, wish, direction))
 
-    def _take(self, answer: Compared | Spectra | None) -> None:
-        if isinstance(answer, Compared):
+    def _take(self, answer: ComparedSkies | Spectra | None) -> None:
+        if isinstance(answer, ComparedSkies):
             self.compared.emit(answer)
         elif answer is not None:
             self.spectra_seen.emit(answer)
@@ -217,14 +219,14 @@ def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:
     return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
 
 
-def compared(two: TwoSkies) -> Compared:
+def compared(two: TwoSkies) -> ComparedSkies:
     """Pictures and numbers of two skies."""
     directions, inside = fisheye_directions(DISC_SIZE, two.wish.place.north_offset_rad)
     discs = [sample_sky(look.cube, directions) * inside[..., None] for look in two.looks]
     ev100 = automatic_ev100(discs[0][inside])
     left, right = (display_picture(disc, ev100).astype(np.uint8) for disc in discs)
     meridian = [meridian_luminance(look.cube, two.sun, ANGLES_DEG) for look in two.looks]
-    return Compared(two, (left, right), ev100, np.array(meridian), luminance_ratios(two))
+    return ComparedSkies(two, (left, right), ev100, np.array(meridian), luminance_ratios(two))
 
 
 def shared_settings(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:

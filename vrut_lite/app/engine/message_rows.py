@@ -15,7 +15,7 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Input, Message
-from vrut_lite.kernel.trace import Entry
+from vrut_lite.kernel.trace import TraceEntry
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
 from vrut_lite.recording.entry import Entry as JournalEntry
 from vrut_lite.recording.journal_reader import Journal
@@ -66,7 +66,7 @@ class MessageWatch:
             return []
         oldest = min(rows)
         for delivery in reversed(self._kernel.trace.deliveries.copy()):
-            entry = Entry(*delivery)
+            entry = TraceEntry(*delivery)
             if entry.sequence < oldest:
                 break
             if entry.sequence in rows:
@@ -99,7 +99,7 @@ def _fields_of(message: Message) -> Fields:
         return (("", f"cannot be shown: {sentence_of(error)}"),)
 
 
-def _delivered(row: MessageRow, entry: Entry) -> MessageRow:
+def _delivered(row: MessageRow, entry: TraceEntry) -> MessageRow:
     receivers = (entry.receiver, *row.receivers) if entry.receiver else row.receivers
     ms = (row.ms or 0.0) + (entry.end_ns - entry.start_ns) / 1e6
     # An input type that a module posts (a demand) is not an input from outside.

@@ -10,7 +10,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, Signal
 
 from vrut_lite.app.engine.day import Day
-from vrut_lite.commands.pictures import Made, Plan, make_one
+from vrut_lite.commands.pictures import Made, PicturePlan, make_one
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.workers import spawn_context
 from vrut_lite.pictures.film import FILM_FORMATS, film_format, film_of_files
@@ -50,7 +50,7 @@ class DaySequence(QObject):
         open_workers: Callable[[], Executor] = one_process,
     ):
         super().__init__(parent)
-        self._plan: Plan = ScenePlan(project)
+        self._plan: PicturePlan = ScenePlan(project)
         self._instants, self._target = instants, target
         self._open_workers = open_workers
         self._workers: Executor | None = None

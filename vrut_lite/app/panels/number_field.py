@@ -28,7 +28,7 @@ class NumberField(QWidget):
         decimals: int | None = None,
     ):
         super().__init__()
-        self._scale = None if low is None or high is None else Scale(low, high)
+        self._scale = None if low is None or high is None else FieldScale(low, high)
         self.spin = _Spin()
         self.spin.setRange(
             -_UNBOUNDED if low is None else low, _UNBOUNDED if high is None else high
@@ -120,7 +120,7 @@ class _Spin(QDoubleSpinBox):
             event.ignore()
 
 
-class Scale:
+class FieldScale:
     """Maps a range of values to 0..1, linearly or logarithmically."""
 
     def __init__(self, low: float, high: float):
@@ -146,5 +146,5 @@ def _decimals(low: float | None, high: float | None) -> int:
     """Decimals that show a hundredth of the range, or of its low end if it is logarithmic."""
     if low is None or high is None:
         return 3
-    finest = low if Scale(low, high).logarithmic else high - low
+    finest = low if FieldScale(low, high).logarithmic else high - low
     return min(max(2 - math.floor(math.log10(max(finest, 1e-6))), 0), 6)

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app.icons import put_sign
-from vrut_lite.app.panels.number_field import NumberField, Scale
+from vrut_lite.app.panels.number_field import FieldScale, NumberField
 from vrut_lite.app.widgets import Chooser
 from vrut_lite.kernel.settings import SettingSpec
 
@@ -106,7 +106,7 @@ class SettingRow(QObject):
             return spec.type()
         if spec.at_least is None or spec.at_most is None:
             return spec.type(spec.at_least or 0)
-        return spec.type(Scale(spec.at_least, spec.at_most).value_at(0.5))
+        return spec.type(FieldScale(spec.at_least, spec.at_most).value_at(0.5))
 
     def _editor(self) -> tuple[QWidget, Callable[[Any], None]]:
         if self.spec.choices:

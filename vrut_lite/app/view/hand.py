@@ -6,7 +6,7 @@ from enum import Enum
 from PySide6.QtCore import Qt
 
 from vrut_lite.app.view.camera_rig import CameraRig
-from vrut_lite.app.view.surroundings import Surroundings
+from vrut_lite.app.view.surroundings import OccupiedCells
 
 _TURNS = {
     Qt.Key.Key_Left: (0.02, 0.0), Qt.Key.Key_Right: (-0.02, 0.0),
@@ -30,7 +30,7 @@ class Hand:
     def __init__(self) -> None:
         self.rig = CameraRig()
         self.mode = CameraMode.ORBIT
-        self.surroundings: Surroundings | None = None
+        self.surroundings: OccupiedCells | None = None
         # Whether this drag looks around, since the eye stands among walls.
         self._looks_around = False
 

@@ -20,7 +20,7 @@ _MOST_STEPS = 2000
 _CLEARANCE, _LEAST_CLEARANCE_M = 0.003, 0.02
 
 
-class Surroundings:
+class OccupiedCells:
     """Cells of one size, each with or without a surface in it; lengths in metres, world axes."""
 
     def __init__(self, scene: SceneOpened):

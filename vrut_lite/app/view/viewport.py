@@ -35,7 +35,7 @@ from vrut_lite.app.view.loading import Loading
 from vrut_lite.app.view.picture_painting import paint_picture, write
 from vrut_lite.app.view.picture_sign import PictureSign
 from vrut_lite.app.view.sun_path import SunPath
-from vrut_lite.app.view.surroundings import Surroundings
+from vrut_lite.app.view.surroundings import OccupiedCells
 from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.messages.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.messages.picture import Resize
@@ -162,9 +162,9 @@ class Viewport(QWidget):
         scene = self._scene
         if scene is not None and not self._knows_surroundings:
             self._knows_surroundings = True
-            self._session.look_up(lambda _: (scene, Surroundings(scene)), self._take_surroundings)
+            self._session.look_up(lambda _: (scene, OccupiedCells(scene)), self._take_surroundings)
 
-    def _take_surroundings(self, found: tuple[SceneOpened, Surroundings]) -> None:
+    def _take_surroundings(self, found: tuple[SceneOpened, OccupiedCells]) -> None:
         if found[0] is self._scene:
             self._hand.surroundings = found[1]
 

@@ -22,7 +22,7 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.sky.sky_sum import SkySum
-from vrut_lite_lab.bench.bench_path import BenchPath, Clock, Group, Spent, Work
+from vrut_lite_lab.bench.bench_path import BenchPath, Group, Spent, Work, WorkClock
 from vrut_lite_lab.bench.paths.frame import SCENES
 
 FILES = (
@@ -59,7 +59,7 @@ def _path(name: str) -> BenchPath:
         parameters={},
         prepare=lambda: lambda: None,
         error=None,
-        clock=Clock("CPU time of all threads from SceneOpened to the first light", spent),
+        clock=WorkClock("CPU time of all threads from SceneOpened to the first light", spent),
     )
 
 

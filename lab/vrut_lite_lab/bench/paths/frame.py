@@ -27,10 +27,10 @@ from vrut_lite_lab.bench.bench_path import (
     CPU_TIME,
     WALL_TIME,
     BenchPath,
-    Clock,
     Group,
     Spent,
     Work,
+    WorkClock,
     cpu_spent,
 )
 from vrut_lite_lab.bench.gl import (
@@ -102,7 +102,7 @@ def _group(
     )
 
 
-class Stage:
+class FrameStage:
     """A host with a scene open, in pictures of a size."""
 
     def __init__(self, scene: str, size: Size):
@@ -169,10 +169,10 @@ def _project(scene: str, size: Size) -> Project:
 
 
 @lru_cache(maxsize=1)
-def stage(scene: str, size: Size) -> Stage:
+def stage(scene: str, size: Size) -> FrameStage:
     """The stage of a scene and size. There is one at a time, and no other OpenGL context."""
     close_gl()
-    made = Stage(scene, size)
+    made = FrameStage(scene, size)
     on_close(stage.cache_clear)
     on_close(made.host.close)
     return made
@@ -206,7 +206,7 @@ def _pass_path(scene: str, size: Size, said: str, name: str, settings: Settings)
         """One of a frame's passes; a frame serves all its passes, each once."""
         return stage(scene, size).next_pass(name, settings)
 
-    clock = Clock(clock_name(renderer()), spent)
+    clock = WorkClock(clock_name(renderer()), spent)
     return _path(size, said, lambda: lambda: None, clock)
 
 
@@ -214,7 +214,7 @@ def _path(
     size: Size,
     name: str,
     prepare: Callable[[], Work],
-    clock: Clock,
+    clock: WorkClock,
     done: Callable[[Work], int] | None = None,
 ) -> BenchPath:
     width, height = size

@@ -22,7 +22,15 @@ from vrut_lite.messages.camera import look_at
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.pyrender_scene import PyrenderScene
-from vrut_lite_lab.bench.bench_path import CPU_TIME, WALL_TIME, BenchPath, Clock, Group, Spent, Work
+from vrut_lite_lab.bench.bench_path import (
+    CPU_TIME,
+    WALL_TIME,
+    BenchPath,
+    Group,
+    Spent,
+    Work,
+    WorkClock,
+)
 from vrut_lite_lab.bench.gl import close_gl, has_timer, missing_gl, on_close, renderer
 from vrut_lite_lab.bench.paths.frame import SCENES
 
@@ -70,9 +78,9 @@ def _paths(scene: str) -> list[BenchPath]:
 
         return prepared
 
-    drawn: dict[str, tuple[Callable[[Pair], Any], Clock]] = {
+    drawn: dict[str, tuple[Callable[[Pair], Any], WorkClock]] = {
         "pyrender": (Pair.peer_frame, clock),
-        "whole frame": (Pair.whole_frame, Clock(clock.name, after_a_moved_sun)),
+        "whole frame": (Pair.whole_frame, WorkClock(clock.name, after_a_moved_sun)),
         "film frame": (Pair.film_frame, clock),
     }
 

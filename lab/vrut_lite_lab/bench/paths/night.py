@@ -21,7 +21,7 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.project import Project, daylight_inputs, view_inputs
-from vrut_lite_lab.bench.bench_path import BenchPath, Clock, Group, Spent, Work
+from vrut_lite_lab.bench.bench_path import BenchPath, Group, Spent, Work, WorkClock
 from vrut_lite_lab.bench.gl import PassTimer, clock_name, close_gl, missing_gl, on_close, renderer
 from vrut_lite_lab.bench.paths.frame import PAVILION, SCENES
 
@@ -128,7 +128,7 @@ def _frame_path(stars: int) -> BenchPath:
         prepare=prepare,
         error=None,
         batch=f"{stars} stars",
-        clock=Clock(clock_name(renderer()), _spent(made, bool(stars))),
+        clock=WorkClock(clock_name(renderer()), _spent(made, bool(stars))),
         device="GPU",
     )
 

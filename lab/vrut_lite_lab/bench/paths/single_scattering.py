@@ -64,7 +64,7 @@ def _group(name: str, quick: bool) -> Group:
     )
 
 
-class Rays:
+class ObserverRays:
     """Rays (n,) of one observer and one sun, in one air."""
 
     def __init__(self, atmosphere: Atmosphere, height_m: float, elevation_deg: float):
@@ -84,10 +84,10 @@ class Rays:
 
 
 @lru_cache
-def all_rays(name: str) -> list[Rays]:
+def all_rays(name: str) -> list[ObserverRays]:
     """The grid of conditions in an air."""
     atmosphere = air(name)
-    return [Rays(atmosphere, height_m, sun) for height_m in HEIGHTS_M for sun in SUNS_DEG]
+    return [ObserverRays(atmosphere, height_m, sun) for height_m in HEIGHTS_M for sun in SUNS_DEG]
 
 
 @lru_cache
@@ -102,7 +102,7 @@ def _by_rule(name: str, rule: Rule, samples: Samples) -> BenchPath:
 
 
 def _compiled(name: str, nodes: int) -> BenchPath:
-    def light(r: Rays) -> FloatArray:
+    def light(r: ObserverRays) -> FloatArray:
         return r.light(
             *fast_scattered_without_phase(r.atmosphere, r.height_m, r.mu, r.mu_s, r.nu, nodes)
         )
@@ -127,7 +127,7 @@ def _all_by_rule(name: str, rule: Rule, samples: Samples) -> Work:
     )
 
 
-def _of_all_rays(name: str, light: Callable[[Rays], FloatArray]) -> Work:
+def _of_all_rays(name: str, light: Callable[[ObserverRays], FloatArray]) -> Work:
     return lambda: [light(rays) for rays in all_rays(name)]
 
 

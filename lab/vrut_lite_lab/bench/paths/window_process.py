@@ -29,7 +29,7 @@ from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.trace import Entry
+from vrut_lite.kernel.trace import TraceEntry
 from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.sky import BackgroundChanged
@@ -78,7 +78,7 @@ class Span(NamedTuple):
         return max(0.0, min(self.end_s, other.end_s) - max(self.start_s, other.start_s))
 
 
-class Window:
+class WatchedWindow:
     """The application's window with a scene open, its event loop watched."""
 
     def __init__(
@@ -188,7 +188,7 @@ class Window:
 class Stopwatch(QObject):
     """Times the parts of the way from a slider to the paint event that shows its picture."""
 
-    def __init__(self, bench: Window):
+    def __init__(self, bench: WatchedWindow):
         super().__init__()
         self._bench = bench
         self._shown: Shown | None = None
@@ -214,7 +214,7 @@ class Stopwatch(QObject):
 
     def _handler_s(self, since_ns: int) -> float:
         """Time of all handlers since then, from the kernel's trace."""
-        answers: list[list[Entry]] = []
+        answers: list[list[TraceEntry]] = []
         self._bench.session.ask(lambda stage: stage.kernel.trace.entries(), answers.append)
         self._bench.until(lambda: bool(answers))
         late = (entry for entry in answers[0] if entry.start_ns >= since_ns and entry.receiver)
@@ -240,7 +240,7 @@ class Stopwatch(QObject):
             self._is_finished |= shown.still
 
 
-def latency(bench: Window, sky: str) -> list[float]:
+def latency(bench: WatchedWindow, sky: str) -> list[float]:
     """Seconds of `PARTS`: medians of some moves of a sky's turbidity."""
     bench.choose(sky)
     row = bench.window.panels["sky"].panels[sky].rows["turbidity"]  # type: ignore[attr-defined]
@@ -251,7 +251,7 @@ def latency(bench: Window, sky: str) -> list[float]:
     return [float(seconds) for seconds in np.median(np.array(moves), axis=0)]
 
 
-def acts(bench: Window) -> dict[str, Callable[[], None]]:
+def acts(bench: WatchedWindow) -> dict[str, Callable[[], None]]:
     """Acts during which the event loop is watched."""
     send = bench.session.send
 
@@ -287,7 +287,7 @@ def acts(bench: Window) -> dict[str, Callable[[], None]]:
     return dict(zip(ACTS, (rest, solve, load, clouds, sleep), strict=True))
 
 
-def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
+def pace(bench: WatchedWindow, playing: bool) -> tuple[float, float, float, float]:
     """Seconds of `PACE_PARTS` and the share of the width, while time plays or the camera turns."""
     # Width in pixels and seconds: pictures that were kept would take fresh memory, and time.
     drawn: list[tuple[int, float]] = []
@@ -331,7 +331,7 @@ def latencies() -> dict[str, float]:
         "CPU": lambda: CpuSkyStage("measured"),
     }
     for renderer, stage in stages.items():
-        bench = Window(stage)
+        bench = WatchedWindow(stage)
         bench.watch_no_gaps()
         for sky in SKIES:
             for part, seconds in zip(PARTS, latency(bench, sky), strict=True):
@@ -343,7 +343,7 @@ def latencies() -> dict[str, float]:
 def gaps() -> dict[str, float]:
     """Of `window-gaps`."""
     found: dict[str, float] = {}
-    bench = Window(GlStage)
+    bench = WatchedWindow(GlStage)
     # As the application does.
     gc.freeze()
     bench.choose("bruneton_sky")
@@ -358,7 +358,7 @@ def paces() -> dict[str, float]:
     """Of `window-pace`, and the share of the width."""
     found: dict[str, float] = {}
     for scene in PACE_SCENES:
-        bench = Window(GlStage, scene, PACE_SIZE)
+        bench = WatchedWindow(GlStage, scene, PACE_SIZE)
         gc.freeze()
         bench.watch_no_gaps()
         for name in PACES:

@@ -12,7 +12,7 @@ from bruneton_sky.atmosphere import Atmosphere
 
 from vrut_lite.atmosphere.aerosol import turbidity_of_optical_depth
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.study.framework.day import KIDER, Day
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.framework.tables import table_spectra
 
@@ -52,7 +52,7 @@ class StudyAtmosphere:
         return cls.of_day(KIDER)
 
     @classmethod
-    def of_day(cls, day: Day) -> Self:
+    def of_day(cls, day: MeasuredDay) -> Self:
         """The same with a day's aerosol, Angstrom's, of which 0.8 is scattering.
 
         The sun is at 1 au and there is no ozone, as published.

@@ -14,7 +14,7 @@ FILE = "day.toml"
 _INPUTS = ("optical_depth_550", "angstrom_exponent", "ozone_du", "sun_distance_au")
 
 
-class Day(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class MeasuredDay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What `day.toml` says beside the scans; `sources` names where each input is from.
 
     `optical_depth_550` is the aerosol's, vertical; `sun_distance_au` is computed where it is not
@@ -71,7 +71,7 @@ class Day(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
 
 
 # Kider et al. 2014; the air of Bruneton's evaluation of 2016.
-KIDER = Day(
+KIDER = MeasuredDay(
     place="Ithaca, New York",
     date=date(2013, 5, 27),
     latitude_deg=42.44337,
@@ -90,7 +90,7 @@ KIDER = Day(
 )
 
 
-def day_of(folder: Path, measured_on: date) -> Day:
+def day_of(folder: Path, measured_on: date) -> MeasuredDay:
     """What `day.toml` in a folder says, or Kider's day.
 
     Raises:
@@ -106,7 +106,7 @@ def day_of(folder: Path, measured_on: date) -> Day:
         )
     try:
         values: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8"))
-        day = msgspec.convert(values, Day)
+        day = msgspec.convert(values, MeasuredDay)
     except OSError as error:
         raise UserError(f"{file}: cannot be read: {error.strerror}") from None
     except (msgspec.ValidationError, ValueError) as error:

@@ -19,7 +19,7 @@ _CROSS_ARM = 5
 _MARK_STRENGTH = 64.0 / 255.0
 
 
-class Pixels(NamedTuple):
+class SkyPixels(NamedTuple):
     """Zenith angle and azimuth (n,) in rad of a picture's pixels that show sky.
 
     `rows` and `columns` (n,) say where they are, row 0 on top.
@@ -32,7 +32,7 @@ class Pixels(NamedTuple):
     azimuth_rad: FloatArray
 
 
-def pixels(size: int = SIZE) -> Pixels:
+def pixels(size: int = SIZE) -> SkyPixels:
     """The pixels inside the circle of a square picture."""
     half = size / 2.0
     rows, columns = np.indices((size, size))
@@ -41,10 +41,10 @@ def pixels(size: int = SIZE) -> Pixels:
     inside = radius < 1.0
     azimuth = np.mod(np.arctan2(x, -up), 2.0 * np.pi)
     where = rows[inside], columns[inside]
-    return Pixels(size, *where, radius[inside] * np.pi / 2.0, azimuth[inside])
+    return SkyPixels(size, *where, radius[inside] * np.pi / 2.0, azimuth[inside])
 
 
-def picture(at: Pixels, colours: NDArray[np.generic], around: int = 255) -> Picture:
+def picture(at: SkyPixels, colours: NDArray[np.generic], around: int = 255) -> Picture:
     """A picture (size, size, 3) of colours (n, 3): bytes, or fractions of white in 0 to 1.
 
     Fractions are cut, not rounded, to bytes, as published; `around` is the grey of the rest.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
-from vrut_lite_lab.study.framework.day import KIDER, Day, day_of
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay, day_of
 from vrut_lite_lab.study.framework.npz_file import read_npz
 from vrut_lite_lab.study.framework.scan_files import RawScan, read_archive, read_folder
 from vrut_lite_lab.study.framework.scan_order import sample_of_direction
@@ -39,7 +39,7 @@ class MeasuredSky:
 
     time: datetime
     radiance: NDArray[np.float64]
-    day: Day = KIDER
+    day: MeasuredDay = KIDER
 
     @cached_property
     def _sun(self) -> tuple[float, float]:
@@ -94,7 +94,7 @@ def _of_one_day(scans: list[RawScan], folder: Path) -> list[MeasuredSky]:
     return sorted((from_raw(scan, day) for scan in scans), key=lambda sky: sky.time)
 
 
-def from_raw(scan: RawScan, day: Day = KIDER) -> MeasuredSky:
+def from_raw(scan: RawScan, day: MeasuredDay = KIDER) -> MeasuredSky:
     """A scan as the evaluation takes it: resampled, faulty sample replaced, in usual order."""
     radiance = resampled(scan.wavelength_nm, scan.radiance)
     radiance[_FAULTY] = radiance[list(_NEIGHBOURS)].mean(axis=0)

@@ -15,7 +15,7 @@ from bruneton_sky import Atmosphere
 
 from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite_lab.study.framework.atmosphere import STUDY
-from vrut_lite_lab.study.framework.day import KIDER, Day
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
 from vrut_lite_lab.study.models.bruneton import Bruneton
 from vrut_lite_lab.study.models.model import SkyModel
 
@@ -39,7 +39,7 @@ class Change(NamedTuple):
     sky: Callable[[], SkyModel]
 
 
-def with_ozone(air: Atmosphere, day: Day = KIDER) -> Atmosphere:
+def with_ozone(air: Atmosphere, day: MeasuredDay = KIDER) -> Atmosphere:
     """The air with a day's ozone, which absorbs orange light."""
     absorption = ozone_absorption(air.wavelength_nm, day.ozone_du, _OZONE_LAYER_M)
     return replace(
@@ -50,7 +50,7 @@ def with_ozone(air: Atmosphere, day: Day = KIDER) -> Atmosphere:
     )
 
 
-def with_sun_of_the_day(air: Atmosphere, day: Day = KIDER) -> Atmosphere:
+def with_sun_of_the_day(air: Atmosphere, day: MeasuredDay = KIDER) -> Atmosphere:
     """The air under the sun as far away as it was; its tabulated light is that at 1 au."""
     sun = np.asarray(air.solar_irradiance) / day.sun_distance**2
     return replace(air, solar_irradiance=tuple(sun))

@@ -19,7 +19,7 @@ from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.models.haber_cells import (
     ACTIVE_EACH,
     STEP_RAD,
-    Cells,
+    RingCells,
     cell_azimuths,
     zenith_angles,
 )
@@ -133,7 +133,7 @@ def _published_scale(air: StudyAtmosphere, power: FloatArray, active: IntArray) 
     return float(EVENLY * sunlit.sum() / sunlit[:, active].sum())
 
 
-def _to_all_shells(cells: Cells, power: FloatArray) -> FloatArray:
+def _to_all_shells(cells: RingCells, power: FloatArray) -> FloatArray:
     """Powers (8, n, 36) of those of active rings, (8, m, 36), linear between their shells.
 
     Where there is no such shell on one side, as the one on the other.
@@ -150,7 +150,7 @@ def _to_all_shells(cells: Cells, power: FloatArray) -> FloatArray:
     return np.where((near >= 0)[:, None], spread, 0.0)
 
 
-def _by_zenith(cells: Cells, seen: FloatArray) -> FloatArray:
+def _by_zenith(cells: RingCells, seen: FloatArray) -> FloatArray:
     """Sums (19, 36, C) over the shells of (n, 36, C)."""
     first = np.flatnonzero(np.diff(cells.zenith, prepend=-1))
     return np.asarray(np.add.reduceat(seen, first, axis=0))

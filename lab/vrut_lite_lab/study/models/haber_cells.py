@@ -23,7 +23,7 @@ _SHELL_RATIO = (1.0 + np.pi / AZIMUTHS) / (1.0 - np.pi / AZIMUTHS)
 
 
 @dataclass(frozen=True, eq=False)
-class Layers:
+class HaberLayers:
     """Radii (51,) in m of the bounds of layers, densities (2, 50) of molecules and aerosol.
 
     Each holds an equal share of the molecules below 35 km, and the density of its middle.
@@ -34,7 +34,7 @@ class Layers:
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class RingCells:
     """The rings above the ground, by zenith angle and then outwards.
 
     Attributes:
@@ -46,7 +46,7 @@ class Cells:
         density: relative ones (2, n) of molecules and aerosol.
     """
 
-    layers: Layers
+    layers: HaberLayers
     zenith: IntArray
     shell: IntArray
     across_m: FloatArray
@@ -80,7 +80,7 @@ def zenith_angles(air: StudyAtmosphere) -> FloatArray:
     return np.asarray((np.arange(count) + 0.5) * STEP_RAD, dtype=float)
 
 
-def make_cells(air: StudyAtmosphere) -> Cells:
+def make_cells(air: StudyAtmosphere) -> RingCells:
     """The rings of an atmosphere."""
     layers = _layers(air)
     shells = np.ceil(np.log(_horizon_m(air) / _FIRST_SHELL_M) / np.log(_SHELL_RATIO))
@@ -94,7 +94,7 @@ def make_cells(air: StudyAtmosphere) -> Cells:
     wedge = STEP_RAD * 2.0 * np.sin(angle) * np.sin(0.5 * STEP_RAD)
     found = zenith, shell
     layer = np.searchsorted(layers.bounds_m, altitude[found] + air.ground_radius_m) - 1
-    return Cells(
+    return RingCells(
         layers=layers,
         zenith=zenith,
         shell=shell,
@@ -106,13 +106,13 @@ def make_cells(air: StudyAtmosphere) -> Cells:
     )
 
 
-def _layers(air: StudyAtmosphere) -> Layers:
+def _layers(air: StudyAtmosphere) -> HaberLayers:
     height = air.rayleigh_scale_height_m
     share = -np.expm1(-_TOP_M / height) * np.arange(_LAYERS + 1) / _LAYERS
     altitude = -height * np.log1p(-share)
     middle = 0.5 * (altitude[:-1] + altitude[1:])
     heights = np.array([height, air.mie_scale_height_m])
-    return Layers(air.ground_radius_m + altitude, np.exp(-middle / heights[:, None]))
+    return HaberLayers(air.ground_radius_m + altitude, np.exp(-middle / heights[:, None]))
 
 
 def _horizon_m(air: StudyAtmosphere) -> float:

@@ -18,7 +18,7 @@ from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.models.haber_cells import (
     HALF,
     STEP_RAD,
-    Cells,
+    RingCells,
     cell_azimuths,
     make_cells,
 )
@@ -39,7 +39,7 @@ class Transfer:
     air: StudyAtmosphere
 
     @cached_property
-    def cells(self) -> Cells:
+    def cells(self) -> RingCells:
         """The cells between which light passes."""
         return make_cells(self.air)
 

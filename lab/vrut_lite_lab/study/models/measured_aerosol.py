@@ -13,7 +13,7 @@ from bruneton_sky import Atmosphere, SolvedSky, solve
 from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY
-from vrut_lite_lab.study.framework.day import KIDER, Day
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
 from vrut_lite_lab.study.models.changes import with_ozone, with_sun_of_the_day
 from vrut_lite_lab.study.models.in_parts import in_parts
 from vrut_lite_lab.study.models.model import cosines
@@ -21,7 +21,7 @@ from vrut_lite_lab.study.models.model import cosines
 _TYPE = "continental-average"
 
 
-def measured_air(humidity_percent: float = 80.0, day: Day = KIDER) -> Atmosphere:
+def measured_air(humidity_percent: float = 80.0, day: MeasuredDay = KIDER) -> Atmosphere:
     """The study's molecules and ground, and OPAC's aerosol at the day's depth at 550 nm."""
     air = STUDY.bruneton_atmosphere()
     air = air.with_optics(type_optics(_TYPE, humidity_percent), day.optical_depth_550)

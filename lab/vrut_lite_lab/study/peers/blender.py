@@ -16,8 +16,8 @@ import OpenEXR
 from vrut_lite.atmosphere.aerosol import turbidity_of_optical_depth
 from vrut_lite.atmosphere.equal_haze import equal_sky
 from vrut_lite_lab.study.peers.airs import DEPTH, GROUND_ALBEDO
-from vrut_lite_lab.study.peers.peer import NotHere, Shot
-from vrut_lite_lab.study.peers.views import ON_GROUND, SPACE_M, TIMED, View, of_picture
+from vrut_lite_lab.study.peers.peer import NotHere, PeerShot
+from vrut_lite_lab.study.peers.views import ON_GROUND, SPACE_M, TIMED, SkyViewpoint, of_picture
 
 VARIABLE = "BLENDER_PYTHON"
 _LONGEST_S = 1800.0
@@ -50,14 +50,14 @@ class BlenderSky:
     cannot: str
     grey: bool = False
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From where it has a sky; analytic kinds from the ground, the sun up."""
         wanted = [view for view in views if self._can(view)]
         with tempfile.TemporaryDirectory() as name:
             jobs = [self._job(view, Path(name) / f"{n}.exr") for n, view in enumerate(wanted)]
             spent_s = _rendered(jobs, Path(name) / "jobs.json")
             return {
-                view: Shot(of_picture(_pixels(job["file"]), view), seconds)
+                view: PeerShot(of_picture(_pixels(job["file"]), view), seconds)
                 for view, job, seconds in zip(wanted, jobs, spent_s, strict=True)
             }
 
@@ -65,12 +65,12 @@ class BlenderSky:
         """Nothing: all is part of the picture."""
         return 0.0
 
-    def _can(self, view: View) -> bool:
+    def _can(self, view: SkyViewpoint) -> bool:
         if self.kind in _HIGHEST_M:
             return view.altitude_m <= _HIGHEST_M[self.kind]
         return view in ON_GROUND and view.sun_deg >= 0.0
 
-    def _job(self, view: View, file: Path) -> dict[str, object]:
+    def _job(self, view: SkyViewpoint, file: Path) -> dict[str, object]:
         turbidity = turbidity_of_optical_depth(DEPTH)
         if self.kind == "HOSEK_WILKIE":
             turbidity = equal_sky(DEPTH, float(np.radians(view.sun_deg))).turbidity

@@ -13,8 +13,8 @@ from vrut_lite.errors import UserError
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.peers.airs import DEPTH, GROUND_ALBEDO
-from vrut_lite_lab.study.peers.peer import NotHere, Shot
-from vrut_lite_lab.study.peers.views import HEIGHT, ON_GROUND, WIDTH, View, of_picture
+from vrut_lite_lab.study.peers.peer import NotHere, PeerShot
+from vrut_lite_lab.study.peers.views import HEIGHT, ON_GROUND, WIDTH, SkyViewpoint, of_picture
 
 
 @dataclass
@@ -27,7 +27,7 @@ class Sunsky:
     cannot: str = "a sun below 0°; observers aloft; ozone, aerosols, layers"
     grey: bool = False
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground, the sun up; the second of two pictures is timed, as code is kept."""
         try:
             mitsuba = load_mitsuba("llvm")
@@ -43,7 +43,7 @@ class Sunsky:
                 start = time.process_time()
                 seen = _picture(mitsuba, drjit, view)
                 least = min(least, time.process_time() - start)
-            found[view] = Shot(of_picture(seen, view), least)
+            found[view] = PeerShot(of_picture(seen, view), least)
         return found
 
     def prepared_s(self) -> float:
@@ -51,7 +51,7 @@ class Sunsky:
         return 0.0
 
 
-def _picture(mitsuba: Any, drjit: Any, view: View) -> FloatArray:
+def _picture(mitsuba: Any, drjit: Any, view: SkyViewpoint) -> FloatArray:
     sun = view.sun_direction
     emitter = mitsuba.load_dict(
         {

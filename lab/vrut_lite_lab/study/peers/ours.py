@@ -20,14 +20,14 @@ from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.models.preetham import Preetham
 from vrut_lite_lab.study.peers.airs import DEPTH, GROUND_ALBEDO, air, continental
-from vrut_lite_lab.study.peers.peer import PeerAir, Shot
+from vrut_lite_lab.study.peers.peer import PeerAir, PeerShot
 from vrut_lite_lab.study.peers.truth import seen_rgb
 from vrut_lite_lab.study.peers.views import (
     HEIGHT,
     ON_GROUND,
     SPACE_M,
     TIMED,
-    View,
+    SkyViewpoint,
     of_picture,
     rays,
     whole,
@@ -57,7 +57,7 @@ class OursPicture:
     grey: bool = False
     _prepared_s: float = np.nan
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground and 10 km; the ground below is no part of the comparison."""
         of_product = continental(SKYLIGHT_NM)
         solve_air(of_product)
@@ -66,7 +66,7 @@ class OursPicture:
         self._prepared_s = time.process_time() - start
         directions = lat_long_directions(HEIGHT)
 
-        def picture(view: View) -> FloatArray:
+        def picture(view: SkyViewpoint) -> FloatArray:
             around = surroundings(source, view.altitude_m, view.sun_direction)
             return sample_sky(background_cube(around, _CUBE), directions)
 
@@ -74,7 +74,7 @@ class OursPicture:
         for view in views:
             if view.altitude_m < SPACE_M:
                 seen, spent_s = cpu(partial(picture, view), 3)
-                found[view] = Shot(of_picture(seen, view), spent_s)
+                found[view] = PeerShot(of_picture(seen, view), spent_s)
         return found
 
     def prepared_s(self) -> float:
@@ -102,7 +102,7 @@ class OursRays:
         """Its rung."""
         return f"ours, {self.rung}, ray by ray"
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """All views."""
         here = self._air()
         solve_air(here.atmosphere, rung="draft")
@@ -114,7 +114,7 @@ class OursRays:
             half, spent_s = cpu(partial(seen_rgb, source, here, view))
             # The other half is its mirror image; rays cost alike.
             whole_s = spent_s * (HEIGHT * HEIGHT) / half[..., 0].size
-            found[view] = Shot(whole(half), whole_s if view == TIMED else np.nan)
+            found[view] = PeerShot(whole(half), whole_s if view == TIMED else np.nan)
         return found
 
     def prepared_s(self) -> float:
@@ -136,7 +136,7 @@ class PublishedTables:
     grey: bool = False
     _prepared_s: float = np.nan
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """All views, three wavelengths in the published colours."""
         atmosphere = earth_spectral()
         start = time.process_time()
@@ -148,7 +148,7 @@ class PublishedTables:
         for view in views:
             eye = np.array([0.0, atmosphere.ground_radius_m + view.altitude_m, 0.0])
 
-            def picture(v: View = view, e: FloatArray = eye) -> FloatArray:
+            def picture(v: SkyViewpoint = view, e: FloatArray = eye) -> FloatArray:
                 # The ground's half is as dear, and not measured but from space.
                 part = slice(half, None) if v.altitude_m >= SPACE_M else slice(0, half)
                 seen = np.zeros((HEIGHT, 2 * HEIGHT, 3))
@@ -160,7 +160,7 @@ class PublishedTables:
                 return seen
 
             seen, spent_s = cpu(picture)
-            found[view] = Shot(of_picture(seen, view), 2.0 * spent_s)
+            found[view] = PeerShot(of_picture(seen, view), 2.0 * spent_s)
         return found
 
     def prepared_s(self) -> float:
@@ -169,7 +169,7 @@ class PublishedTables:
 
 
 @dataclass
-class HosekWilkie:
+class OurHosekWilkie:
     """Our Hosek-Wilkie sky, at the turbidity that shows this haze best."""
 
     air: str = "continental"
@@ -178,7 +178,7 @@ class HosekWilkie:
     cannot: str = "a sun below 0°; observers aloft; ozone, aerosols, layers"
     grey: bool = False
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground, the sun up."""
         found = {}
         directions = lat_long_directions(HEIGHT)
@@ -186,12 +186,12 @@ class HosekWilkie:
             if view in ON_GROUND and view.sun_deg >= 0.0:
                 elevation = float(np.radians(view.sun_deg))
 
-                def picture(e: float = elevation, v: View = view) -> FloatArray:
+                def picture(e: float = elevation, v: SkyViewpoint = view) -> FloatArray:
                     sky = HosekWilkieSky(equal_sky(DEPTH, e).turbidity, GROUND_ALBEDO, e)
                     return sample_sky(sky.cube_map(_CUBE), directions)
 
                 seen, spent_s = cpu(picture, 3)
-                found[view] = Shot(of_picture(seen, view), spent_s)
+                found[view] = PeerShot(of_picture(seen, view), spent_s)
         return found
 
     def prepared_s(self) -> float:
@@ -210,7 +210,7 @@ class PreethamSky:
     grey: bool = False
     model: Preetham = field(default_factory=Preetham)
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground, the sun up."""
         model = replace(self.model, turbidity=turbidity_of_optical_depth(DEPTH))
         found = {}
@@ -219,7 +219,7 @@ class PreethamSky:
                 seen = rays(view)
                 half, spent_s = cpu(partial(_preetham, model, view))
                 whole_s = spent_s * HEIGHT * HEIGHT / seen.mu.size
-                found[view] = Shot(whole(half), whole_s)
+                found[view] = PeerShot(whole(half), whole_s)
         return found
 
     def prepared_s(self) -> float:
@@ -227,7 +227,7 @@ class PreethamSky:
         return 0.0
 
 
-def _preetham(model: Preetham, view: View) -> FloatArray:
+def _preetham(model: Preetham, view: SkyViewpoint) -> FloatArray:
     """Linear RGB (rows, columns, 3) along `rays(view)`."""
     seen = rays(view)
     angles = np.arccos(seen.mu).ravel(), seen.azimuth_rad.ravel()

@@ -21,16 +21,16 @@ from vrut_lite_lab.study.peers.run import (
     scored_peers,
     usual_peers,
 )
-from vrut_lite_lab.study.peers.scores import Score
-from vrut_lite_lab.study.peers.views import HEIGHT, TIMED, WIDTH, View, whole
+from vrut_lite_lab.study.peers.scores import ViewScore
+from vrut_lite_lab.study.peers.views import HEIGHT, TIMED, WIDTH, SkyViewpoint, whole
 from vrut_lite_lab.study.report.folder import PAGE, Folder
 from vrut_lite_lab.study.report.page import Page
 
-_SHOWN = (View(60.0), View(30.0), View(3.0), View(-6.0))
+_SHOWN = (SkyViewpoint(60.0), SkyViewpoint(30.0), SkyViewpoint(3.0), SkyViewpoint(-6.0))
 # Mean luminance of a panorama is shown so: of white, before the curve.
 _GREY = 0.45
 _PRODUCT_S_AIR = "continental"
-_WHAT: dict[str, tuple[str, Callable[[Score], float]]] = {
+_WHAT: dict[str, tuple[str, Callable[[ViewScore], float]]] = {
     "mean": ("Mean error of luminance in %", lambda s: 100.0 * s.mean),
     "most": ("99 % of the sky err by less than, in %", lambda s: 100.0 * s.most),
     "colour": ("Mean error of colour, 1000 u'v'", lambda s: s.colour),
@@ -116,8 +116,8 @@ def _table(
     folder: Folder,
     name: str,
     found: Sequence[Scored],
-    views: Sequence[View],
-    number: Callable[[Score], float],
+    views: Sequence[SkyViewpoint],
+    number: Callable[[ViewScore], float],
 ) -> None:
     header = ("sky", "in the air", *(view.title for view in views))
     rows = []
@@ -159,11 +159,11 @@ def _plot(found: Sequence[Scored]) -> bytes:
     return _png(figure)
 
 
-def _panoramas(found: Sequence[Scored], truths: Truths, views: Sequence[View]) -> bytes:
+def _panoramas(found: Sequence[Scored], truths: Truths, views: Sequence[SkyViewpoint]) -> bytes:
     """PNG: a row for each sky, above the first of an air its truth."""
     from matplotlib.figure import Figure
 
-    rows: list[tuple[str, Callable[[View], FloatArray | None]]] = []
+    rows: list[tuple[str, Callable[[SkyViewpoint], FloatArray | None]]] = []
     above = ""
     for each in _by_air(found):
         if each.peer.air != above:
@@ -182,11 +182,11 @@ def _panoramas(found: Sequence[Scored], truths: Truths, views: Sequence[View]) -
     return _png(figure)
 
 
-def _truth(truths: Truths, name: str, view: View) -> FloatArray:
+def _truth(truths: Truths, name: str, view: SkyViewpoint) -> FloatArray:
     return whole(truths.of(name, view).rgb)
 
 
-def _rgb(each: Scored, view: View) -> FloatArray | None:
+def _rgb(each: Scored, view: SkyViewpoint) -> FloatArray | None:
     return each.shots[view].rgb if view in each.shots else None
 
 

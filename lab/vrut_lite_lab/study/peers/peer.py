@@ -8,7 +8,7 @@ from bruneton_sky import Atmosphere
 
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.study.peers.views import View
+from vrut_lite_lab.study.peers.views import SkyViewpoint
 
 
 class NotHere(UserError):
@@ -31,7 +31,7 @@ class PeerAir:
     note: str
 
 
-class Shot(NamedTuple):
+class PeerShot(NamedTuple):
     """A sky: linear RGB (rows, 2 columns, 3) at the measured pixels in the program's own unit, and
     the CPU time of its 512 x 256 picture, NaN where only the measured pixels were computed."""
 
@@ -60,7 +60,7 @@ class Peer(Protocol):
     def title(self) -> str:
         """For readers."""
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """Those of the views that it can show.
 
         Raises:

@@ -21,8 +21,8 @@ from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.peers.airs import GROUND_ALBEDO, continental
 from vrut_lite_lab.study.peers.ours import cpu
-from vrut_lite_lab.study.peers.peer import NotHere, Shot
-from vrut_lite_lab.study.peers.views import HEIGHT, View, of_picture
+from vrut_lite_lab.study.peers.peer import NotHere, PeerShot
+from vrut_lite_lab.study.peers.views import HEIGHT, SkyViewpoint, of_picture
 
 VARIABLE = "PRAGUE_SKY"
 _GROUND_RADIUS_M, _EYE_M = 6_378_000.0, 50.0
@@ -161,7 +161,7 @@ class Prague:
     cannot: str = "a sun below -4.2°; above 15 km; ozone, other aerosols, layers"
     grey: bool = False
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """As far as the file goes."""
         if not os.environ.get(VARIABLE):
             raise NotHere(
@@ -174,7 +174,7 @@ class Prague:
         per_km = 1000.0 * (air.rayleigh_scattering[at] + air.mie_extinction[at])
         directions, to_rgb = lat_long_directions(HEIGHT), sky.to_rgb()
 
-        def picture(view: View) -> FloatArray:
+        def picture(view: SkyViewpoint) -> FloatArray:
             light = partial(sky.radiance, directions, view.sun_direction, view.altitude_m)
             return light(_KOSCHMIEDER / per_km, GROUND_ALBEDO) @ to_rgb
 
@@ -182,7 +182,7 @@ class Prague:
         for view in views:
             if view.sun_deg >= sky.sun_deg[0] and view.altitude_m <= sky.altitude_m[-1]:
                 seen, spent_s = cpu(partial(picture, view))
-                found[view] = Shot(of_picture(seen, view), spent_s)
+                found[view] = PeerShot(of_picture(seen, view), spent_s)
         return found
 
     def prepared_s(self) -> float:

@@ -15,9 +15,9 @@ from platformdirs import user_cache_path
 from vrut_lite.geometry.colour import integration_matrix
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.study.peers.peer import NotHere, Shot
+from vrut_lite_lab.study.peers.peer import NotHere, PeerShot
 from vrut_lite_lab.study.peers.radiance_home import radiance_environment
-from vrut_lite_lab.study.peers.views import HEIGHT, ON_GROUND, WIDTH, View, of_picture
+from vrut_lite_lab.study.peers.views import HEIGHT, ON_GROUND, WIDTH, SkyViewpoint, of_picture
 
 _GENSSKY_NM = tuple(float(nm) for nm in range(390, 771, 20))
 # A summer day at mid-latitude, whose sun rises to 68 degrees: the hour gives the elevation.
@@ -37,7 +37,7 @@ class Genssky:
     grey: bool = False
     _prepared_s: float = np.nan
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground."""
         tables = user_cache_path("vrut_lite", "vrut_lite") / "genssky"
         tables.mkdir(parents=True, exist_ok=True)
@@ -49,7 +49,7 @@ class Genssky:
                     self._prepared_s, made = _genssky(view, 16, tables, name)[1], False
                 sun, spent_s = _genssky(view, WIDTH, tables, name)
                 picture = read_spectra(tables / "sky_sky.hsr") @ integration_matrix(_GENSSKY_NM)
-                found[view] = Shot(of_picture(turned(picture, sun), view), spent_s)
+                found[view] = PeerShot(of_picture(turned(picture, sun), view), spent_s)
         return found
 
     def prepared_s(self) -> float:
@@ -64,7 +64,7 @@ def solar_hour(sun_deg: float) -> float:
     return 12.0 / pi * acos(up / (cos(latitude) * cos(_DECLINATION_RAD)))
 
 
-def _genssky(view: View, width: int, tables: Path, folder: str) -> tuple[FloatArray, float]:
+def _genssky(view: SkyViewpoint, width: int, tables: Path, folder: str) -> tuple[FloatArray, float]:
     """The sun's direction (3,) and CPU seconds; the picture lies in the folder."""
     hour = f"+{solar_hour(view.sun_deg):.6f}"
     place = ["-a", str(_LATITUDE_DEG), "-o", "0", "-m", "0", "-n", "1"]
@@ -131,7 +131,7 @@ class Gensky:
     cannot: str = "colour; a sun below 0°; observers aloft; any atmosphere"
     grey: bool = True
 
-    def shots(self, views: Sequence[View]) -> dict[View, Shot]:
+    def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground, the sun up; every pixel by rtrace."""
         found = {}
         towards = lat_long_directions(HEIGHT)[..., [0, 2, 1]] * (1.0, -1.0, 1.0)
@@ -149,7 +149,7 @@ class Gensky:
                     ["rtrace", "-h", "-fff", "-ab", "0", "sky.oct"], name, rays, text=False
                 )
                 picture = np.frombuffer(seen, np.float32).reshape(HEIGHT, WIDTH, 3)
-                found[view] = Shot(of_picture(picture, view), first_s + next_s + last_s)
+                found[view] = PeerShot(of_picture(picture, view), first_s + next_s + last_s)
         return found
 
     def prepared_s(self) -> float:

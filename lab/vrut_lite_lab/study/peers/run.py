@@ -7,22 +7,22 @@ from vrut_lite_lab.study.peers.airs import AIRS
 from vrut_lite_lab.study.peers.blender import BLENDER
 from vrut_lite_lab.study.peers.mitsuba_sky import Sunsky
 from vrut_lite_lab.study.peers.ours import (
-    HosekWilkie,
+    OurHosekWilkie,
     OursPicture,
     OursRays,
     PreethamSky,
     PublishedTables,
 )
-from vrut_lite_lab.study.peers.peer import NotHere, Peer, Shot
+from vrut_lite_lab.study.peers.peer import NotHere, Peer, PeerShot
 from vrut_lite_lab.study.peers.prague import Prague
 from vrut_lite_lab.study.peers.radiance_skies import Gensky, Genssky
-from vrut_lite_lab.study.peers.scores import Score, score
+from vrut_lite_lab.study.peers.scores import ViewScore, score
 from vrut_lite_lab.study.peers.truth import Truth, truth
-from vrut_lite_lab.study.peers.views import ALOFT, ON_GROUND, TIMED, View
+from vrut_lite_lab.study.peers.views import ALOFT, ON_GROUND, TIMED, SkyViewpoint
 
 VIEWS = (*ON_GROUND, *ALOFT)
 # Enough to see a plan through in a minute.
-QUICK = (View(30.0), View(3.0), View(-6.0))
+QUICK = (SkyViewpoint(30.0), SkyViewpoint(3.0), SkyViewpoint(-6.0))
 
 
 def usual_peers() -> tuple[Peer, ...]:
@@ -32,7 +32,7 @@ def usual_peers() -> tuple[Peer, ...]:
         Genssky(),
         Gensky(),
         Sunsky(),
-        HosekWilkie(),
+        OurHosekWilkie(),
         PreethamSky(),
         Prague(),
         PublishedTables(),
@@ -49,8 +49,8 @@ class Scored(NamedTuple):
     """A peer, its pictures and errors by view; `reason` says why it is left out."""
 
     peer: Peer
-    shots: dict[View, Shot]
-    scores: dict[View, Score]
+    shots: dict[SkyViewpoint, PeerShot]
+    scores: dict[SkyViewpoint, ViewScore]
     reason: str = ""
 
     @property
@@ -63,9 +63,9 @@ class Truths:
     """The truth by air and view, computed when first asked for."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[str, View], Truth] = {}
+        self._known: dict[tuple[str, SkyViewpoint], Truth] = {}
 
-    def of(self, air: str, view: View) -> Truth:
+    def of(self, air: str, view: SkyViewpoint) -> Truth:
         """Raises NotHere where the air's constants are missing."""
         if (air, view) not in self._known:
             self._known[air, view] = truth(air, view)
@@ -73,7 +73,10 @@ class Truths:
 
 
 def scored_peers(
-    peers: Sequence[Peer], views: Sequence[View], truths: Truths, tell: Callable[[str], None]
+    peers: Sequence[Peer],
+    views: Sequence[SkyViewpoint],
+    truths: Truths,
+    tell: Callable[[str], None],
 ) -> Iterator[Scored]:
     """One peer after another; what is not here is told, not raised."""
     for peer in peers:

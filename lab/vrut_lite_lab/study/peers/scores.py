@@ -7,14 +7,14 @@ import numpy as np
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, luminance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.peers.truth import Truth
-from vrut_lite_lab.study.peers.views import View, rays
+from vrut_lite_lab.study.peers.views import SkyViewpoint, rays
 
 _XYZ_FROM_SRGB = np.linalg.inv(SRGB_FROM_XYZ)
 # Of the brightest: what is darker is no part of a picture (sky beside the Earth from space).
 _DARK = 1e-4
 
 
-class Score(NamedTuple):
+class ViewScore(NamedTuple):
     """Errors of a sky at a view.
 
     Attributes:
@@ -32,7 +32,7 @@ class Score(NamedTuple):
     noise: float
 
 
-def score(rgb: FloatArray, known: Truth, view: View, grey: bool = False) -> Score:
+def score(rgb: FloatArray, known: Truth, view: SkyViewpoint, grey: bool = False) -> ViewScore:
     """The score of a sky (rows, 2 columns, 3); both its sides against the truth's one."""
     half = rgb.shape[1] // 2
     weight = rays(view).weight[known.some].ravel()
@@ -48,12 +48,12 @@ def score(rgb: FloatArray, known: Truth, view: View, grey: bool = False) -> Scor
     seen = np.asarray(luminance(found))
     level = float(weight @ seen / (weight @ true))
     if not level > 0.0:
-        return Score(level, np.nan, np.nan, np.nan, known.noise)
+        return ViewScore(level, np.nan, np.nan, np.nan, known.noise)
     error = np.abs(seen / level / true - 1.0)
     order = np.argsort(error)
     most = error[order][np.searchsorted(np.cumsum(weight[order]), 0.99)]
     away = np.nan if grey else float(weight @ _distance(found, expected)) * 1000.0
-    return Score(level, float(weight @ error), float(most), away, known.noise)
+    return ViewScore(level, float(weight @ error), float(most), away, known.noise)
 
 
 def _distance(found: FloatArray, expected: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 from vrut_lite_lab.study.peers.airs import air
 from vrut_lite_lab.study.peers.peer import PeerAir
-from vrut_lite_lab.study.peers.views import LOWEST_SOLVED_DEG, View, rays
+from vrut_lite_lab.study.peers.views import LOWEST_SOLVED_DEG, SkyViewpoint, rays
 
 _PATHS = 65_536
 # Of the measured rays, these are followed by Monte Carlo.
@@ -37,7 +37,7 @@ class Truth(NamedTuple):
     noise: float
 
 
-def truth(name: str, view: View, paths: int = _PATHS) -> Truth:
+def truth(name: str, view: SkyViewpoint, paths: int = _PATHS) -> Truth:
     """The light of an air by name at a view."""
     here = air(name)
     rgb = seen_rgb(field(here.atmosphere, "finer"), here, view)
@@ -47,7 +47,7 @@ def truth(name: str, view: View, paths: int = _PATHS) -> Truth:
     return _by_paths(here, view, rgb, paths)
 
 
-def _by_paths(here: PeerAir, view: View, rgb: FloatArray, paths: int) -> Truth:
+def _by_paths(here: PeerAir, view: SkyViewpoint, rgb: FloatArray, paths: int) -> Truth:
     seen = rays(view)
     mu, nu = seen.mu[_SOME], seen.nu[_SOME]
     mu_s = view.sun_direction[1]
@@ -67,7 +67,7 @@ def field(atmosphere: Atmosphere, rung: SolverRung) -> SourceField:
     return solve_air(atmosphere, rung=rung)
 
 
-def seen_rgb(source: SourceField, here: PeerAir, view: View) -> FloatArray:
+def seen_rgb(source: SourceField, here: PeerAir, view: SkyViewpoint) -> FloatArray:
     """Linear RGB (rows, columns, 3) along `rays(view)`, without the ground's own light."""
     seen = rays(view)
     light = SolvedSky(field=source).radiance(

@@ -22,7 +22,7 @@ ALOFT_M, SPACE_M = 10_000.0, 100_000.0
 LOWEST_SOLVED_DEG = -6.0
 
 
-class View(NamedTuple):
+class SkyViewpoint(NamedTuple):
     """Where the sun stands, and the observer above the ground."""
 
     sun_deg: float
@@ -41,12 +41,12 @@ class View(NamedTuple):
         return f"sun {self.sun_deg:g}°{where}"
 
 
-TIMED = View(30.0)
-ON_GROUND = tuple(View(sun) for sun in SUNS_DEG)
-ALOFT = tuple(View(sun, height) for height in (ALOFT_M, SPACE_M) for sun in SUNS_ALOFT_DEG)
+TIMED = SkyViewpoint(30.0)
+ON_GROUND = tuple(SkyViewpoint(sun) for sun in SUNS_DEG)
+ALOFT = tuple(SkyViewpoint(sun, height) for height in (ALOFT_M, SPACE_M) for sun in SUNS_ALOFT_DEG)
 
 
-class Rays(NamedTuple):
+class HalfRays(NamedTuple):
     """Directions (rows, columns) of one half of the measured pixels, east of the sun.
 
     Attributes:
@@ -63,17 +63,17 @@ class Rays(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def rays(view: View) -> Rays:
+def rays(view: SkyViewpoint) -> HalfRays:
     """The rays of a view."""
     direction = of_picture(lat_long_directions(HEIGHT), view)[:, _columns() :]
     mu = direction[..., 1]
     nu = np.clip(direction @ np.array(view.sun_direction), -1.0, 1.0)
     level = np.sqrt(1.0 - mu**2)
     azimuth = np.arctan2(direction[..., 0], -direction[..., 2])
-    return Rays(mu, nu, level / level.sum(), azimuth)
+    return HalfRays(mu, nu, level / level.sum(), azimuth)
 
 
-def of_picture(picture: NDArray[np.floating], view: View) -> FloatArray:
+def of_picture(picture: NDArray[np.floating], view: SkyViewpoint) -> FloatArray:
     """The measured pixels (rows, 2 columns, 3) of a picture (256, 512, 3)."""
     half = HEIGHT // 2
     first = half if view.altitude_m >= SPACE_M else 0

@@ -9,10 +9,10 @@ import OpenEXR
 from vrut_lite.errors import UserError
 from vrut_lite_lab.study.photographs.fit import (
     MODELS,
+    ClearPixels,
     Fit,
     FloatArray,
     Model,
-    Pixels,
     best_fit,
     bruneton_in,
     bruneton_with,
@@ -56,7 +56,7 @@ AIR_HEADER = (
 _NEAR_SUN_DEG = 25.0
 
 
-class Comparison(NamedTuple):
+class PhotographComparison(NamedTuple):
     """A photograph (h, 2 h, 3), its masks, its clear pixels, and the models' fits by caption.
 
     `as_good`: for models that were searched, the least and the largest turbidity whose cost is
@@ -65,7 +65,7 @@ class Comparison(NamedTuple):
 
     photo: FloatArray
     masks: Masks
-    pixels: Pixels
+    pixels: ClearPixels
     fits: dict[str, Fit]
     as_good: dict[str, tuple[float, float]]
 
@@ -94,7 +94,9 @@ def read_photograph(path: Path) -> FloatArray:
     return picture
 
 
-def compare(photo: FloatArray, turbidities: tuple[float, ...] = TURBIDITIES) -> Comparison:
+def compare(
+    photo: FloatArray, turbidities: tuple[float, ...] = TURBIDITIES
+) -> PhotographComparison:
     """Mask, sun, and the fit of each model; last, Bruneton at the turbidity of Hosek-Wilkie."""
     disc = find_disc(photo)
     masks = masks_of(photo, disc)
@@ -108,7 +110,7 @@ def compare(photo: FloatArray, turbidities: tuple[float, ...] = TURBIDITIES) -> 
     matched = fits["Hosek-Wilkie"]
     again = fit(pixels, MODELS["Bruneton"], matched.turbidity, matched.sun)
     fits["Bruneton, matched"] = again
-    return Comparison(photo, masks, pixels, fits, as_good)
+    return PhotographComparison(photo, masks, pixels, fits, as_good)
 
 
 def _hidden_suns(photo: FloatArray, masks: Masks) -> list[Sun]:
@@ -116,7 +118,7 @@ def _hidden_suns(photo: FloatArray, masks: Masks) -> list[Sun]:
     return [Sun(azimuth, elevation, False) for elevation in HIDDEN_SUN_DEG]
 
 
-def table_rows(name: str, comparison: Comparison) -> list[str]:
+def table_rows(name: str, comparison: PhotographComparison) -> list[str]:
     """Lines of the Markdown table for one photograph."""
     rows = []
     for model, found in comparison.fits.items():
@@ -133,7 +135,7 @@ def table_rows(name: str, comparison: Comparison) -> list[str]:
 
 
 def air_rows(
-    name: str, comparison: Comparison, turbidities: tuple[float, ...] = TURBIDITIES
+    name: str, comparison: PhotographComparison, turbidities: tuple[float, ...] = TURBIDITIES
 ) -> list[str]:
     """Lines of the Markdown table of other air for one photograph, each at its own turbidity."""
     pixels = pixels_of(comparison.photo, comparison.masks.usable, _SEARCH_STEP)

@@ -17,7 +17,7 @@ from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.exposure import automatic_ev100
-from vrut_lite_lab.study.photographs.comparison import Comparison
+from vrut_lite_lab.study.photographs.comparison import PhotographComparison
 from vrut_lite_lab.study.photographs.fit import MODELS, Fit, chromaticity
 from vrut_lite_lab.study.photographs.mask import elevations_deg
 
@@ -32,7 +32,7 @@ _COLOURS = {"Hosek-Wilkie": "tab:blue", "Bruneton": "tab:red"}
 _LARGEST_LOG10 = 0.3
 
 
-def strips(comparison: Comparison) -> Image.Image:
+def strips(comparison: PhotographComparison) -> Image.Image:
     """Photograph, masked photograph and the two fitted skies, from horizon to zenith."""
     reference = next(iter(comparison.fits.values()))
     photo = _upper(comparison.photo, reference) / reference.exposure
@@ -57,7 +57,7 @@ def strips(comparison: Comparison) -> Image.Image:
     return paper
 
 
-def profile_figure(comparison: Comparison, path: Path) -> None:
+def profile_figure(comparison: PhotographComparison, path: Path) -> None:
     """Luminance and chromaticity along the solar meridian; maps of the ratio of luminances."""
     figure, axes = plt.subplots(2, 2, figsize=(13.0, 7.0), layout="constrained")
     _draw_profiles(axes[0], comparison)
@@ -79,7 +79,7 @@ def profile_figure(comparison: Comparison, path: Path) -> None:
     plt.close(figure)
 
 
-def _draw_profiles(axes: Any, comparison: Comparison) -> None:
+def _draw_profiles(axes: Any, comparison: PhotographComparison) -> None:
     height = comparison.photo.shape[0]
     reference = next(iter(comparison.fits.values()))
     seen = _upper(comparison.masks.usable, reference)
@@ -121,7 +121,7 @@ def _meridian(upper: FloatArray) -> tuple[FloatArray, FloatArray]:
     return angle, np.concatenate([before[::-1], behind])
 
 
-def _log_ratio(comparison: Comparison, name: str) -> NDArray[np.floating]:
+def _log_ratio(comparison: PhotographComparison, name: str) -> NDArray[np.floating]:
     found = comparison.fits[name]
     photo = luminance(_upper(comparison.photo, found))
     sky = luminance(_sky(name, found, comparison.photo.shape[0]))

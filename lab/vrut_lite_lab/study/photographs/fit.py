@@ -38,7 +38,7 @@ _AS_GOOD = 1.1
 _SETTINGS = BrunetonSkySettings(albedo=ALBEDO)
 
 
-class Pixels(NamedTuple):
+class ClearPixels(NamedTuple):
     """The clear sky of a photograph: directions (n, 3), linear RGB (n, 3), solid angles (n,)."""
 
     direction: FloatArray
@@ -123,17 +123,17 @@ def _field(settings: BrunetonSkySettings, haze: SetHaze) -> SourceField:
 MODELS: dict[str, Model] = {"Hosek-Wilkie": hosek_wilkie, "Bruneton": bruneton}
 
 
-def pixels_of(photo: FloatArray, usable: NDArray[np.bool_], step: int = 1) -> Pixels:
+def pixels_of(photo: FloatArray, usable: NDArray[np.bool_], step: int = 1) -> ClearPixels:
     """The usable pixels of a photograph (h, 2 h, 3), of every `step`-th row and column."""
     height = photo.shape[0]
     chosen = np.zeros_like(usable)
     chosen[::step, ::step] = usable[::step, ::step]
     weight = np.cos(np.radians(elevations_deg(height)))[:, None] * np.ones(2 * height)
-    return Pixels(lat_long_directions(height)[chosen], photo[chosen], weight[chosen])
+    return ClearPixels(lat_long_directions(height)[chosen], photo[chosen], weight[chosen])
 
 
 def best_fit(
-    pixels: Pixels, model: Model, turbidities: Iterable[float], suns: Iterable[Sun]
+    pixels: ClearPixels, model: Model, turbidities: Iterable[float], suns: Iterable[Sun]
 ) -> tuple[Fit, tuple[float, float]]:
     """The fit of least cost, and from and to which turbidity its sun fits within 10 % of that."""
     fits = [fit(pixels, model, t, sun) for t, sun in product(turbidities, suns)]
@@ -142,7 +142,7 @@ def best_fit(
     return best, (min(near), max(near))
 
 
-def fit(pixels: Pixels, model: Model, turbidity: float, sun: Sun) -> Fit:
+def fit(pixels: ClearPixels, model: Model, turbidity: float, sun: Sun) -> Fit:
     """Exposure and gains, and the residual between photograph and model."""
     sky = model(turbidity, sun, pixels.direction)
     # The model's sky may be zero somewhere, which has no logarithm.
@@ -166,13 +166,13 @@ def fit(pixels: Pixels, model: Model, turbidity: float, sun: Sun) -> Fit:
     )
 
 
-def residual_log10(pixels: Pixels, model: Model, found: Fit) -> FloatArray:
+def residual_log10(pixels: ClearPixels, model: Model, found: Fit) -> FloatArray:
     """log10 (n,) of luminance, photograph over fitted model."""
     sky = model(found.turbidity, found.sun, pixels.direction)
     return np.log10(luminance(pixels.rgb) / (luminance(sky * found.gains) * found.exposure))
 
 
-def contrast(pixels: Pixels, residual: FloatArray) -> float:
+def contrast(pixels: ClearPixels, residual: FloatArray) -> float:
     """The power of the model's luminance that the photograph's goes with, 1 for a true pair.
 
     Least squares in logarithms of what `residual_log10` gives; below 1 the photograph's range
@@ -184,7 +184,7 @@ def contrast(pixels: Pixels, residual: FloatArray) -> float:
     return float(1.0 + (share @ (apart * residual)) / (share @ apart**2))
 
 
-def spread_log10(pixels: Pixels) -> float:
+def spread_log10(pixels: ClearPixels) -> float:
     """The rms residual of a sky of one even luminance, for comparison."""
     log = np.log10(luminance(pixels.rgb))
     share = pixels.weight / pixels.weight.sum()

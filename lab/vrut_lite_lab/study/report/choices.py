@@ -10,7 +10,7 @@ from bruneton_sky.published.single_scattering import Rule
 
 from vrut_lite.errors import UserError
 from vrut_lite_lab.study.framework.atmosphere import StudyAtmosphere
-from vrut_lite_lab.study.framework.day import KIDER, Day
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
 from vrut_lite_lab.study.models.bruneton import Bruneton
 from vrut_lite_lab.study.models.changes import CHANGES
 from vrut_lite_lab.study.models.converged import Converged
@@ -63,7 +63,7 @@ def physics() -> SkyModel:
     return Converged()
 
 
-def on_day(model: SkyModel, day: Day) -> SkyModel:
+def on_day(model: SkyModel, day: MeasuredDay) -> SkyModel:
     """A model in the air of another day; on Kider's it is as published."""
     if day == KIDER:
         return model
@@ -81,7 +81,7 @@ def on_day(model: SkyModel, day: Day) -> SkyModel:
     return cast(SkyModel, changed)
 
 
-def sets_on_day(sets: Sequence[ModelSet], day: Day) -> list[ModelSet]:
+def sets_on_day(sets: Sequence[ModelSet], day: MeasuredDay) -> list[ModelSet]:
     """The sets' models in the air of a day."""
     return [
         each._replace(models=tuple(on_day(model, day) for model in each.models)) for each in sets

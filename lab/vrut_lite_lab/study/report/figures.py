@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.preview import captioned_html, png
 from vrut_lite_lab.study.framework.errors import rmse
-from vrut_lite_lab.study.framework.fisheye import Picture, Pixels
+from vrut_lite_lab.study.framework.fisheye import Picture, SkyPixels
 from vrut_lite_lab.study.report.moments import Moment
 from vrut_lite_lab.study.report.panels import (
     ERROR_FIGURE,
@@ -19,22 +19,22 @@ from vrut_lite_lab.study.report.panels import (
     panel,
 )
 from vrut_lite_lab.study.report.sheets import sheet
-from vrut_lite_lab.study.report.skies import Sky
+from vrut_lite_lab.study.report.skies import StudySky
 
 MEASUREMENTS = "Measurements"
 _SCALES = {"figure3_luminance": "luminance", "figure4_relative_luminance": "percent"}
 
 
-class Row(NamedTuple):
+class MomentSkies(NamedTuple):
     """The skies of one moment: the models', the physics reference and what was measured."""
 
     moment: Moment
-    models: tuple[Sky, ...]
-    physics: Sky
-    measured: Sky | None
+    models: tuple[StudySky, ...]
+    physics: StudySky
+    measured: StudySky | None
 
     @property
-    def reference(self) -> Sky:
+    def reference(self) -> StudySky:
         """The reference for errors: the measurement, or without one the converged sky."""
         return self.physics if self.measured is None else self.measured
 
@@ -56,7 +56,7 @@ class Figure(NamedTuple):
 
 
 def figures(
-    titles: Sequence[str], physics_title: str, rows: Sequence[Row], at: Pixels
+    titles: Sequence[str], physics_title: str, rows: Sequence[MomentSkies], at: SkyPixels
 ) -> Iterator[Figure]:
     """Figures 2 to 6, columns after the titles of the models and then the references."""
     measured = any(row.measured is not None for row in rows)
@@ -69,7 +69,7 @@ def figures(
     yield _error_figure([*titles, *([physics_title] if measured else [])], rows, at)
 
 
-def _tiles(row: Row, paint: Paint, at: Pixels, measured: bool) -> list[Picture | None]:
+def _tiles(row: MomentSkies, paint: Paint, at: SkyPixels, measured: bool) -> list[Picture | None]:
     tiles: list[Picture | None] = [
         panel(paint, sky, row.moment, at) for sky in (*row.models, row.physics)
     ]
@@ -79,7 +79,7 @@ def _tiles(row: Row, paint: Paint, at: Pixels, measured: bool) -> list[Picture |
     return tiles
 
 
-def _error_figure(columns: list[str], rows: Sequence[Row], at: Pixels) -> Figure:
+def _error_figure(columns: list[str], rows: Sequence[MomentSkies], at: SkyPixels) -> Figure:
     tiles, notes = [], []
     for row in rows:
         skies = (*row.models, row.physics)[: len(columns)]
@@ -92,5 +92,5 @@ def _error_figure(columns: list[str], rows: Sequence[Row], at: Pixels) -> Figure
     return Figure(ERROR_FIGURE, ERROR_TITLE, image)
 
 
-def _captions(rows: Sequence[Row]) -> list[str]:
+def _captions(rows: Sequence[MomentSkies]) -> list[str]:
     return [row.moment.title for row in rows]

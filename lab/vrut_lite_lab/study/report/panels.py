@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 from vrut_lite_lab.study.framework.colour import chromaticity, tone_mapped
 from vrut_lite_lab.study.framework.colour_scales import error_colours, luminance_colours
 from vrut_lite_lab.study.framework.errors import relative_error
-from vrut_lite_lab.study.framework.fisheye import Picture, Pixels, mark, picture
+from vrut_lite_lab.study.framework.fisheye import Picture, SkyPixels, mark, picture
 from vrut_lite_lab.study.framework.interpolant import interpolate
 from vrut_lite_lab.study.report.moments import Moment
-from vrut_lite_lab.study.report.skies import Sky
+from vrut_lite_lab.study.report.skies import StudySky
 
 TILE = 128
-Paint = Callable[[Sky], NDArray[np.generic]]
+Paint = Callable[[StudySky], NDArray[np.generic]]
 
 # By name: what the page says of it, and the colours of the pixels.
 FIGURES: dict[str, tuple[str, Paint]] = {
-    "figure2_fisheye": ("Sky, tone-mapped", lambda sky: tone_mapped(sky.srgb)),
+    "figure2_fisheye": ("StudySky, tone-mapped", lambda sky: tone_mapped(sky.srgb)),
     "figure3_luminance": (
         "Absolute luminance in cd/m²",
         lambda sky: luminance_colours(sky.luminance),
@@ -33,12 +33,12 @@ ERROR_FIGURE = "figure6_relative_error"
 ERROR_TITLE = "Relative error, 360 to 720 nm"
 
 
-def panel(paint: Paint, sky: Sky, moment: Moment, at: Pixels) -> Picture:
+def panel(paint: Paint, sky: StudySky, moment: Moment, at: SkyPixels) -> Picture:
     """One round picture (TILE, TILE, 3) of a sky, the sun marked."""
     return _finished(picture(at, paint(sky)), moment)
 
 
-def error_panel(sky: Sky, reference: Sky, moment: Moment, at: Pixels) -> Picture:
+def error_panel(sky: StudySky, reference: StudySky, moment: Moment, at: SkyPixels) -> Picture:
     """The relative error at the 81 directions, interpolated between them."""
     error = relative_error(sky.radiance, reference.radiance)
     seen = interpolate(error[:, None], at.zenith_rad, at.azimuth_rad)[:, 0]

@@ -25,7 +25,7 @@ PUBLISHED_RMSE = {
 WHOLE_SHARE = Quirks(whole_share=True, eye_sun_length=False, white_aerosol=False)
 
 
-class Score(NamedTuple):
+class ModelScore(NamedTuple):
     """Errors of a model against the references of all moments.
 
     Attributes:
@@ -62,12 +62,12 @@ def references(moments: Sequence[Moment], physics: SkyModel) -> FloatArray:
     )
 
 
-def score(model: SkyModel, moments: Sequence[Moment], reference: FloatArray) -> Score:
+def score(model: SkyModel, moments: Sequence[Moment], reference: FloatArray) -> ModelScore:
     """The score of one model against radiance (moments, 81, 40)."""
     seen = np.stack([directional_radiance(model, moment) for moment in moments])
     each, off = 1e3 * rmse(seen, reference), relative_error(seen, reference)
     rms = float(np.sqrt((off**2).mean()))
-    return Score(
+    return ModelScore(
         model.name, model.title, total_rmse(each), tuple(map(float, each)), float(off.mean()), rms
     )
 

@@ -8,7 +8,7 @@ from vrut_lite.geometry.colour import SRGB_FROM_XYZ
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.colour import xyz
 from vrut_lite_lab.study.framework.directions import COUNT, directions
-from vrut_lite_lab.study.framework.fisheye import Pixels
+from vrut_lite_lab.study.framework.fisheye import SkyPixels
 from vrut_lite_lab.study.framework.interpolant import interpolate
 from vrut_lite_lab.study.models.model import SkyModel
 from vrut_lite_lab.study.report.moments import Moment
@@ -17,7 +17,7 @@ _AT_ONCE = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Sky:
+class StudySky:
     """One sky: radiance (81, 40), and CIE XYZ (n, 3) in cd m^-2 of a picture's n pixels."""
 
     radiance: FloatArray
@@ -45,20 +45,20 @@ def directional_radiance(model: SkyModel, moment: Moment) -> FloatArray:
     return model.sky_radiance(moment.sun_zenith_rad, zenith, azimuth - moment.sun_azimuth_rad)
 
 
-def model_sky(model: SkyModel, moment: Moment, at: Pixels) -> Sky:
+def model_sky(model: SkyModel, moment: Moment, at: SkyPixels) -> StudySky:
     """A model's sky, every pixel computed."""
     relative = at.azimuth_rad - moment.sun_azimuth_rad
     parts = [
         xyz(model.sky_radiance(moment.sun_zenith_rad, at.zenith_rad[some], relative[some]))
         for some in _slices(at.zenith_rad.size)
     ]
-    return Sky(directional_radiance(model, moment), np.concatenate(parts))
+    return StudySky(directional_radiance(model, moment), np.concatenate(parts))
 
 
-def measured_sky(radiance: FloatArray, at: Pixels) -> Sky:
+def measured_sky(radiance: FloatArray, at: SkyPixels) -> StudySky:
     """A measured sky, interpolated between its 81 directions."""
     # Interpolation is linear: colours may be taken before it.
-    return Sky(radiance, interpolate(xyz(radiance), at.zenith_rad, at.azimuth_rad))
+    return StudySky(radiance, interpolate(xyz(radiance), at.zenith_rad, at.azimuth_rad))
 
 
 def _slices(count: int) -> list[slice]:

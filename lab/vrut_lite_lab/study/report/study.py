@@ -8,18 +8,18 @@ from bruneton_sky.published.classical_rules import RULES as TEXTBOOK
 
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.study.framework.day import KIDER, Day
+from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
 from vrut_lite_lab.study.framework.fisheye import pixels
 from vrut_lite_lab.study.models.model import SkyModel
 from vrut_lite_lab.study.report.by_angle import EDGES_DEG, errors_by_angle, plot_by_angle
 from vrut_lite_lab.study.report.choices import ModelSet
-from vrut_lite_lab.study.report.figures import Row, figures
+from vrut_lite_lab.study.report.figures import MomentSkies, figures
 from vrut_lite_lab.study.report.folder import PAGE, Folder
 from vrut_lite_lab.study.report.moments import Moment
 from vrut_lite_lab.study.report.page import Page, in_text
 from vrut_lite_lab.study.report.plots import errors_by_sun, run_time_against_error
 from vrut_lite_lab.study.report.scores import references, score, table_two
-from vrut_lite_lab.study.report.skies import Sky, measured_sky, model_sky
+from vrut_lite_lab.study.report.skies import StudySky, measured_sky, model_sky
 from vrut_lite_lab.study.rules.against_truth import (
     FINEST,
     NODES,
@@ -45,7 +45,7 @@ _INTRODUCTION = (
 )
 
 
-class Plan(NamedTuple):
+class StudyPlan(NamedTuple):
     """The parts of the study to make.
 
     Attributes:
@@ -65,7 +65,7 @@ class Plan(NamedTuple):
     physics: SkyModel
     size: int
     table_two: tuple[tuple[int, int], ...]
-    day: Day = KIDER
+    day: MeasuredDay = KIDER
     suns_deg: tuple[float, ...] = SUN_ZENITHS_DEG
     timed_suns_deg: tuple[float, ...] = TIMED_SUNS_DEG
     changes: tuple[SkyModel, ...] = ()
@@ -84,7 +84,7 @@ class Plan(NamedTuple):
         return (models + 1) * len(self.moments) + scored + table_two + rules
 
 
-def write_study(plan: Plan, folder: Folder, tell: Tell) -> None:
+def write_study(plan: StudyPlan, folder: Folder, tell: Tell) -> None:
     """Write everything; `tell` is called with the name of each step before it begins."""
     page = Page("Integration rules and sky models against truth and measurements")
     page.paragraph(plan.day.in_words)
@@ -99,7 +99,7 @@ def write_study(plan: Plan, folder: Folder, tell: Tell) -> None:
     folder.content(PAGE, page.html().encode())
 
 
-def _write_scores(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
+def _write_scores(plan: StudyPlan, folder: Folder, page: Page, tell: Tell) -> None:
     against = "the measurements" if plan.measured else f"the reference, {plan.physics.title}"
     page.heading(f"Models against {against}")
     page.paragraph(
@@ -134,7 +134,7 @@ def _write_scores(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
 
 
 def _write_by_angle(
-    plan: Plan, models: Sequence[SkyModel], reference: FloatArray, folder: Folder, page: Page
+    plan: StudyPlan, models: Sequence[SkyModel], reference: FloatArray, folder: Folder, page: Page
 ) -> None:
     page.heading("Relative error by angle from the sun, and by the sun's elevation")
     page.paragraph(
@@ -152,7 +152,7 @@ def _write_by_angle(
     page.table(["model", *suns], rows, folder.csv("by_sun", ["model", *suns], rows))
 
 
-def _write_table_two(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
+def _write_table_two(plan: StudyPlan, folder: Folder, page: Page, tell: Tell) -> None:
     page.heading("Table 2 of Gałaj and Wojciechowski 2019")
     page.paragraph(
         "RMSE of single scattering by each rule: as published, by the rule itself, and with the "
@@ -164,7 +164,7 @@ def _write_table_two(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None
     page.table(header, lines, folder.csv("table_2", header, lines))
 
 
-def _write_rules(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
+def _write_rules(plan: StudyPlan, folder: Folder, page: Page, tell: Tell) -> None:
     page.heading("The rules against the integral")
     errors: list[RuleError] = []
     for name, air in spectral_airs().items():
@@ -203,7 +203,7 @@ def _by_nodes(errors: list[RuleError]) -> list[tuple[object, ...]]:
     return rows
 
 
-def _write_run_times(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
+def _write_run_times(plan: StudyPlan, folder: Folder, page: Page, tell: Tell) -> None:
     page.heading("Run time against error")
     air, times, said = rgb_airs()["A"], list[RunTime](), ""
     for sun in plan.timed_suns_deg:
@@ -240,9 +240,9 @@ def _tell_of_finest(times: list[RunTime], page: Page) -> None:
             )
 
 
-def _write_figures(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
+def _write_figures(plan: StudyPlan, folder: Folder, page: Page, tell: Tell) -> None:
     at = pixels(plan.size)
-    references: list[tuple[Sky, Sky | None]] = []
+    references: list[tuple[StudySky, StudySky | None]] = []
     for moment in plan.moments:
         tell(f"{plan.physics.title}: {moment.title}")
         seen = None if moment.measured is None else measured_sky(moment.measured, at)
@@ -255,7 +255,7 @@ def _write_figures(plan: Plan, folder: Folder, page: Page, tell: Tell) -> None:
             for model in each.models:
                 tell(f"{model.title}: {moment.title}")
                 skies.append(model_sky(model, moment, at))
-            rows.append(Row(moment, tuple(skies), physics, seen))
+            rows.append(MomentSkies(moment, tuple(skies), physics, seen))
         titles = [model.title for model in each.models]
         for figure in figures(titles, plan.physics.title, rows, at):
             name = folder.picture(f"{figure.name}_{each.name}", figure.image)

@@ -14,7 +14,7 @@ from bruneton_sky.published.single_scattering import single_scattering
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.study.rules.airs import Rays, rays_to
+from vrut_lite_lab.study.rules.airs import SeaLevelRays, rays_to
 from vrut_lite_lab.study.rules.kernels import classical_radiance
 
 # Nodes per segment of our rule, or intervals (view, light) of a textbook one.
@@ -46,19 +46,19 @@ def all_rules(
     return [*textbook, *(("gauss-legendre", count) for count in nodes)]
 
 
-def truth(air: Atmosphere, rays: Rays) -> FloatArray:
+def truth(air: Atmosphere, rays: SeaLevelRays) -> FloatArray:
     """Radiance (n, C), to 1e-9 by day and 1e-8 where light grazes the ground."""
     return single_scattering(air, 0.0, *rays, samples=_TRUTH_NODES)
 
 
-def gauss_legendre_radiance(air: Atmosphere, rays: Rays, nodes: int) -> FloatArray:
+def gauss_legendre_radiance(air: Atmosphere, rays: SeaLevelRays, nodes: int) -> FloatArray:
     """Radiance (n, C) by our rule, compiled."""
     parts = fast_scattered_without_phase(air, 0.0, rays.mu, rays.mu_s, rays.nu, nodes)
     cosine = rays.nu[:, None]
     return np.asarray(parts[0] * rayleigh_phase(cosine) + parts[1] * mie_phase(air, cosine))
 
 
-def radiance_by(air: Atmosphere, rays: Rays, rule: str, samples: Samples) -> FloatArray:
+def radiance_by(air: Atmosphere, rays: SeaLevelRays, rule: str, samples: Samples) -> FloatArray:
     """Radiance (n, C) by any rule: `gauss-legendre` with nodes, else with intervals."""
     if isinstance(samples, int):
         return gauss_legendre_radiance(air, rays, samples)
@@ -81,11 +81,11 @@ def rule_errors(
         yield RuleError(name, sun_zenith_deg, rule, taken, rms, largest)
 
 
-def _lit_rays(air: Atmosphere, sun_zenith_deg: float) -> Rays:
+def _lit_rays(air: Atmosphere, sun_zenith_deg: float) -> SeaLevelRays:
     """Those of the 81 that are not wholly in the planet's shadow: there all rules give 0."""
     rays = rays_to(sun_zenith_deg)
     lit = truth(air, rays).min(axis=-1) > 0.0
-    return Rays(rays.mu[lit], rays.mu_s, rays.nu[lit])
+    return SeaLevelRays(rays.mu[lit], rays.mu_s, rays.nu[lit])
 
 
 def fewest_nodes(errors: list[RuleError], rule: str) -> RuleError | None:

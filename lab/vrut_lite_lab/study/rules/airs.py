@@ -19,7 +19,7 @@ RGB_NM = (680.0, 550.0, 440.0)
 _MIE_SCATTERING, _MIE_ALBEDO = 3.996e-6, 0.9
 
 
-class Rays(NamedTuple):
+class SeaLevelRays(NamedTuple):
     """Cosines of rays from sea level: of view and sun with the vertical, of the two."""
 
     mu: FloatArray
@@ -58,10 +58,10 @@ def rgb_airs() -> dict[str, Atmosphere]:
     return {"A": clear_air(np.array(RGB_NM)), "evaluation": _at(np.array(RGB_NM))}
 
 
-def rays_to(sun_zenith_deg: float) -> Rays:
+def rays_to(sun_zenith_deg: float) -> SeaLevelRays:
     """To the 81 directions, the sun in the north."""
     zenith, azimuth = directions()
-    return Rays(*cosines(float(np.radians(sun_zenith_deg)), zenith, azimuth))
+    return SeaLevelRays(*cosines(float(np.radians(sun_zenith_deg)), zenith, azimuth))
 
 
 def _at(wavelength_nm: FloatArray) -> Atmosphere:

@@ -17,7 +17,7 @@ from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.published.classical_rules import checked_intervals, rule_nodes
 
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.study.rules.airs import Rays
+from vrut_lite_lab.study.rules.airs import SeaLevelRays
 
 _MIDPOINT, _TRAPEZOID, _SIMPSON, _SIMPSON_TRAPEZOID = range(4)
 _CODES = {
@@ -29,7 +29,7 @@ _CODES = {
 
 
 def classical_radiance(
-    air: Atmosphere, rays: Rays, rule: str, intervals: tuple[int, int]
+    air: Atmosphere, rays: SeaLevelRays, rule: str, intervals: tuple[int, int]
 ) -> FloatArray:
     """Radiance (n, C) of light scattered once, by a textbook rule.
 

@@ -15,7 +15,7 @@ from vrut_lite_lab.study.rules.against_truth import (
     radiance_by,
     truth,
 )
-from vrut_lite_lab.study.rules.airs import Rays, rays_to
+from vrut_lite_lab.study.rules.airs import SeaLevelRays, rays_to
 
 _ROUNDS, _LEAST_S = 3, 0.02
 
@@ -66,5 +66,7 @@ def least_s(work: Callable[[], object]) -> float:
     return min(rounds) / calls
 
 
-def _repeated(air: Atmosphere, rays: Rays, rule: str, samples: Samples) -> Callable[[], object]:
+def _repeated(
+    air: Atmosphere, rays: SeaLevelRays, rule: str, samples: Samples
+) -> Callable[[], object]:
     return lambda: radiance_by(air, rays, rule, samples)

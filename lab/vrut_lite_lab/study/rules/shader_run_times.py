@@ -24,7 +24,7 @@ from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_lab.bench.gl import clock_name, has_timer
 from vrut_lite_lab.study.rules.against_truth import NODES, SAMPLES, Samples, all_rules, truth
-from vrut_lite_lab.study.rules.airs import Rays
+from vrut_lite_lab.study.rules.airs import SeaLevelRays
 from vrut_lite_lab.study.rules.run_times import RunTime
 
 SIZE = 16
@@ -139,6 +139,6 @@ def _program(context: Any, job: GpuJob) -> Any:
 
 def _error(air: Atmosphere, toward: FloatArray, texels: FloatArray) -> float:
     face = texel_directions(len(texels))[_UP].reshape(-1, 3)
-    rays = Rays(face[:, 1], float(toward[1]), np.clip(face @ toward, -1.0, 1.0))
+    rays = SeaLevelRays(face[:, 1], float(toward[1]), np.clip(face @ toward, -1.0, 1.0))
     radiance = texels.reshape(-1, 3) / three_sample_scale(air.wavelength_nm, 3.0)
     return float(np.sqrt(((radiance / truth(air, rays) - 1.0) ** 2).mean()))
