@@ -11,7 +11,8 @@ import flip_evaluator
 import numpy as np
 import pytest
 
-from vrut_lite.app.engine.engine import PICTURE, PROBLEM, Engine
+from vrut_lite.app.engine.engine import Engine
+from vrut_lite.app.engine.revision_news import PICTURE, PROBLEM
 from vrut_lite.app.engine.stage import GlStage
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import (

@@ -7,7 +7,8 @@ from datetime import timedelta
 import pytest
 from window_driver import NOON, PATIENCE_MS, SUNDIAL_AT_NOON, HeadlessStage
 
-from vrut_lite.app.engine.engine import HEARD, PICTURE, PROBLEM, Engine
+from vrut_lite.app.engine.engine import Engine
+from vrut_lite.app.engine.revision_news import HEARD, PICTURE, PROBLEM
 from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.messages.camera import MoveCamera
 

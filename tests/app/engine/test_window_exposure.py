@@ -8,8 +8,9 @@ import pytest
 from window_driver import NOON, PATIENCE_MS, SCENES, SUNDIAL_AT_NOON, HeadlessStage
 
 from vrut_lite.app.engine.adaptation import Adaptation
-from vrut_lite.app.engine.engine import PICTURE, Engine
+from vrut_lite.app.engine.engine import Engine
 from vrut_lite.app.engine.history import GESTURE_S
+from vrut_lite.app.engine.revision_news import PICTURE
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import (
     EnableModule,

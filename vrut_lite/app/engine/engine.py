@@ -7,43 +7,35 @@ picture may take seconds; new inputs end it early.
 """
 
 import threading
-from collections import deque
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from itertools import count
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
-from vrut_lite.app.engine.adaptation import LISTENED_TO, Adaptation
+from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
 from vrut_lite.app.engine.finishing import Finishing
 from vrut_lite.app.engine.module_catalogue import catalogue_of
 from vrut_lite.app.engine.pacing import REST_S, Kind, Pacing, scaled
+from vrut_lite.app.engine.requests import Requests
 from vrut_lite.app.engine.revision_gate import DEADLINE_S, RevisionGate
+from vrut_lite.app.engine.revision_news import ENDED, PICTURE, READY, RevisionNews
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.errors import GivenUp
-from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import KERNEL_MESSAGES, Derived, Input, Message
+from vrut_lite.kernel.messages import Input
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.scene.scene_state import SceneState
 
 T = TypeVar("T")
-Question = Callable[[Stage], Any]
-# Kinds of news: the first parts of the keys that the engine passes to `tell`.
-READY, HEARD, PICTURE, CAMERA, WAITS, PROBLEM, ENDED = (
-    "ready", "heard", "picture", "camera", "waits", "problem", "ended",
-)  # fmt: skip
 # The kernel begins a revision so many times its usual time before a picture is due: both take
 # longer beside each other.
 _EARLIER = 1.5
-# Messages that wait for the next picture's exposure, as those of a clock that plays.
-_MOST_HEARD = 1000
 
 
 class Shown(NamedTuple):
@@ -85,38 +77,20 @@ class Engine:
         deadline_s: float = DEADLINE_S,
     ):
         self._open_stage = open_stage
-        self._tell = tell
         self._attend = attend
         self._now_s = now_s
-        self._lock = threading.Lock()
-        # Inputs that were sent before there was a kernel.
-        self._early: list[Input] = []
-        self._inject: Callable[..., None] = lambda *inputs: self._early.extend(inputs)
-        self._questions: deque[tuple[Question, Future[Any]]] = deque()
-        self._awake = threading.Event()
-        # Set by a new input, an undo or the end: a finished picture of the old state is given up.
-        self._moved_on = threading.Event()
-        # Set by a new input alone.
-        self._sent = threading.Event()
-        self._ending = threading.Event()
+        self._requests = Requests()
+        self._news = RevisionNews(tell, now_s)
         self._pacing = Pacing()
         self._adaptation = Adaptation()
         self._finer_light = FinerLight()
         self._gate = RevisionGate(deadline_s, now_s)
-        # Names of modules that the present revision waits for, as told.
-        self._waits_for: tuple[str, ...] = ()
-        # News of a revision that is not whole yet, and what its picture's exposure is chosen by.
-        self._withheld: dict[Hashable, tuple[Message, str]] = {}
-        self._heard: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
-        self._published: deque[tuple[Message, float]] = deque(maxlen=_MOST_HEARD)
         # When an input came last.
         self._sent_at_s = 0.0
         self._finishing = Finishing()
-        self._camera: Any = None
         self._drawn: SceneState | None = None
         # The last picture that was not finished.
         self._moved_from: SceneState | None = None
-        self._numbers = count()
         # Draws a moving picture while the kernel is pumped.
         self._pictures = ThreadPoolExecutor(1, "vrut-lite picture")
         # Whether a revision has begun beside the last picture.
@@ -131,25 +105,14 @@ class Engine:
 
     def send(self, *inputs: Input) -> None:
         """Send inputs to the kernel, also before the stage is open."""
-        with self._lock:
-            self._inject(*inputs)
-        if inputs:
-            self._sent.set()
-        self._move_on()
+        self._requests.send(*inputs)
 
     def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
         """Call `question` on the engine's thread, after the inputs that were sent before.
 
         A question that `changes` something interrupts a finished picture that is being drawn.
         """
-        answer: Future[T] = Future()
-        self._questions.append((question, answer))
-        if changes:
-            self._moved_on.set()
-        self._awake.set()
-        if self._ending.is_set():
-            answer.cancel()
-        return answer
+        return self._requests.ask(question, changes)
 
     def meter_exposure(self) -> None:
         """Draw a new picture now and meter automatic exposure by it."""
@@ -162,12 +125,7 @@ class Engine:
 
     def stop(self) -> None:
         """Ask the thread to end soon; ENDED is told when it has."""
-        self._ending.set()
-        self._move_on()
-
-    def _move_on(self) -> None:
-        self._moved_on.set()
-        self._awake.set()
+        self._requests.end()
 
     def join(self, timeout_s: float | None = None) -> bool:
         """Wait for the end; False after the timeout."""
@@ -185,38 +143,33 @@ class Engine:
                 self._pictures.shutdown()
                 stage.close()
         finally:
-            self._ending.set()
-            for _, answer in self._questions:
-                answer.cancel()
-            self._tell(ENDED, None)
+            self._requests.cancel()
+            self._news.tell(ENDED, None)
 
     def _opened(self) -> Stage | None:
         try:
             stage = self._open_stage()
         except BaseException as error:
-            self._trouble(error)
+            self._news.problem(error)
             return None
         if stage.device is not None:
             self._pacing.expect(stage.device.choices.expected_s)
-        stage.kernel.tap(self._hear)
-        stage.kernel.on_inject(self._awake.set)
+        stage.kernel.tap(self._news.hear)
         for failure in stage.failures:
-            self._tell((PROBLEM, next(self._numbers)), failure)
-        self._tell(READY, catalogue_of(stage))
+            self._news.problem(failure)
+        self._news.tell(READY, catalogue_of(stage))
         return stage
 
     def _live(self, stage: Stage) -> None:
         # After `attend`: a journal must begin before the first input.
-        with self._lock:
-            self._inject = stage.kernel.inject
-            self._inject(*self._early)
-        self._awake.set()
-        while not self._ending.is_set():
-            self._awake.wait(self._patience_s(stage.kernel))
-            self._awake.clear()
-            self._moved_on.clear()
+        requests = self._requests
+        requests.connect(stage.kernel)
+        while not requests.ending.is_set():
+            requests.awake.wait(self._patience_s(stage.kernel))
+            requests.awake.clear()
+            requests.moved_on.clear()
             # Counted before the pump: inputs that were sent before a question are acted on first.
-            questions = len(self._questions)
+            questions = requests.questions
             self._make_way(stage)
             # After a rest a hand waits for the first picture: jobs that its input starts begin
             # thereafter. In motion they run beside pictures: light would be older by one.
@@ -224,18 +177,18 @@ class Engine:
                 self._pump_unless_ahead(stage, questions)
                 # Answers are of one revision, as pictures are.
                 if stage.kernel.is_whole:
-                    self._answer(stage, questions)
-                rests = not self._ending.is_set() and not self._draw_what_moved(stage)
+                    requests.answer(stage, questions)
+                rests = not requests.ending.is_set() and not self._draw_what_moved(stage)
             if rests:
                 self._settle(stage)
             if stage.kernel.waiting and stage.kernel.is_whole:
-                self._awake.set()
+                requests.awake.set()
         stage.kernel.on_inject(None)
 
     def _make_way(self, stage: Stage) -> None:
         """Let what inputs cause go before the finer light of the present picture."""
-        if self._sent.is_set():
-            self._sent.clear()
+        if self._requests.sent.is_set():
+            self._requests.sent.clear()
             self._sent_at_s = self._now_s()
             self._finer_light.give_way(stage.kernel, stage.state, self._sent_at_s)
         self._finer_light.resume(stage.kernel, self._now_s())
@@ -260,7 +213,7 @@ class Engine:
         elif not is_ahead:
             self._pump(stage, self._gate.pump)
         elif stage.kernel.waiting:
-            self._awake.set()
+            self._requests.awake.set()
 
     def _pump(self, stage: Stage, pump: Callable[[Kernel], None]) -> None:
         kernel = stage.kernel
@@ -269,37 +222,13 @@ class Engine:
                 pump(kernel)
             # An error in the host itself: the message that raised it is lost, the others go on.
             except BaseException as error:
-                self._trouble(error)
+                self._news.problem(error)
             else:
                 break
-        waits_for = kernel.jobs.modules("awaited")
-        if waits_for != self._waits_for:
-            self._waits_for = waits_for
-            self._tell(WAITS, waits_for)
+        self._news.waits_for(kernel.jobs.modules("awaited"))
         if kernel.is_whole:
-            self._publish()
-        camera = stage.state.camera
-        if camera is not None and camera is not self._camera:
-            self._camera = camera
-            self._tell(CAMERA, camera)
-
-    def _publish(self) -> None:
-        """Tell what belongs to the revision that pictures show from now on."""
-        for key, value in self._withheld.items():
-            self._tell(key, value)
-        self._withheld.clear()
-        self._published += self._heard
-        self._heard.clear()
-
-    def _answer(self, stage: Stage, count: int) -> None:
-        for _ in range(count):
-            question, answer = self._questions.popleft()
-            if not answer.set_running_or_notify_cancel():
-                continue
-            try:
-                answer.set_result(question(stage))
-            except BaseException as error:
-                answer.set_exception(error)
+            self._news.publish()
+        self._news.camera_is(stage.state.camera)
 
     def _draw_what_moved(self, stage: Stage) -> bool:
         """Draw a state that was not drawn yet; False if it was, or cannot be finished yet."""
@@ -321,7 +250,7 @@ class Engine:
     def _settle(self, stage: Stage) -> None:
         """Draw what is due while nothing moves: the finished picture, or one more exposure."""
         # A question may have injected inputs, as an undo does: they are pumped first.
-        if self._awake.is_set() or stage.state.missing or not stage.kernel.is_whole:
+        if self._requests.awake.is_set() or stage.state.missing or not stage.kernel.is_whole:
             return
         now_s, adaptation, finishing = self._now_s(), self._adaptation, self._finishing
         if finishing.is_due(now_s) and adaptation.is_near:
@@ -348,9 +277,8 @@ class Engine:
         adaptation, state, jobs = self._adaptation, stage.state, stage.kernel.jobs
         revision = stage.revision
         drafts, refining = jobs.modules("drafted"), jobs.modules("refines")
-        for message, heard_s in self._published:
+        for message, heard_s in self._news.take_published():
             adaptation.hear(message, heard_s)
-        self._published.clear()
         # The exposure of a finished picture that is not settled adapts further as it stands.
         settled = still and adaptation.settled
         exposure = (
@@ -358,10 +286,11 @@ class Engine:
         )
         size = scaled(state.size_px, scale)
         drawn = replace(state, size_px=size, exposure=exposure)
-        is_given_up = (self._ending if self._finishing.insists else self._moved_on).is_set
+        requests = self._requests
+        ends = requests.ending if self._finishing.insists else requests.moved_on
         try:
             if still:
-                picture, end_s = stage.draw(drawn, still, is_given_up), self._now_s()
+                picture, end_s = stage.draw(drawn, still, ends.is_set), self._now_s()
             else:
                 expected_s = self._pacing.expected_s(scale, kind)
                 picture, end_s = self._draw_and_pump(stage, drawn, expected_s)
@@ -369,7 +298,7 @@ class Engine:
             self._finishing.given_up(start_s)
             return
         except BaseException as error:
-            self._trouble(error)
+            self._news.problem(error)
             return
         seconds = end_s - start_s
         adaptation.drew(picture, exposure, end_s, still)
@@ -383,7 +312,7 @@ class Engine:
         whole_in_s = self._gate.percentile_s(50.0), self._gate.percentile_s(95.0)
         held = adaptation.held
         shown = Shown(picture, still, seconds, held, revision, drafts, refining, whole_in_s)
-        self._tell(PICTURE, shown)
+        self._news.tell(PICTURE, shown)
 
     def _draw_and_pump(
         self, stage: Stage, drawn: SceneState, expected_s: float
@@ -394,37 +323,23 @@ class Engine:
         """
         kernel, gate = stage.kernel, self._gate
         drawing = self._pictures.submit(lambda: (stage.draw(drawn, False), self._now_s()))
-        drawing.add_done_callback(lambda _: self._awake.set())
+        drawing.add_done_callback(lambda _: self._requests.awake.set())
         wait((drawing,), max(0.0, expected_s - _EARLIER * gate.usual_s))
         while not (drawing.done() or kernel.waiting):
-            self._awake.wait()
-            self._awake.clear()
+            self._requests.awake.wait()
+            self._requests.awake.clear()
         if not drawing.done():
             self._make_way(stage)
             self._pump(stage, gate.pump)
             self._was_beside = True
         # Results of its jobs may start others.
         while not (drawing.done() or kernel.is_whole):
-            self._awake.wait()
-            self._awake.clear()
+            self._requests.awake.wait()
+            self._requests.awake.clear()
             self._pump(stage, lambda kernel: gate.pump(kernel, may_begin=False))
         # The wake-up that was cleared may have been for a question.
-        self._awake.set()
+        self._requests.awake.set()
         return drawing.result()
-
-    def _hear(self, message: Message, sender: str) -> None:
-        if isinstance(message, LISTENED_TO):
-            self._heard.append((message, self._now_s()))
-        key = message.key()
-        news = (HEARD, type(message), next(self._numbers) if key is None else key)
-        if isinstance(message, Derived) and not isinstance(message, KERNEL_MESSAGES):
-            self._withheld.pop(news, None)
-            self._withheld[news] = message, sender
-        else:
-            self._tell(news, (message, sender))
-
-    def _trouble(self, error: BaseException) -> None:
-        self._tell((PROBLEM, next(self._numbers)), sentence_of(error))
 
 
 def _held(kernel: Kernel) -> AbstractContextManager[None]:

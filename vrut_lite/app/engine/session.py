@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-from vrut_lite.app.engine import engine
+from vrut_lite.app.engine import revision_news
 from vrut_lite.app.engine.cpu_sky import best_stage
 from vrut_lite.app.engine.engine import Engine, Shown
 from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
@@ -224,7 +224,7 @@ class Session(QObject):
             recorder = self._recorder = FlightRecorder(stage.kernel)
         except (UserError, OSError) as error:
             line = f"this session is not recorded: {error}"
-            self._mailbox.put((engine.PROBLEM, "not recorded"), line)
+            self._mailbox.put((revision_news.PROBLEM, "not recorded"), line)
             yield
             return
         with closing(recorder):
@@ -236,25 +236,25 @@ class Session(QObject):
             self._deliver_one(str(kind), value)
 
     def _deliver_one(self, kind: str, value: Any) -> None:
-        if kind == engine.HEARD:
+        if kind == revision_news.HEARD:
             self._hear(*value)
-        elif kind == engine.PICTURE:
+        elif kind == revision_news.PICTURE:
             self.shown = value
             self.picture_shown.emit(value)
-        elif kind == engine.WAITS:
+        elif kind == revision_news.WAITS:
             self.waits_for = value
             self.waits_changed.emit(value)
-        elif kind == engine.CAMERA:
+        elif kind == revision_news.CAMERA:
             self.camera = value
             self.camera_moved.emit(value)
         elif kind == _STEPS:
             self.steps_changed.emit(value)
-        elif kind == engine.PROBLEM:
+        elif kind == revision_news.PROBLEM:
             self.problem.emit(one_line(value))
-        elif kind == engine.READY:
+        elif kind == revision_news.READY:
             self.catalogue = value
             self.ready.emit(value)
-        elif kind == engine.ENDED:
+        elif kind == revision_news.ENDED:
             self._has_ended = True
             self._begin_to_end()
             # Also of a session that nobody joins, as one whose host could not be opened.
