@@ -15,7 +15,7 @@ class Lazy:
         self._target = target
 
     def load(self) -> Any:
-        """The module, or what has the name in it."""
+        """The module, or the object of that name in it."""
         module, _, name = self._target.partition(":")
         loaded = importlib.import_module(module)
         return getattr(loaded, name) if name else loaded
@@ -24,7 +24,7 @@ class Lazy:
         return getattr(self.load(), name)
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """Call what has the name."""
+        """Call the object."""
         return self.load()(*arguments, **named)
 
 

@@ -33,8 +33,8 @@ with interrupts_held():
 
     from vrut_lite import numba_shortcuts
 
-# What compiles intrinsics takes these from here: two threads that import different parts of numba
-# at once would see each other's half-made modules.
+# For files of intrinsics: threads that import different parts of numba at once would see each
+# other's half-made modules.
 __all__ = ["cgutils", "config", "cpu_target", "types"]
 _DIGEST_BYTES = 32
 _IMPORTED = re.compile(rb"^from (\S+) import", re.MULTILINE)

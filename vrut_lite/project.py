@@ -412,7 +412,7 @@ def project_text(project: Project) -> str:
 
 
 def _said(placement: dict[str, Any]) -> dict[str, Any]:
-    """What a placement says that is not the default."""
+    """Fields of a placement that differ from the default."""
     default = msgspec.to_builtins(Placement())
     return {key: value for key, value in placement.items() if value != default[key]}
 
@@ -470,7 +470,7 @@ def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
     for slot, module in project.slots.items():
         kernel.check_holder(slot, module)
         inputs.append(ChooseSlot(slot=slot, module=module))
-        # A sky with a sun of its own tells where that stands, unless another is asked for.
+        # A sky with its own sun also holds the slot `sun`, unless the project names another holder.
         own_sun = not getattr(kernel.seats[module].module_type, "follows_sun", True)
         if slot == "sky" and own_sun and "sun" not in project.slots:
             inputs.append(ChooseSlot(slot="sun", module=module))

@@ -18,8 +18,8 @@ _CLEAR, _CLOSED = 0.05, 0.95
 # Heaps that are more than half of the sky stand in rolls. Light passes thinner layers than these.
 _HEAPED = 0.6
 _THIN_HEAPS, _THIN_ROLLS, _THIN_SHEET, _STRATUS, _RAIN = 0.97, 0.9, 0.8, 0.55, 0.22
-# Of heaps and rolls an observer sees the sides too: shares of the zenith, and of the hemisphere
-# where these are covered (vrut_lite_lab.cloud_cover).
+# Cover of the zenith, and of the hemisphere, which is larger since the sides of heaps and rolls
+# are visible (vrut_lite_lab.cloud_cover).
 _ZENITH = 0.0, 0.35, 0.7, 1.0
 _HEMISPHERE: dict[Genus, tuple[float, ...]] = {
     "Cu": (0.0, 0.61, 0.88, 1.0),

@@ -14,7 +14,7 @@ LowGenus = Literal["Cu", "Sc", "St", "Ns", "Cb"]
 MiddleGenus = Literal["Ac", "As"]
 HighGenus = Literal["Ci", "Cs"]
 Genus = Literal["Cu", "Sc", "St", "Ns", "Cb", "Ac", "As", "Ci", "Cs"]
-# What the weather map of a genus shows: convection, a closed sheet with thin places, or fibres.
+# Pattern of a genus in the weather map: convection, a closed sheet with thin places, or fibres.
 Pattern = Literal["cells", "sheet", "fibres"]
 
 

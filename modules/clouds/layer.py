@@ -86,8 +86,8 @@ def cloud_layer(layer: Layer, seed: int) -> CloudLayer:
 def with_light(layer: CloudLayer, passes: Passes) -> CloudLayer:
     """The layer with the extinction at which this share of a clear sky's light passes, in the mean.
 
-    A column counts as a plane layer of its depth over usual ground: what passes gaps is in the
-    mean, what clouds' sides send on is not. The extinction stays between a tenth of its own and
+    A column counts as a plane layer of its depth over usual ground: light through gaps is in the
+    mean, light from clouds' sides is not. The extinction stays between a tenth of its own and
     the densest cloud's.
     """
     columns_m = _Samples(layer).column_density(layer.threshold) * layer.thickness_m

@@ -152,7 +152,7 @@ def _without_wind(settings: CloudSettings) -> CloudSettings:
 
 
 def _look_like(layers: tuple[CloudLayer, ...], posted: tuple[CloudLayer, ...]) -> bool:
-    """Whether layers show what was posted last; new ones have noise arrays of their own."""
+    """Whether layers look like those posted last; their noise arrays may be other objects."""
     if len(layers) != len(posted):
         return False
     for now, was in zip(layers, posted, strict=True):

@@ -1,4 +1,4 @@
-"""The settings of the clouds: three layers, each by its genus and by numbers of one's own."""
+"""The settings of the clouds: three layers, each by its genus and by optional numbers."""
 
 from typing import Annotated, ClassVar, NamedTuple, get_args
 
@@ -23,7 +23,7 @@ Extinction = setting(
 )
 Speed = setting("Speed of the wind up there.", 0, 120, unit="m/s")
 Azimuth = setting("Where the wind comes from, from true north, clockwise.", 0, 360, unit="deg")
-# What a layer's settings are called without its prefix.
+# Names of a layer's settings without its prefix.
 _NUMBERS = ("coverage", "base_m", "thickness_m", "extinction_per_m")
 _OWN = ("genus", *_NUMBERS, "wind_speed_m_s", "wind_azimuth_deg")
 
@@ -53,7 +53,7 @@ class Layer(NamedTuple):
 
 
 class CloudSettings(msgspec.Struct, frozen=True):
-    """A low, a middle and a high layer; what is none is the genus's own.
+    """A low, a middle and a high layer; None stands for the genus's value.
 
     A layer without genus is of the one in `_PLAIN`, and has no clouds unless it has a coverage.
     """
@@ -99,7 +99,7 @@ class CloudSettings(msgspec.Struct, frozen=True):
     ] = 1
 
     def left_open(self, haze: SetHaze) -> dict[str, float]:
-        """What the genera give for numbers that are none."""
+        """Values by genus of the numbers that are None."""
         return {
             prefix + name: float(getattr(layer, name))
             for prefix in _PLAIN

@@ -25,7 +25,7 @@ S10 = 8.65e-7
 # Noll et al. (2012, A&A 543, A92): airglow by the sun's flux at 10.7 cm, at the zenith.
 _AIRGLOW_S10, _AIRGLOW_AT_0, _AIRGLOW_PER_SFU = 200.0, 0.2, 0.00614
 _AIRGLOW_M = 90_000.0
-# Of table 17: 1e-8 W m^-2 sr^-1 um^-1 at 500 nm as luminance.
+# Luminance of 1e-8 W m^-2 sr^-1 um^-1 at 500 nm, the unit of table 17.
 _ZODIACAL_CD = 7.0e-7
 # Stars too faint for points: a layer of 20 S10 across, seen slantwise to five times that, and the
 # clouds of the Milky Way, of which the brightest level of the map has so much. With the points'

@@ -23,7 +23,7 @@ RGB_NM = np.array([610.0, 550.0, 465.0])
 SENT_DOWN = 0.45
 _NODES = 181
 TOP_M = 120_000.0
-# Of a part of a ray, denser where the air is.
+# Quadrature nodes of a part of a ray, denser in dense air.
 _STEPS = 48
 
 

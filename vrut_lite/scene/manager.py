@@ -70,7 +70,7 @@ class SceneManager(Module):
         """The pending state of the view, of which some parts may be earlier than others."""
         return self._view.pending
 
-    # --- what is to be seen, from where -------------------------------------------------
+    # --- scene and camera -------------------------------------------------
 
     @handles(LoadScene)
     def on_load(self, message: LoadScene) -> None:
@@ -109,7 +109,7 @@ class SceneManager(Module):
         self._time_s = self._animation_time_s()
         posed = packed(self._animated.at(self._time_s))
         if self.state.scene is not None:
-            # What moves in front of a camera moves neither the framing nor the ground.
+            # Moving objects change neither the framing nor the ground.
             posed = msgspec.structs.replace(posed, ground=self.state.scene.ground)
         # The scene's own camera may move by itself.
         looks_through = self.state.moved_camera is None and posed.camera is not None

@@ -9,7 +9,7 @@ struct Slice {
     vec4 place;        // distance of its centre, of both ends; 0: it adds next to nothing
     vec4 centre;       // 1 / radius, mu, 1 / sine, place on the axis of altitudes
     vec4 to_top;       // of the sun's path there: see sunlight
-    vec4 molecules;    // weight of what they scatter, four wavelengths
+    vec4 molecules;    // weight of their scattering, four wavelengths
     vec4 aerosol;
     vec4 colour[3];    // of four wavelengths in red, green and blue, over 1 - T
     vec4 aloft;        // share of aerosol aloft in what particles scatter, and of fog
@@ -39,7 +39,7 @@ const float SUN_TILT = 0.47140452;  // see between_suns.py
 
 uniform ivec3 shape;            // slices, rows, columns
 uniform ivec2 transmittances;   // altitudes, columns
-uniform ivec2 altitudes;        // of both source functions; 0: it is none
+uniform ivec2 altitudes;        // of both source functions; 0: no source function
 uniform ivec3 directions;       // of the source function: suns, azimuths, mu
 uniform vec4 sun_grid;          // see SunGrid.constants
 uniform vec4 solar_irradiance;

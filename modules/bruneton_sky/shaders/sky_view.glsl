@@ -46,7 +46,7 @@ float background_height(vec3 direction) {
     return depth - background_horizon.x;
 }
 
-// Radiance on one side of the horizon, `up` or down; what lies beyond is drawn to the edge.
+// Radiance on one side of the horizon, `up` or down; directions beyond it take the edge's.
 vec3 background_on_side(vec3 direction, float height, bool up) {
     float span = up ? background_horizon.y - background_horizon.x : background_horizon.x;
     int rows = up ? background_shape.x : background_shape.y;

@@ -36,7 +36,7 @@ void main() {
         return;
     }
     int face = faces[gl_WorkGroupID.z];
-    // By index, not by direction.y: what is level is sky, as on the CPU.
+    // By index, not by direction.y: level directions are sky, as on the CPU.
     bool down = face == 3 || (face != 2 && 2 * at.y + 1 > size);
     vec3 rgb = ground;
     if (background_shape.y > 0 || !down) {

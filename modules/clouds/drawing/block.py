@@ -46,7 +46,7 @@ CLOUDS = UniformBlock(
         "top_fade": ("float", "of a cloud's height"),
         "fraying": ("float", "weight of the detail"),
         "sharpness": ("float", "of edges"),
-        # Of weather and noise in a sample: model/cloud_spread.py.
+        # Spread of weather and noise in a sample: model/cloud_spread.py.
         "spread_most": ("vec2", "half their range in a wide one"),
         "spread_log_half": ("vec2", "binary logarithm of the width at which it is half that, m"),
         "spread_power": ("vec2", "of the width"),

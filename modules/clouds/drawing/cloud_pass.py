@@ -1,4 +1,4 @@
-"""Clouds over sky and meshes: marched into a picture of their own, then blended into the frame.
+"""Clouds over sky and meshes: marched into a separate picture, then blended into the frame.
 
 Each sample of the frame gets the clouds before the sky or those before its mesh, by its own depth:
 edges with several samples stay smooth. A moving picture takes clouds over from the one before.
@@ -53,7 +53,7 @@ class CloudPass:
         self._others = gl.by_size(lambda size: _CloudTarget(gl.context, size))
         self._depths = gl.by_size(gl.depth_copy)
         self._before: _Before | None = None
-        # What a still has already.
+        # Result of an interrupted still.
         self._known: _Before | None = None
         self._shown: _CloudTarget | None = None
         self._turn = 0
@@ -89,7 +89,7 @@ class CloudPass:
         self.draw_again(before_meshes)
 
     def draw_again(self, before_meshes: bool) -> None:
-        """Blend in what was marched last."""
+        """Blend in the clouds that were marched last."""
         assert self._shown is not None
         self._blend(self._shown.before_sky, only_sky=True)
         if before_meshes:
@@ -103,7 +103,7 @@ class CloudPass:
         size: Size,
         light: int,
     ) -> "_CloudTarget":
-        """A coarser picture, in part of what the one before shows."""
+        """A coarser picture that reuses pixels of the one before."""
         before, self._before = self._before, None
         target = self._targets.get(_coarser(size))
         if before is not None and before.target is target:
@@ -253,7 +253,7 @@ class _CloudTarget:
         self.distances_m = context.texture(size, 2, dtype="f4")
         self.distances_m.filter = (context.NEAREST, context.NEAREST)
         self.distances_m.repeat_x = self.distances_m.repeat_y = False
-        # What need not be marched has a depth.
+        # Pixels that need not be marched have a depth.
         self._known = context.depth_renderbuffer(size)
         self.buffer = context.framebuffer(
             [self.before_sky, self.before_mesh, self.distances_m], self._known

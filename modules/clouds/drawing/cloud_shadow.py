@@ -1,7 +1,7 @@
 """The cloud shadow map: the layers' optical depth towards the sun for places around the eye.
 
 Texels lie at the lowest base and grow away from the middle: x = near u / (1 - growth |u|), u in
-[-1, 1] along each axis. The lowest wind shifts the map; it is drawn again when sun or layers
+[-1, 1] along each axis. The lowest wind shifts the map; it is redrawn when sun or layers
 change, when the eye has left its middle, or when layers have been blown apart.
 """
 
@@ -51,10 +51,10 @@ class CloudShadowMap:
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._buffer = context.framebuffer([self._texture])
-        # Of each layer, from low to high.
+        # One for each layer, from low to high.
         self._volumes: list[CloudLightVolume] = []
         self._is_cast = False
-        # How often the light has been computed anew.
+        # Number of computations of the light.
         self.lights = 0
         self._layers: tuple[CloudLayer, ...] = ()
         self._sun: Vector = (0.0, 0.0, 0.0)

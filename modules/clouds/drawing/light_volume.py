@@ -1,4 +1,4 @@
-"""What lights a place in a cloud, as textures: the light volume, the tables of transport."""
+"""Textures of the light inside clouds: the light volume and the transport tables."""
 
 from typing import Any
 

@@ -8,7 +8,7 @@ layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines
 layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: 3 rows
 
 // Near depths come from the density itself, the volume is coarse: steps in free paths of full
-// density, which count as so much of the thickness at most.
+// density, of at most LONGEST_UNIT of the thickness.
 const float NEAR_STEPS[2] = float[](1.0, 2.0), LONGEST_UNIT = 0.05;
 // Of the plane layer; of a direction's light, of the fluence; of the tables' light, of the whole.
 const float LEAST_DEPTH = 0.02, LEAST_SHARE = 0.1, LEAST_DIFFUSE = 0.2, LEAST_LIGHT = 1e-6;

@@ -1,4 +1,4 @@
-// A ray of the clouds' picture: where it is in the layer, and what stands before that.
+// A ray of the clouds' picture: its part in the layer, and meshes in front of that.
 
 layout(binding = 4) uniform sampler2D mesh_depth;
 uniform float near_m;
@@ -8,8 +8,8 @@ uniform vec3 view_axis;
 in vec3 ray;
 layout(location = 0) out vec4 before_sky;
 layout(location = 1) out vec4 before_mesh;
-// The mean of what is seen, 0 where there is none, -1 less it where the march ended at a mesh; and
-// where the ray first meets a cloud: NEVER where it meets none, 0 where it was not followed.
+// x: mean distance of visible cloud, 0 without cloud, -1 minus it where the march ended at a mesh.
+// y: distance of the first cloud, NEVER without one, 0 where the ray was not marched.
 layout(location = 2) out vec2 cloud_distances_m;
 
 const float NEVER = 1e30;

@@ -13,7 +13,7 @@
 // A picture of the same rays, or of rays between which they lie.
 layout(binding = 11) uniform sampler2D old_distances_m;
 uniform vec2 picture_px;
-const float BEFORE_FIRST = 0.95;  // what is between rays may be a little nearer
+const float BEFORE_FIRST = 0.95;  // clouds between rays may be a little nearer
 #endif
 
 const int MOST_STEPS = 512;
@@ -27,7 +27,7 @@ const int STEPS_TO_COARSE = 5;
 const float DEEPEST_STEP = 1.5;
 const int SURFACE_HALVINGS = 3;
 const float OPAQUE = 0.01;
-// Of what is seen.
+// Share of the visible cloud in a part, whose light is looked up once.
 const float PART = 0.15;
 const int MOST_PARTS = 10;
 // Width of billows in a period of the shape.
@@ -37,7 +37,7 @@ const float PARTED = 1e-6;
 // What a ray has met so far.
 struct Seen {
     float transmittance;
-    float distance_m;   // summed, weighted by what is seen
+    float distance_m;   // summed, weighted by visibility
     float weight;
 };
 
@@ -46,16 +46,16 @@ struct March {
     Seen at_mesh;
     int parts, parts_at_mesh;
     float first_m;      // NEVER where no cloud is met
-    // Of the sample before, the share that is cloud; of what passed all, what passed there.
+    // Cloud share of the previous sample, and the transmittance inside that share.
     float share, in_share;
-    // Of the parts of what is seen: weight; distance, summed. Light changes little in
-    // a part: it is looked up once for each, after the march. A software renderer runs
-    // all that stands in a loop in each of its turns.
+    // Weight and summed distance of each part of the visible cloud. Light changes little in
+    // a part: it is looked up once for each, after the march, since a software renderer runs
+    // all code of a loop in each of its turns.
     vec2 gathered[MOST_PARTS];
 };
 
-// Delta-M takes what is scattered into the forward peak for passed: of this, the sky behind is seen
-// as even light, and only what was not scattered as a picture.
+// Delta-M counts light scattered into the forward peak as unscattered. Through that part the sky
+// behind shows as even light; only unscattered light shows it as a picture.
 vec4 through_air_of(vec3 gathered, Seen cloud, vec3 d) {
     // The rest behind an opaque cloud is rounding.
     float hidden = cloud.transmittance < OPAQUE ? 1.0 : 0.0;

@@ -32,12 +32,12 @@ from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.scene.scene_state import SceneState
 
-# 95 % of the difference in stops is gone after 0.6 seconds. A finished picture waits until it is
-# near, for what is seen stands still while it is drawn; the rest it adapts as it stands.
+# 95 % of the difference in stops is gone after 0.6 seconds. A finished picture waits until the
+# exposure is near, because the display is frozen while it is drawn; then the rest is adapted.
 _TIME_CONSTANT_S = 0.2
 _ADAPTED_S = 1.5
 _SETTLED_EV, _NEAR_EV = 0.04, 0.5
-# Of a picture that is seen for a moment.
+# Number of pixels by which a moving picture is metered.
 _ENOUGH_PIXELS = 2**13
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25

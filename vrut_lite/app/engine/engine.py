@@ -124,7 +124,7 @@ class Engine:
         self.ask(meter, changes=True)
 
     def stop(self) -> None:
-        """Ask the thread to end soon; ENDED is told when it has."""
+        """Request the end of the thread, which then posts ENDED."""
         self._requests.end()
 
     def join(self, timeout_s: float | None = None) -> bool:
@@ -234,7 +234,7 @@ class Engine:
         """Draw a state that was not drawn yet; False if it was, or cannot be finished yet."""
         if stage.state.missing:
             return False
-        # Light that comes late finishes a picture that stands anew, which is not coarse again.
+        # Light that comes late refines a finished picture, without a coarse one between.
         if is_only_finer(self._drawn, stage.state) or (
             self._finishing.stands and is_only_lit(self._drawn, stage.state)
         ):
@@ -248,7 +248,7 @@ class Engine:
         return True
 
     def _settle(self, stage: Stage) -> None:
-        """Draw what is due while nothing moves: the finished picture, or one more exposure."""
+        """Draw the finished picture, or one more exposure, if it is due while nothing moves."""
         # A question may have injected inputs, as an undo does: they are pumped first.
         if self._requests.awake.is_set() or stage.state.missing or not stage.kernel.is_whole:
             return
@@ -262,7 +262,7 @@ class Engine:
             self._draw_one(stage, "still" if finishing.stands else self._kind_of(stage))
 
     def _kind_of(self, stage: Stage) -> Kind:
-        """What the next picture while something moves will be."""
+        """Kind of the next moving picture."""
         before = self._moved_from
         takes_over = stage.device is not None and stage.device.choices.takes_over
         if before is None or not takes_over or change_of_light(before, stage.state) is None:

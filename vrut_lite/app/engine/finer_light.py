@@ -1,4 +1,4 @@
-"""When the window's finished picture has light by rays of its own: once it stands."""
+"""Demand for light by rays of the window's own picture, once that is finished."""
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand

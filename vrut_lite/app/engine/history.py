@@ -18,14 +18,14 @@ from vrut_lite.project import PROJECT_PARTS
 GESTURE_S = 0.6
 _MOST_STEPS = 500
 _MOST_EXPECTED = 1000
-# Numbers for inputs that undo or redo sent, and for those after which the history starts anew.
+# Step numbers of inputs that undo or redo sent, and of those that clear the history.
 _OWN, _BEGINNING = 0, -1
 Key = tuple[type[Input], str | None]
 Pair = tuple[Input, Input]
 
 
 class Steps(NamedTuple):
-    """Titles of the steps that can be undone and redone; empty if there is none."""
+    """Titles of the steps that can be undone and redone, or empty."""
 
     undo: str = ""
     redo: str = ""
@@ -53,7 +53,7 @@ class _Step:
 class History:
     """The steps of a session; `expect` is called on the sending thread, all else on the kernel's.
 
-    `changed` is told the titles whenever they change.
+    `changed` is called with the titles whenever they change.
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class History:
         kernel.watch_admission(self._admitted)
 
     def undo(self) -> str:
-        """Undo the last step; its title, empty if there is none."""
+        """Undo the last step; returns its title, or an empty text."""
         if not self._done:
             return ""
         step = self._done.pop()
@@ -92,7 +92,7 @@ class History:
         return step.title
 
     def redo(self) -> str:
-        """Redo the step that was undone last; its title, empty if there is none."""
+        """Redo the step that was undone last; returns its title, or an empty text."""
         if not self._undone:
             return ""
         step = self._undone.pop()

@@ -24,7 +24,7 @@ class ModuleInfo(NamedTuple):
     values: dict[str, object]
 
     def left_open(self, haze: SetHaze) -> dict[str, object]:
-        """What unset settings stand for."""
+        """Effective values of unset settings."""
         return left_open(self.settings_type(**self.values), haze)
 
     @property

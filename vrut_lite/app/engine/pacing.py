@@ -4,21 +4,21 @@ from typing import Literal
 
 # At twenty pictures a second motion is smooth; the window's own work goes on beside.
 QUICK_S = 0.05
-# Few sizes: each needs framebuffers of its own.
+# Shares of the window's size at which moving pictures are drawn; each needs its framebuffers.
 SCALES = (1.0, 0.85, 0.7, 0.6, 0.5, 0.35, 0.25)
 # Seconds without a change before the finished picture begins: an interruption costs the piece that
 # is being drawn, which takes about as long.
 REST_S = 0.15
 _MEMORY = 0.5
 _SLOWER = 2.0
-# A larger size must leave so much of the time: the first picture of each takes longer.
+# Share of the time that a larger size may take: its first picture takes longer than estimated.
 _ROOM = 0.9
 # Where no size is quick enough, the largest serves that takes so many times as long as the
 # smallest: what a picture takes whatever its size is not saved by a coarse one.
 _WORTH = 1.15
 
-# A finished picture; one that is drawn anew; one that takes much over from the one before, under
-# the same light or another.
+# A finished picture; one that is drawn whole; one that reuses pixels of the one before, under the
+# same light or another.
 Kind = Literal["still", "anew", "taken over", "taken over, relit"]
 # Share of the time that triangles and calls take, whatever the size, and the power of the scale
 # that the rest grows by: pixels, or where all but edges is taken over the length of edges. Without
@@ -37,7 +37,7 @@ class Pacing:
     def __init__(self) -> None:
         self._full_s: dict[Kind, float] = {}
         self._expected_s = 0.0
-        # Of the last picture of each kind.
+        # Scale of the last picture of each kind.
         self._scale: dict[Kind, float] = {}
 
     def expect(self, seconds: float) -> None:

@@ -40,7 +40,7 @@ def project_of(session: Session) -> Project:
 
 
 def folder_of(session: Session) -> str:
-    """The folder of the open scene; empty if there is none."""
+    """The folder of the open scene, or an empty text."""
     scene = session.last(SceneOpened)
     return "" if scene is None else str(Path(scene.path).resolve().parent)
 

@@ -16,8 +16,8 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.place_time import Place, time_zone_at
 
 _CONSUMER = "the window's day"
-# Settings of the sun's module rest so long before the day is searched anew: few change the sun, and
-# the search would hold up the pictures that a slider is waiting for.
+# Delay of a new search after a change of the sun's settings: few of them move the sun, and the
+# search would delay the pictures of a dragged slider.
 _RESTS_MS = 1000
 # The first day is searched when the first picture is seen, and no later than this.
 _FIRST_MS = 3000
@@ -34,7 +34,7 @@ class SunDayFinder(QObject):
     """Emits `day_changed` (a `Day`) whenever place, date or the sun's module change it.
 
     The day is computed in the background. `moon_changed` (a `MoonDay`, or None) follows, if a
-    module tells the moon's path.
+    module posts the moon's path.
     """
 
     day_changed = Signal(object)

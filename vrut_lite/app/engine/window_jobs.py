@@ -26,7 +26,7 @@ class WindowJobs(ThreadRunner):
         super().__init__()
         # A thread that was made nicer stays so.
         self._awaited = ThreadPoolExecutor(WORKERS, "vrut-lite awaited job")
-        # What waits for the end of `held`; None outside it.
+        # Jobs that wait for the end of `held`; None outside it.
         self._held: list[tuple[Job, Finish]] | None = None
 
     @contextmanager
@@ -50,7 +50,7 @@ class WindowJobs(ThreadRunner):
             self._held.append((job, finish))
 
     def wait(self) -> None:
-        """Return when no job runs or waits; what is held up is begun for it."""
+        """Start delayed jobs, and return when no job runs or waits."""
         self._let_go()
         super().wait()
 
