@@ -10,7 +10,7 @@ import numpy as np
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
-from vrut_lite.recording.codec import Handle
+from vrut_lite.message_codec import Handle
 
 _MOST_ARRAYS = 32
 _DIGEST = re.compile(r"[0-9a-f]{32}")

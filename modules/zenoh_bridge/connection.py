@@ -17,7 +17,7 @@ from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Demand, Derived, Input
-from vrut_lite.recording.codec import Handle, arrays_of
+from vrut_lite.message_codec import Handle, arrays_of
 from zenoh_bridge.array_store import ArrayStore, check_handle, unpacked
 from zenoh_bridge.frames import MessageFrame, encode_frame, read_frame, remote_message
 from zenoh_bridge.inputs import BridgeState, BridgeTrouble

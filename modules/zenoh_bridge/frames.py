@@ -10,7 +10,7 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Derived
-from vrut_lite.recording.codec import Handle, from_plain, to_plain
+from vrut_lite.message_codec import Handle, from_plain, to_plain
 from zenoh_bridge.array_store import check_handle
 from zenoh_bridge.inputs import RemoteMessage
 from zenoh_bridge.shareable import revive, texture_in

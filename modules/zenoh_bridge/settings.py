@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from vrut_lite.kernel.settings import setting
-from vrut_lite.recording.limits import ARRAY_BYTES, MESSAGE_BYTES
+from vrut_lite.message_codec import ARRAY_BYTES, MESSAGE_BYTES
 from zenoh_bridge.shareable import SLOT_PRODUCTS
 
 _PRODUCTS = ", ".join(kind.__name__ for kind in SLOT_PRODUCTS)

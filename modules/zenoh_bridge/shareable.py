@@ -6,12 +6,12 @@ import msgspec
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, Derived
+from vrut_lite.message_codec import FindArray, decode, no_arrays
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.scene import SceneNeeds
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.vocabulary import DERIVED
-from vrut_lite.recording.codec import FindArray, decode, no_arrays
 
 # The messages of the slots that the bridge may hold, and those that producers of light need.
 SLOTS = ("sun", "sky")

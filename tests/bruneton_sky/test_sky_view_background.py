@@ -22,9 +22,9 @@ from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
+from vrut_lite.message_codec import arrays_of, decode, to_plain
 from vrut_lite.messages.camera import MoveCamera, look_at
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.recording.codec import arrays_of, decode, to_plain
 from vrut_lite.render.still_picture import FEWER_SHIFTS_PX
 from vrut_lite.sky.sky_of_hour import SunDisc
 

@@ -16,7 +16,7 @@ from mcap.records import Channel
 from mcap.writer import Writer
 
 from vrut_lite.kernel.messages import Fault, JobResult
-from vrut_lite.recording.codec import digest_of
+from vrut_lite.message_codec import digest_of
 from vrut_lite.recording.registry import Registry
 
 MAGIC = 8

@@ -6,8 +6,8 @@ import pytest
 from light_messages import second_light, small_air
 
 from vrut_lite.errors import UserError
+from vrut_lite.message_codec import arrays_of, decode, digest_of, to_plain
 from vrut_lite.messages.air import AirChanged
-from vrut_lite.recording.codec import arrays_of, decode, digest_of, to_plain
 from vrut_lite.recording.earlier_names import in_todays_words
 
 

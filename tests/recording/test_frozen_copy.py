@@ -14,9 +14,9 @@ from vrut_lite.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SettingChanged, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.message_codec import to_plain
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.recording.codec import to_plain
 from vrut_lite.recording.frozen_copy import frozen_copy
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.replay import Replay

@@ -16,10 +16,10 @@ from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, Input, JobResult, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.message_codec import arrays_of, decode, digest_of, to_plain
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.recording.codec import arrays_of, decode, digest_of, to_plain
 from vrut_lite.recording.registry import Registry
 
 SUN_LIGHT = KeyLightChanged(

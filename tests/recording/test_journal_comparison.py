@@ -6,7 +6,7 @@ from journal_toys import Echo, sun_at
 
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import SetClockRate, SlotChanged
-from vrut_lite.recording.codec import digest_of, to_plain
+from vrut_lite.message_codec import digest_of, to_plain
 from vrut_lite.recording.comparison import entry_difference
 from vrut_lite.recording.entry import Entry
 

@@ -21,6 +21,7 @@ from mangling import (
 )
 from mcap.writer import CompressionType, Writer
 
+from vrut_lite import message_codec
 from vrut_lite.app.engine.message_rows import open_journal
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
@@ -170,7 +171,7 @@ def written(chunk=None, schema=b"{}", data=None):
         (b"not json", "malformed"),
         (b'{"sender": "", "digest": "", "message": {"a": ' + b"[" * 50_000, "recursion"),
         (b'{"sender": "host", "digest": "00", "message": {"value": 1.0}}', "its own digest"),
-        (b"0" * (limits.MESSAGE_BYTES + 1), "larger than"),
+        (b"0" * (message_codec.MESSAGE_BYTES + 1), "larger than"),
     ],
 )
 def test_invalid_messages_in_a_journal(saved, data, says):

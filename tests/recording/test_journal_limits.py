@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from journal_toys import TOYS, Poke, record_inputs, toy_kernel
 from mangling import Parts, forged, nested, opened, sealed
 
+from vrut_lite import message_codec
 from vrut_lite.app.engine.message_rows import open_journal
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
@@ -144,7 +145,7 @@ def test_a_transaction_ends_where_the_next_input_is(saved):
 
 
 @given(
-    levels=st.integers(limits.NESTING, 480),
+    levels=st.integers(message_codec.NESTING, 480),
     value=st.sampled_from([1, {"$float": "x"}, {"$array": "0"}, "", {}]),
     seed=st.integers(0, 99),
     place=st.sampled_from(["result", "fault", "setting", "handle"]),
@@ -169,7 +170,7 @@ def test_a_deep_message_is_refused_by_its_number(tmp_path_factory, levels, value
 
 def test_a_message_may_nest_as_deep_as_is_said(saved):
     """A message nested to the limit is accepted."""
-    deep = nested(1.0, limits.NESTING - 2)
+    deep = nested(1.0, message_codec.NESTING - 2)
     assert list(dump_lines(Journal(saved([result(deep)]))))
     Replay(Journal(saved([result(deep)])), TOYS).run(to_the_end=True)
 

@@ -10,8 +10,8 @@ from vrut_lite.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, JobResult, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.message_codec import to_plain
 from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
-from vrut_lite.recording.codec import to_plain
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recipes import recipe_of_plain
 from vrut_lite.recording.recorder import Recorder

@@ -12,9 +12,9 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.message_codec import arrays_of, decode, to_plain
 from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
 from vrut_lite.messages.picture import Resize
-from vrut_lite.recording.codec import arrays_of, decode, to_plain
 from vrut_lite.render import texture_pool
 
 pytestmark = pytest.mark.gl

@@ -13,8 +13,8 @@ from dynamic_skylight.settings import DynamicSkyLightSettings
 
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.message_codec import to_plain
 from vrut_lite.messages.sky import BackgroundChanged
-from vrut_lite.recording.codec import to_plain
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.replay import Replay
 

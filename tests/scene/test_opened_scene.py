@@ -11,8 +11,8 @@ import trimesh
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.message_codec import arrays_of, digest_of, to_plain
 from vrut_lite.messages.scene import LoadScene, SceneOpened
-from vrut_lite.recording.codec import arrays_of, digest_of, to_plain
 from vrut_lite.recording.comparison import entry_difference
 from vrut_lite.recording.earlier_names import in_todays_words
 from vrut_lite.recording.entry import Entry

@@ -17,11 +17,11 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock, SetSetting
+from vrut_lite.message_codec import decode, to_plain
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.messages.weather import SetWeather
-from vrut_lite.recording.codec import decode, to_plain
 from vrut_lite.weather.weather_file import read_weather
 
 

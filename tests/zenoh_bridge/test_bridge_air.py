@@ -11,10 +11,10 @@ from zenoh_bridge.shareable import revive
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
+from vrut_lite.message_codec import arrays_of, to_plain
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sky import ViewShader
-from vrut_lite.recording.codec import arrays_of, to_plain
 
 LIGHT = np.linspace(0, 9, 3 * 3 * 4 * 2 * 3).astype(np.float16).reshape(3, 3, 4, 2, 3)
 AIR = small_air(LIGHT.copy(), sun_direction=(0.0, 0.6, -0.8))

@@ -13,9 +13,9 @@ from zenoh_bridge.shareable import revive, types_named
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
+from vrut_lite.message_codec import to_plain
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sky import BackgroundChanged
-from vrut_lite.recording.codec import to_plain
 
 KIB, MIB = 2**10, 2**20
 

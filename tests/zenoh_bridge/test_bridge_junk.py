@@ -33,12 +33,12 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.message_codec import arrays_of, to_plain
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import SpectrumSeen
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.recording.codec import arrays_of, to_plain
 
 SCENES = Path(__file__).parents[2] / "scenes"
 NOON = datetime(2026, 6, 21, 12, tzinfo=UTC)

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import zstandard
 
 from vrut_lite.errors import UserError
+from vrut_lite.message_codec import ARRAY_BYTES
 from vrut_lite.recording.journal_writer import METADATA as JOURNAL
-from vrut_lite.recording.limits import ARRAY_BYTES, CHUNK_BYTES, METADATA_BYTES, RECORDS
+from vrut_lite.recording.limits import CHUNK_BYTES, METADATA_BYTES, RECORDS
 from vrut_lite.recording.mcap_records import (
     ATTACHMENT,
     CHUNK,

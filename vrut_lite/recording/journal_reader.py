@@ -13,19 +13,13 @@ import zstandard
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
-from vrut_lite.recording.codec import Handle, check_nesting, digest_of
+from vrut_lite.message_codec import MESSAGE_BYTES, Handle, check_nesting, digest_of
 from vrut_lite.recording.contents import Contents, read_contents
 from vrut_lite.recording.earlier_names import in_todays_words
 from vrut_lite.recording.entry import Entry, Kind, Setup
 from vrut_lite.recording.integrity import checked_section
 from vrut_lite.recording.journal_writer import FORMAT
-from vrut_lite.recording.limits import (
-    FILE_BYTES,
-    MESSAGE_BYTES,
-    MOST_PACKED_RATIO,
-    MOST_UNPACKED_BYTES,
-    RECORDS,
-)
+from vrut_lite.recording.limits import FILE_BYTES, MOST_PACKED_RATIO, MOST_UNPACKED_BYTES, RECORDS
 from vrut_lite.recording.mcap_records import CHANNEL, MESSAGE, SCHEMA, Fields, records
 from vrut_lite.recording.signature import Signature
 from vrut_lite.recording.stored_arrays import StoredArrays

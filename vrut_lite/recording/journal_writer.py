@@ -14,8 +14,9 @@ from mcap.writer import CompressionType, Writer
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Message
+from vrut_lite.message_codec import ARRAY_BYTES, MESSAGE_BYTES
 from vrut_lite.recording.entry import Entry, Kind, Setup
-from vrut_lite.recording.limits import ARRAY_BYTES, MESSAGE_BYTES, METADATA_BYTES
+from vrut_lite.recording.limits import METADATA_BYTES
 from vrut_lite.recording.signature import Signature
 
 FORMAT = "1"

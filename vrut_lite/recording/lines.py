@@ -11,9 +11,9 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import Input
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
-from vrut_lite.recording.codec import decode
+from vrut_lite.message_codec import MESSAGE_BYTES, decode
 from vrut_lite.recording.journal_reader import Journal
-from vrut_lite.recording.limits import DECODED_PER_BYTE, MESSAGE_BYTES
+from vrut_lite.recording.limits import DECODED_PER_BYTE
 from vrut_lite.recording.registry import Registry
 
 # A line of a dump has some more beside its message.

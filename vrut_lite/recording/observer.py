@@ -7,7 +7,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.dispatch import HOST
 from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import Input, JobResult, Message
-from vrut_lite.recording.codec import digest_of, to_plain
+from vrut_lite.message_codec import digest_of, to_plain
 from vrut_lite.recording.entry import Entry, Kind
 
 See = Callable[[Kind, Message, str], None]

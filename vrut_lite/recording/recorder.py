@@ -7,8 +7,8 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import JobResult, Message
+from vrut_lite.message_codec import Handle, arrays_of, decode
 from vrut_lite.messages.gpu_texture import GpuTexture
-from vrut_lite.recording.codec import Handle, arrays_of, decode
 from vrut_lite.recording.entry import Entry, Kind
 from vrut_lite.recording.journal_writer import JournalWriter
 from vrut_lite.recording.observer import Observer, entry_of

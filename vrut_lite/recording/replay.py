@@ -12,7 +12,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.job_scheduler import JOBS
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Module
-from vrut_lite.recording.codec import decode
+from vrut_lite.message_codec import decode
 from vrut_lite.recording.comparison import Difference, entry_difference
 from vrut_lite.recording.entry import Entry
 from vrut_lite.recording.gpu_stand_in import GpuStandIn

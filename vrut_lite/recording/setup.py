@@ -19,7 +19,7 @@ from vrut_lite.kernel.messages import (
 )
 from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.setup_log import MOST_STEPS, SETTING_UP, Step
-from vrut_lite.recording.codec import decode, to_plain
+from vrut_lite.message_codec import decode, to_plain
 from vrut_lite.recording.earlier_names import settings_in_todays_words
 from vrut_lite.recording.entry import ModuleSetup, Setup, SetupStep
 from vrut_lite.recording.registry import Registry

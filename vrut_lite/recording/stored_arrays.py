@@ -8,7 +8,7 @@ import numpy as np
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
-from vrut_lite.recording.codec import Handle, no_arrays
+from vrut_lite.message_codec import Handle, no_arrays
 from vrut_lite.recording.contents import PackedContent
 
 _DTYPE = re.compile(r"[<>|][biuf][0-9]{1,2}")

@@ -22,7 +22,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.widgets import faint_label, make_timer
 from vrut_lite.kernel.messages import JobResult
-from vrut_lite.recording.codec import decode
+from vrut_lite.message_codec import decode
 from vrut_lite.recording.registry import Registry
 
 _FILES = "Journals (*.mcap)"

@@ -20,14 +20,18 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Message
-from vrut_lite.recording.limits import NESTING
-from vrut_lite.recording.wire import convert
 
+# Limits of messages from strangers: largest JSON text of a message and largest array, in bytes.
+MESSAGE_BYTES, ARRAY_BYTES = 2**20, 2**28
+# Nested lists: code that walks through a message recurses for each level.
+NESTING = 64
+# Values of an array that stand in its plain form.
 SAMPLES = 32
 # A traceback names files and lines: it differs between two checkouts of the same program.
 _NOT_RECORDED = {"Fault": ("trace",), "JobResult": ("trace",)}
 
 M = TypeVar("M", bound=Message)
+S = TypeVar("S", bound=msgspec.Struct)
 Handle = dict[str, Any]
 FindArray = Callable[[Handle], Array]
 
@@ -95,7 +99,7 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
             if name not in kind.__struct_fields__:
                 raise UserError(f"{kind.__name__} has no field {name!r}")
     try:
-        return convert(from_plain(plain, find_array), kind)
+        return _converted(from_plain(plain, find_array), kind)
     except UserError as error:
         raise UserError(f"{kind.__name__}: {error}") from None
     except (msgspec.ValidationError, OverflowError) as error:
@@ -230,3 +234,68 @@ def _without_samples(plain: Any) -> Any:
         return plain
     handle = "$array" in plain
     return {k: _without_samples(v) for k, v in plain.items() if not (handle and k == "sample")}
+
+
+# msgspec refuses unions with our own types: such fields are left open, and converted apart.
+
+
+def _converted(plain: Any, kind: type[S]) -> S:
+    """A message of this type, or a structure that one holds, from its fields.
+
+    Raises:
+        msgspec.ValidationError, OverflowError: a field does not fit.
+        UserError: a field that holds an array holds something else.
+    """
+    unions, structures = _unions_of(kind), _structures_of(kind)
+    if not unions and not structures:
+        return msgspec.convert(plain, kind)
+    wire = msgspec.convert(plain, _wire_type(kind))
+    fields = {name: getattr(wire, name) for name in wire.__struct_fields__}
+    for name, types in unions.items():
+        if not isinstance(fields[name], types):
+            raise UserError(f"{name} is no array")
+    for name, structure in structures.items():
+        if fields[name] is not None:
+            fields[name] = _converted(fields[name], structure)
+    return kind(**fields)
+
+
+@functools.cache
+def _unions_of(kind: type[msgspec.Struct]) -> dict[str, tuple[type, ...]]:
+    """The fields that may hold an array or something else of ours, and what they may hold."""
+    hints = get_type_hints(kind)
+    return {
+        name: get_args(hints[name])
+        for name in kind.__struct_fields__
+        if Array in get_args(hints[name])
+    }
+
+
+@functools.cache
+def _structures_of(kind: type[msgspec.Struct]) -> dict[str, type[msgspec.Struct]]:
+    """Fields that hold None or a structure with such fields itself, and the structure's type."""
+    hints = get_type_hints(kind)
+    return {
+        name: part
+        for name in kind.__struct_fields__
+        for part in get_args(hints[name])
+        if isinstance(part, type) and issubclass(part, msgspec.Struct) and _unions_of(part)
+    }
+
+
+@functools.cache
+def _wire_type(kind: type[msgspec.Struct]) -> type[Any]:
+    """The type with such fields left open; like it, strict or not about unknown ones."""
+    hints, left_open = get_type_hints(kind), {*_unions_of(kind), *_structures_of(kind)}
+    fields = [
+        (
+            field.name,
+            Any if field.name in left_open else hints[field.name],
+            *(() if field.required else (field.default,)),
+        )
+        for field in msgspec.structs.fields(kind)
+    ]
+    strict = kind.__struct_config__.forbid_unknown_fields
+    return msgspec.defstruct(
+        kind.__name__, fields, frozen=True, kw_only=True, forbid_unknown_fields=strict
+    )
