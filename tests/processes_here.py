@@ -2,8 +2,8 @@
 
 import pytest
 
-from vrut_lite.commands.workers import spawn_context
 from vrut_lite.errors import UserError
+from vrut_lite.studio.workers import spawn_context
 
 
 def processes_or_skip() -> None:

@@ -10,12 +10,12 @@ import trimesh
 from processes_here import processes_or_skip
 
 from vrut_lite import cli
-from vrut_lite.commands.pictures import make_pictures
-from vrut_lite.commands.scene_pictures import ScenePlan
-from vrut_lite.commands.sky_pictures import SkyPlan
-from vrut_lite.commands.time_span import Wanted, wanted_pictures
 from vrut_lite.errors import UserError
 from vrut_lite.project import Project
+from vrut_lite.studio.pictures import make_pictures
+from vrut_lite.studio.scene_pictures import ScenePlan
+from vrut_lite.studio.sky_pictures import SkyPlan
+from vrut_lite.studio.time_span import Wanted, wanted_pictures
 
 PRAGUE = Project(at="2026-06-21T12:00", place="50.0755,14.4378")
 NOON = datetime(2026, 6, 21, 10, 0, tzinfo=UTC)

@@ -1,7 +1,7 @@
 """What a terminal is told of work in the background."""
 
-from vrut_lite.commands.progress import progress_text
 from vrut_lite.kernel.trace import Remark
+from vrut_lite.studio.progress import progress_text
 
 
 def told(seconds, text, kind="progress", module="light"):

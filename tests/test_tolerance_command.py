@@ -14,10 +14,10 @@ from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.record import record
 from vrut_lite.commands.replay import replay
 from vrut_lite.commands.sky import sky
-from vrut_lite.commands.sky_pictures import SkyPlan
 from vrut_lite.errors import UserError
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.project import Project, load_project
+from vrut_lite.studio.sky_pictures import SkyPlan
 
 AT = ["--at", "2026-06-21T12:00Z", "--place", "50.0755,14.4378"]
 

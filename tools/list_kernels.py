@@ -22,11 +22,11 @@ from typing import Any
 import msgspec
 
 from vrut_lite import compiled_code
-from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.compiling import ahead
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of, list_file
 from vrut_lite.project import Project
 from vrut_lite.scene.scene_state import FrameSkips
+from vrut_lite.studio.scene_pictures import ScenePlan
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes"
 # It has textures, a lamp, a part that mirrors, and a room in which light goes to and fro.

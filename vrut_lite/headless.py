@@ -11,13 +11,8 @@ A command is a `click.Command` of the group `vrut_lite.commands`.
 * The terminal: `busy_with`, `tracked` and `tell_notices`; `write_png` for pictures.
 """
 
-from vrut_lite.commands.number_types import FiniteRange
-from vrut_lite.commands.open_kernel import open_kernel, require_sun
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.pictures import tell_notices
-from vrut_lite.commands.progress import busy_with, tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
-from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.daylight_kernel import FaultCollector
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import (
@@ -28,6 +23,11 @@ from vrut_lite.project import (
     view_inputs,
 )
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.studio.number_types import FiniteRange
+from vrut_lite.studio.open_kernel import open_kernel, require_sun
+from vrut_lite.studio.pictures import tell_notices
+from vrut_lite.studio.progress import busy_with, tracked
+from vrut_lite.studio.workers import worker_options, workers_of
 
 __all__ = [
     "FaultCollector",

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any, Self
 import msgspec
 
 from vrut_lite.arguments import as_number
-from vrut_lite.commands.scene_pictures import ScenePlan, SceneShot
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.preview import captioned_html, png
 from vrut_lite.lazy import lazy
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.place_time import time_zone_at
 from vrut_lite.project import Project, in_words, project_of_path
+from vrut_lite.studio.scene_pictures import ScenePlan, SceneShot
 
 if TYPE_CHECKING:
     from vrut_lite.hour_slider import HourSlider

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from vrut_lite.commands.progress import compiling_text
 from vrut_lite.compiling.ahead import CompileAhead
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel
 from vrut_lite.compiling.pool import KernelPool, Progress
+from vrut_lite.studio.progress import compiling_text
 
 # In an empty cache: the sky's kernels by a process, then a sky, which compiles nothing.
 AHEAD = """

@@ -93,7 +93,7 @@ def test_no_memory(refused, tmp_path, monkeypatch):
     def exhausted(*_arguments, **_named):
         raise MemoryError
 
-    monkeypatch.setattr("vrut_lite.commands.sky_pictures.open_kernel", exhausted)
+    monkeypatch.setattr("vrut_lite.studio.sky_pictures.open_kernel", exhausted)
     assert "smaller" in refused(*SMALL_SKY, "-o", tmp_path / "sky.npz", code=1)
 
 
@@ -244,7 +244,7 @@ def test_kill_9_during_a_write_keeps_the_older_picture(tmp_path):
 WORKERS = """
 import os, sys, time
 from pathlib import Path
-from vrut_lite.commands.workers import workers_of
+from vrut_lite.studio.workers import workers_of
 
 def work(folder, number):
     (Path(folder) / str(os.getpid())).touch()

@@ -10,11 +10,7 @@ import msgspec
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.options import at_weather
-from vrut_lite.commands.picture_metadata import picture_metadata
-from vrut_lite.commands.progress import advancing_bar
-from vrut_lite.commands.time_span import at_instant
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -29,6 +25,10 @@ from vrut_lite.project import (
     setting_inputs,
     view_inputs,
 )
+from vrut_lite.studio.open_kernel import open_host, require_sky, require_sun
+from vrut_lite.studio.picture_metadata import picture_metadata
+from vrut_lite.studio.progress import advancing_bar
+from vrut_lite.studio.time_span import at_instant
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

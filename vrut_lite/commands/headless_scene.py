@@ -1,12 +1,12 @@
 """The host's own modules for sessions without a window: a scene that is opened, never drawn."""
 
-from vrut_lite.commands.open_kernel import tell
 from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Module
 from vrut_lite.recording.entry import Setup
 from vrut_lite.recording.replay import HEADLESS
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.studio.open_kernel import tell
 
 
 def add_headless_scene(kernel: Kernel) -> None:

@@ -14,7 +14,6 @@ from vrut_lite.atmosphere.aerosol import (
 )
 from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
-from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.settings import SettingSpec, change, describe
@@ -30,6 +29,7 @@ from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Haze, Project, in_words, with_weather
 from vrut_lite.scene.settings import SCENE, SceneSettings
+from vrut_lite.studio.number_types import FiniteRange
 from vrut_lite.weather.weather_checks import far_from
 from vrut_lite.weather.weather_file import read_weather
 

@@ -8,11 +8,7 @@ from typing import Any
 import click
 
 from vrut_lite.commands.headless_scene import add_headless_scene
-from vrut_lite.commands.number_types import FiniteRange, WholeRange
-from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.pictures import tell_notices
-from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight_kernel import demand_light
 from vrut_lite.errors import UserError
@@ -30,6 +26,10 @@ from vrut_lite.project import (
 from vrut_lite.recording.lines import read_inputs
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.registry import Registry
+from vrut_lite.studio.number_types import FiniteRange, WholeRange
+from vrut_lite.studio.open_kernel import open_kernel
+from vrut_lite.studio.pictures import tell_notices
+from vrut_lite.studio.progress import tracked
 from vrut_lite.write_atomic import atomic_output, check_writable
 
 MOST_STEPS = 100_000

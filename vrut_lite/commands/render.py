@@ -5,19 +5,19 @@ from typing import Any, get_args
 import click
 import msgspec
 
-from vrut_lite.commands.engines import engine_options, with_engine
-from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import Command, daylight_options, said, with_options
-from vrut_lite.commands.pictures import bits_option, make_pictures, picture_bits, said_of
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
-from vrut_lite.commands.scene_pictures import ScenePlan
-from vrut_lite.commands.time_span import span_options, wanted_pictures
-from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import CameraView, Project, project_of_path
 from vrut_lite.scene.scene_state import Shown
+from vrut_lite.studio.engines import engine_options, with_engine
+from vrut_lite.studio.number_types import FiniteRange
+from vrut_lite.studio.pictures import bits_option, make_pictures, picture_bits, said_of
+from vrut_lite.studio.scene_pictures import ScenePlan
+from vrut_lite.studio.time_span import span_options, wanted_pictures
+from vrut_lite.studio.workers import worker_options, workers_of
 
 FORMATS = (".png", ".jpg", ".exr")
 _POINTS = "--eye and --target go together, each X,Y,Z in metres: --eye 5,2,8 --target 0,1,0"

@@ -5,12 +5,12 @@ from typing import Any
 import click
 import msgspec
 
-from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import Command, said
 from vrut_lite.errors import UserError
 from vrut_lite.messages.placement import LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT, UP_AXES
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Project
+from vrut_lite.studio.number_types import FiniteRange
 
 
 def _animation(text: str) -> dict[str, Any]:

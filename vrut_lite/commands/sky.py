@@ -4,14 +4,14 @@ from typing import Any
 
 import click
 
-from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.pictures import bits_option, make_pictures, picture_bits, said_of
-from vrut_lite.commands.sky_pictures import PROJECTIONS, Projection, SkyPlan, sidecar_of
-from vrut_lite.commands.time_span import span_options, wanted_pictures
-from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.project import Project
+from vrut_lite.studio.number_types import FiniteRange, WholeRange
+from vrut_lite.studio.pictures import bits_option, make_pictures, picture_bits, said_of
+from vrut_lite.studio.sky_pictures import PROJECTIONS, Projection, SkyPlan, sidecar_of
+from vrut_lite.studio.time_span import span_options, wanted_pictures
+from vrut_lite.studio.workers import worker_options, workers_of
 
 
 @click.command(name="sky")

@@ -16,10 +16,10 @@ from pathlib import Path
 import msgspec
 from light_transport.messages import NAME
 
-from vrut_lite.commands.scene_pictures import SceneShot
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.project import Project
+from vrut_lite.studio.scene_pictures import SceneShot
 from vrut_lite_lab.path_traced.cases import HOURS, Case
 from vrut_lite_lab.path_traced.table import truth_of
 from vrut_lite_lab.pictures.drawing import Captioned, sheet, shots

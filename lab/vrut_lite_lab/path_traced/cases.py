@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from vrut_lite.commands.engines import EngineHost
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.studio.engines import EngineHost
 from vrut_lite_lab.pictures.drawing import SCENES, SKIES, scene_project
 
 DRAWN = ("street.toml", "large/hall.toml", "work/indoor.glb", "pavilion.gltf", "spheres.glb",

@@ -17,7 +17,6 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.commands.engines import EngineHost
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
@@ -27,6 +26,7 @@ from vrut_lite.project import CameraView, Project, daylight_inputs, load_project
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.scene.scene_state import NO_PARTS, SceneState
+from vrut_lite.studio.engines import EngineHost
 from vrut_lite_lab.path_traced.truths import SUN, lit_by, traced
 from vrut_lite_lab.pictures.darkness import relit
 from vrut_lite_lab.pictures.drawing import SCENES, Captioned, sheet

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from vrut_lite.commands.scene_pictures import ScenePlan, SceneShot
 from vrut_lite.messages.camera import look_at
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.project import Project, load_project
+from vrut_lite.studio.scene_pictures import ScenePlan, SceneShot
 from vrut_lite_lab.checkout import ROOT
 
 SCENES = ROOT / "scenes"

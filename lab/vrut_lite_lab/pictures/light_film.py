@@ -25,7 +25,6 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.commands.open_kernel import open_host
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetClock
@@ -34,6 +33,7 @@ from vrut_lite.pictures.display import display_picture
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.studio.open_kernel import open_host
 from vrut_lite_lab.path_traced.truths import lit_by
 from vrut_lite_lab.pictures.darkness import no_background
 from vrut_lite_lab.pictures.drawing import Captioned, scene_project, sheet

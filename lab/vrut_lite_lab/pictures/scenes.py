@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from vrut_lite.commands.sky_pictures import SkyPlan
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.project import Project
+from vrut_lite.studio.sky_pictures import SkyPlan
 from vrut_lite_lab.pictures.drawing import SKIES, scene_project, sheet, shots
 
 DRAWN = (

@@ -18,11 +18,11 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 
-from vrut_lite.commands.open_kernel import open_host
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.host import Host
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.project import daylight_inputs, view_inputs
+from vrut_lite.studio.open_kernel import open_host
 from vrut_lite_lab.pictures.drawing import Captioned, sheet
 from vrut_lite_lab.scene_samples.files import Sample, samples
 

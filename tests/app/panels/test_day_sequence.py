@@ -13,11 +13,11 @@ from processes_here import processes_or_skip
 from PySide6.QtCore import Qt, QTime
 
 from vrut_lite.app.panels.day_sequence import instants_of, timed_paths
-from vrut_lite.commands.pictures import Made
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.film import film_of_files, write_film
+from vrut_lite.studio.pictures import Made
 
 
 class FakeWorkers(ThreadPoolExecutor):

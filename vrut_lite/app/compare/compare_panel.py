@@ -19,7 +19,7 @@ from vrut_lite.app.compare.sky_disc import SkyDisc
 from vrut_lite.app.compare.sky_plots import SkyPlots
 from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, ModuleInfo
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.haze_field import HazeField, depth_text
+from vrut_lite.app.panels.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport

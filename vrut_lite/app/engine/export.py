@@ -9,7 +9,6 @@ import msgspec
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.image_files import (
     check_writable,
@@ -20,6 +19,7 @@ from vrut_lite.pictures.image_files import (
 )
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project
+from vrut_lite.studio.picture_metadata import picture_metadata
 
 FORMATS = (".png", ".jpg", ".exr")
 Size = tuple[int, int]

@@ -10,11 +10,11 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, Signal
 
 from vrut_lite.app.engine.day import Day
-from vrut_lite.commands.pictures import Made, PicturePlan, make_one
-from vrut_lite.commands.scene_pictures import ScenePlan
-from vrut_lite.commands.workers import spawn_context
 from vrut_lite.pictures.film import FILM_FORMATS, film_format, film_of_files
 from vrut_lite.project import Project
+from vrut_lite.studio.pictures import Made, PicturePlan, make_one
+from vrut_lite.studio.scene_pictures import ScenePlan
+from vrut_lite.studio.workers import spawn_context
 from vrut_lite.write_atomic import atomic_output, check_writable
 
 PICTURES_A_SECOND = 12

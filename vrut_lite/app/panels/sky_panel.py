@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from vrut_lite.app import theme
 from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.haze_field import HazeField
+from vrut_lite.app.panels.haze_field import HazeField
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore

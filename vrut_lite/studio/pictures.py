@@ -16,10 +16,10 @@ from typing import NamedTuple, Protocol
 
 import click
 
-from vrut_lite.commands.progress import tracked
-from vrut_lite.commands.time_span import Wanted
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.display import Bits
+from vrut_lite.studio.progress import tracked
+from vrut_lite.studio.time_span import Wanted
 from vrut_lite.write_atomic import atomic_output
 
 # Pictures queued ahead of the next one to write: keeps workers busy and bounds memory.

@@ -14,8 +14,8 @@ from typing import Any
 
 import click
 
-from vrut_lite.commands.number_types import WholeRange
 from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.studio.number_types import WholeRange
 
 LOCAL = "local"
 _ANSWER_S = 10

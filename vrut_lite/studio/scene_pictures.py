@@ -8,11 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.commands.engines import GL, EngineHost
-from vrut_lite.commands.open_kernel import open_gl, open_host, require_sky, require_sun
-from vrut_lite.commands.picture_metadata import picture_metadata
-from vrut_lite.commands.progress import busy_with
-from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, SetClock
 from vrut_lite.messages.light_map import SurfaceLightChanged
@@ -22,6 +17,11 @@ from vrut_lite.pictures.image_files import Metadata, write_exr, write_jpeg, writ
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
+from vrut_lite.studio.engines import GL, EngineHost
+from vrut_lite.studio.open_kernel import open_gl, open_host, require_sky, require_sun
+from vrut_lite.studio.picture_metadata import picture_metadata
+from vrut_lite.studio.progress import busy_with
+from vrut_lite.studio.time_span import at_instant, other_side
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.interrupts import interrupts_held
@@ -12,6 +11,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.lazy import lazy
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sun import SunMoved
+from vrut_lite.studio.compile_message import tell_of_compilation
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

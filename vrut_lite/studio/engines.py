@@ -6,9 +6,6 @@ from typing import Any
 import click
 import msgspec
 
-from vrut_lite.commands.compile_message import tell_of_compilation
-from vrut_lite.commands.open_kernel import tell
-from vrut_lite.commands.progress import advancing_bar
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
@@ -21,6 +18,9 @@ from vrut_lite.project import Project, setting_inputs
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.studio.compile_message import tell_of_compilation
+from vrut_lite.studio.open_kernel import tell
+from vrut_lite.studio.progress import advancing_bar
 
 # Edge (texels) of the cube maps of skylight and of clouds.
 _SKY_SIZE = 256

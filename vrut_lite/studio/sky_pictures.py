@@ -12,10 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
-from vrut_lite.commands.open_kernel import open_kernel, require_sky
-from vrut_lite.commands.picture_metadata import json_values, picture_metadata, vector_text
-from vrut_lite.commands.progress import tracked
-from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight_kernel import FaultCollector, demand_light
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.geometry.encoding import decode_float16
@@ -40,6 +36,10 @@ from vrut_lite.pictures.image_files import (
 )
 from vrut_lite.project import Project, daylight_inputs, setting_inputs
 from vrut_lite.sky.moon_disc import moon_samples
+from vrut_lite.studio.open_kernel import open_kernel, require_sky
+from vrut_lite.studio.picture_metadata import json_values, picture_metadata, vector_text
+from vrut_lite.studio.progress import tracked
+from vrut_lite.studio.time_span import at_instant, other_side
 
 Projection = Literal["lat-long", "cube", "fisheye"]
 PROJECTIONS: tuple[Projection, ...] = ("lat-long", "cube", "fisheye")

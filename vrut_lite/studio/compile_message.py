@@ -2,9 +2,9 @@
 
 import click
 
-from vrut_lite.commands.progress import compiling_text, note_compiling
 from vrut_lite.compiling.ahead import compile_ahead
 from vrut_lite.compiling.pool import Progress
+from vrut_lite.studio.progress import compiling_text, note_compiling
 
 _ONCE = "vrut-lite: compiling the numerical kernels, once ..."
 # Elsewhere than on a terminal a line is printed after each such share of the kernels.
