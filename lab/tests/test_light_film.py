@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vrut_lite_lab.pictures.light_film import Unsteadiness
+from vrut_lite_lab.path_traced.light_film import Unsteadiness
 
 FRAMES, SEEN = 61, np.ones((2, 2), bool)
 

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+from light_transport.hour.illumination import Illumination
+
+from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 from vrut_lite.scene.scene_state import SceneState
 from vrut_lite.studio.engines import EngineHost
@@ -80,3 +84,19 @@ def states(
             yield case, host.state
     finally:
         host.close()
+
+
+def light_of_state(state: SceneState) -> Illumination:
+    """The light of a state's scene, in plain arrays."""
+    sky, key_light, ambient = state.background, state.key_light, state.ambient
+    assert sky is not None
+    assert key_light is not None
+    assert ambient is not None
+    return Illumination(
+        sky=decode_float16(sky.cube.values, sky.radiance_scale),  # type: ignore[union-attr]
+        ground_radiance_rgb=sky.ground_radiance_rgb,
+        ground_albedo_rgb=state.ground_albedo_rgb,
+        key_direction=key_light.direction,
+        key_irradiance_rgb=key_light.irradiance_rgb,
+        open_sky=np.asarray(ambient.irradiance_sh_rgb.values, float),
+    )

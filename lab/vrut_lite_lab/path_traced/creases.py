@@ -34,8 +34,7 @@ from vrut_lite.geometry.colour import luminance
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
-from vrut_lite_lab.path_traced.cases import states
-from vrut_lite_lab.radiance.grids import hour_of as hour_of_state
+from vrut_lite_lab.path_traced.cases import light_of_state, states
 from vrut_lite_lab.scenes.crease_rooms import crease_room, inside_of
 from vrut_lite_lab.tolerance.light_transport import TrialRoom, hour_of, scene_of
 
@@ -334,7 +333,7 @@ def main() -> None:
         for case, state in states(name, "dynamic_skylight", ("12:30",)):
             assert state.scene is not None
             assert state.camera is not None
-            which, hour = seen_from(state.camera.eye_m), hour_of_state(state)
+            which, hour = seen_from(state.camera.eye_m), light_of_state(state)
             line, _ = row(case.caption, state.scene, hour, which, chosen.mitsuba)
             print(line, flush=True)
     errors = []

@@ -14,12 +14,10 @@ from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
 
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
-from vrut_lite.scene.scene_state import SceneState
-from vrut_lite_lab.path_traced.cases import states
+from vrut_lite_lab.path_traced.cases import light_of_state, states
 from vrut_lite_lab.radiance.irradiance import RadianceEffort, irradiance_by_radiance
 from vrut_lite_lab.scenes import trials
 
@@ -161,22 +159,6 @@ class Baked:
         )
 
 
-def hour_of(state: SceneState) -> Illumination:
-    """What lights a scene, in plain arrays."""
-    sky, key_light, ambient = state.background, state.key_light, state.ambient
-    assert sky is not None
-    assert key_light is not None
-    assert ambient is not None
-    return Illumination(
-        sky=decode_float16(sky.cube.values, sky.radiance_scale),  # type: ignore[union-attr]
-        ground_radiance_rgb=sky.ground_radiance_rgb,
-        ground_albedo_rgb=state.ground_albedo_rgb,
-        key_direction=key_light.direction,
-        key_irradiance_rgb=key_light.irradiance_rgb,
-        open_sky=np.asarray(ambient.irradiance_sh_rgb.values, float),
-    )
-
-
 def compared_hours(
     grid: MeasuredPoints, sky: str, hours: tuple[str, ...]
 ) -> Iterator[tuple[str, Baked, Illumination]]:
@@ -185,4 +167,4 @@ def compared_hours(
     for case, state in states(grid.file, sky, hours):
         assert state.scene is not None
         baked = baked or Baked(state.scene)
-        yield case.caption, baked, hour_of(state)
+        yield case.caption, baked, light_of_state(state)

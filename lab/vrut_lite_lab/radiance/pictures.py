@@ -26,10 +26,10 @@ from vrut_lite.messages.picture import SetExposure
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.exposure import automatic_ev100
-from vrut_lite_lab.path_traced.cases import states
+from vrut_lite_lab.path_traced.cases import light_of_state, states
 from vrut_lite_lab.pictures.drawing import Captioned, sheet
 from vrut_lite_lab.radiance.by_cycles import picture_by_cycles
-from vrut_lite_lab.radiance.grids import GRIDS, Baked, MeasuredPoints, hour_of
+from vrut_lite_lab.radiance.grids import GRIDS, Baked, MeasuredPoints
 from vrut_lite_lab.radiance.irradiance import RadianceEffort, radiance_by_radiance
 from vrut_lite_lab.radiance.three_renderers import HOUR, SKY
 
@@ -112,7 +112,7 @@ def drawn(grid: MeasuredPoints) -> list[Captioned]:
     ((case, state),) = states(grid.file, SKY, (HOUR,))
     assert state.scene is not None
     assert state.camera is not None
-    found = pictures(Baked(state.scene), hour_of(state), state.camera)
+    found = pictures(Baked(state.scene), light_of_state(state), state.camera)
     print(f"| **{case.caption}** | | | |")
     print("\n".join(_lines(found)), flush=True)
     ev100 = automatic_ev100(found["vrut_lite"][0].astype(np.float32))

@@ -1,6 +1,6 @@
 """A film of an hour while the clock plays: strips, and how unsteady the picture is.
 
-    python -m vrut_lite_lab.pictures.light_film STRIP.jpg [--step S] [--from HH:MM] [SCENE ...]
+    python -m vrut_lite_lab.path_traced.light_film STRIP.jpg [--step S] [--from HH:MM] [SCENE ...]
 
 One host plays an hour in small steps, as the window does: an hour that looks like the one before
 is not computed. Every picture has the first one's exposure. A second film leaves the sun's own
