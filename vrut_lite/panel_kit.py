@@ -7,8 +7,7 @@ A panel is a QWidget of the group `vrut_lite.panels`, called with the window's `
 * Widgets as the window has them: `Chooser`, `aligned_form`, `faint_label`, `panel_column`,
   `make_timer`, the colours of `theme`.
 * Pictures: `FittedPicture` and `rgb_image` show one; `display_picture` and `white_balance_matrix`
-  make display values of radiance; `file_title`, `picture_format` and `write_png`, `write_jpeg`,
-  `write_exr` save it.
+  make display values of radiance; `file_title` and `write_picture` save it.
 """
 
 from vrut_lite.app import theme
@@ -25,7 +24,7 @@ from vrut_lite.app.widgets import (
     rgb_image,
 )
 from vrut_lite.pictures.display import display_picture
-from vrut_lite.pictures.image_files import picture_format, write_exr, write_jpeg, write_png
+from vrut_lite.pictures.image_files import write_picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
 __all__ = [
@@ -39,11 +38,8 @@ __all__ = [
     "file_title",
     "make_timer",
     "panel_column",
-    "picture_format",
     "rgb_image",
     "theme",
     "white_balance_matrix",
-    "write_exr",
-    "write_jpeg",
-    "write_png",
+    "write_picture",
 ]

@@ -31,17 +31,13 @@ from vrut_lite.panel_kit import (
     display_picture,
     file_title,
     panel_column,
-    picture_format,
     white_balance_matrix,
-    write_exr,
-    write_jpeg,
-    write_png,
+    write_picture,
 )
 
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."
 _DENOISER = "mitsuba_oidn"
-_FORMATS = (".png", ".jpg", ".exr")
 _WIDTH_PX, _HEIGHT_PX = 560, 400
 
 
@@ -118,11 +114,7 @@ class TracedPanel(QWidget):
             "samplesPerPixel": self.shown.samples,
         }
         try:
-            suffix = picture_format(path, _FORMATS)
-            if suffix == ".exr":
-                write_exr(path, self.shown.radiance, said)
-            else:
-                (write_jpeg if suffix == ".jpg" else write_png)(path, self.shown.pixels, said)
+            write_picture(path, self.shown.radiance, self.shown.pixels, said)
         except UserError as error:
             self._session.problem.emit(str(error))
         else:

@@ -8,7 +8,7 @@ import msgspec
 from vrut_lite.commands.options import Command, daylight_options, said, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.errors import UserError
-from vrut_lite.pictures.image_files import check_all_writable, picture_format
+from vrut_lite.pictures.image_files import DISPLAY_FORMATS, check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import CameraView, Project, project_of_path
 from vrut_lite.scene.scene_state import Shown
@@ -19,7 +19,6 @@ from vrut_lite.studio.scene_pictures import ScenePlan
 from vrut_lite.studio.time_span import span_options, wanted_pictures
 from vrut_lite.studio.workers import worker_options, workers_of
 
-FORMATS = (".png", ".jpg", ".exr")
 _POINTS = "--eye and --target go together, each X,Y,Z in metres: --eye 5,2,8 --target 0,1,0"
 
 
@@ -126,7 +125,7 @@ def render(
     Example: vrut-lite render scenes/street.toml -o day_%04d.png --at 2026-06-21T00:00
     --from 05:00 --to 21:00 --step 10m
     """
-    suffix = picture_format(output, FORMATS)
+    suffix = picture_format(output, DISPLAY_FORMATS)
     project = _with_view(with_scene_options(project_of_path(scene), options), options)
     project = with_options(project, options)
     project, engine = with_engine(project, options)

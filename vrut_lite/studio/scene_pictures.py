@@ -13,7 +13,7 @@ from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, SetClock
 from vrut_lite.messages.light_map import SurfaceLightChanged
 from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.pictures.display import Bits, display_picture
-from vrut_lite.pictures.image_files import Metadata, write_exr, write_jpeg, write_png
+from vrut_lite.pictures.image_files import Metadata, write_picture
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
@@ -145,14 +145,9 @@ class SceneShot:
 
     def write(self, path: Path) -> None:
         """PNG and JPEG for display, EXR of radiance."""
-        if path.suffix.lower() == ".exr":
-            write_exr(path, self.picture.radiance, self.metadata)
-        elif path.suffix.lower() == ".jpg":
-            write_jpeg(path, self.picture.display, self.metadata)
-        elif self.plan.bits == 16:
-            write_png(path, self._display_16(), self.metadata)
-        else:
-            write_png(path, self.picture.display, self.metadata)
+        deep = self.plan.bits == 16 and path.suffix.lower() == ".png"
+        display = self._display_16() if deep else self.picture.display
+        write_picture(path, self.picture.radiance, display, self.metadata)
 
     def _display_16(self) -> NDArray[Any]:
         """16-bit display values, from the radiance: the frame itself has 8 bits only."""

@@ -11,17 +11,15 @@ from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.image_files import (
+    DISPLAY_FORMATS,
     check_writable,
     picture_format,
-    write_exr,
-    write_jpeg,
-    write_png,
+    write_picture,
 )
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project
 from vrut_lite.studio.picture_metadata import picture_metadata
 
-FORMATS = (".png", ".jpg", ".exr")
 Size = tuple[int, int]
 
 
@@ -44,7 +42,7 @@ def export_picture(
 def _written(
     stage: Stage, exposure: SetExposure, path: str | Path, project: Project, size: Size | None
 ) -> str:
-    suffix = picture_format(path, FORMATS)
+    picture_format(path, DISPLAY_FORMATS)
     check_writable(path)
     state = replace(stage.state, size_px=size or stage.state.size_px, exposure=exposure)
     picture = stage.draw(state, still=True)
@@ -53,12 +51,7 @@ def _written(
         "exposureEv100": picture.ev100,
         "toneMap": project.exposure.tone_map,
     }
-    if suffix == ".exr":
-        write_exr(path, picture.radiance, metadata)
-    elif suffix == ".jpg":
-        write_jpeg(path, picture.display, metadata)
-    else:
-        write_png(path, picture.display, metadata)
+    write_picture(path, picture.radiance, picture.display, metadata)
     return f"{path}: {_size(picture)}, EV100 {picture.ev100:.1f}"
 
 

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app.engine.day import Day
-from vrut_lite.app.engine.export import FORMATS, export_picture
+from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import folder_of, project_of
 from vrut_lite.app.engine.sun_day_finder import SunDayFinder
@@ -30,7 +30,7 @@ from vrut_lite.app.panels.size_chooser import SizeChooser
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, panel_column
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.film import FILM_FORMATS
-from vrut_lite.pictures.image_files import picture_format
+from vrut_lite.pictures.image_files import DISPLAY_FORMATS, picture_format
 
 _PICTURES = "Pictures (*.png *.jpg *.exr)"
 _KINDS = {
@@ -89,7 +89,7 @@ class ExportPanel(QWidget):
         sequence.finished.connect(self._ended)
         sequence.failed.connect(self._failed)
         try:
-            picture_format(path, (*FORMATS, *FILM_FORMATS))
+            picture_format(path, (*DISPLAY_FORMATS, *FILM_FORMATS))
             sequence.start(day.zone)
         except UserError as error:
             self._session.problem.emit(str(error))
