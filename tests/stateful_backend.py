@@ -25,6 +25,10 @@ class StatefulBackend:
         if is_relit and LIGHT.isdisjoint(self.state.missing):
             self.state = self.state.under_clear_sky()
 
+    def show(self, *messages):
+        """Hand these to the frame parts, besides the others that they have."""
+        self.change(parts={**self.state.parts, **{type(part): part for part in messages}})
+
     def draw(self, still=True, is_given_up=None):
         """The picture."""
         return self.backend.draw(self.state, still, is_given_up)

@@ -191,7 +191,7 @@ def test_haze_in_two_words(refused, good_scene):
 def test_an_unknown_sky_module(refused, good_scene):
     """The sentence lists the existing modules."""
     arguments = ["render", good_scene, *GOOD_TIME, "--sky", "bruneton"]
-    refused(*arguments, says="installed are aurora, bruneton_sky, clouds, dynamic_skylight")
+    refused(*arguments, says="installed are air, aurora, bruneton_sky, clouds")
 
 
 def test_an_unknown_setting(refused, good_scene):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +26,20 @@ from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.uniform_block import UniformBlock
 
 GROUP = "vrut_lite.frame_parts"
+# GLSL of parts: `//!include NAME.glsl` brings that of the installed part.
+GLSL_HOOKS = ("sun_factor", "extra_lights", "through_air")
 Heard = Mapping[type[Derived], Derived]
 Size = tuple[int, int]
 D = TypeVar("D", bound=Derived)
 _log = logging.getLogger(__name__)
+
+
+# Whether no surface stands in a unit direction (3,) from a point, up to a distance in m.
+IsFree = Callable[[FloatArray, float], bool]
 
 
 class PartView(Protocol):
@@ -56,6 +62,37 @@ class PartView(Protocol):
         """Matrix (4, 4) from positions relative to the eye, in world axes, to clip space."""
 
 
+class Casters(Protocol):
+    """Casters of shadows in a scene; another object when their depth must be drawn again."""
+
+    @property
+    def centre_m(self) -> NDArray[np.float64]:
+        """Centre (3,) of the scene's sphere, world axes."""
+
+    @property
+    def radius_m(self) -> float:
+        """Radius of that sphere."""
+
+    def draw_depth(
+        self, clip_from_place: NDArray[np.float64], place_m: NDArray[np.float64]
+    ) -> None:
+        """Draw the depth of both sides of their faces into the bound framebuffer.
+
+        The matrix (4, 4) maps positions relative to a place (3,), in world axes, to clip space.
+        """
+
+
+class PartShadow(NamedTuple):
+    """Shadow map of the sun in all the scene.
+
+    `texture` compares depths; `clip_from_eye` (4, 4) maps positions relative to the eye, in world
+    axes, into it.
+    """
+
+    texture: Any
+    clip_from_eye: NDArray[np.float64]
+
+
 @dataclass(frozen=True)
 class PartFrame:
     """A picture that is about to be drawn.
@@ -69,7 +106,11 @@ class PartFrame:
         key_light: the light with shadows, before it meets any part.
         clear_sky: irradiance of the clear sky.
         whole_sky: irradiance of the sky with its layers.
-        air: defines with which air.glsl finds the air of this picture; empty without air.
+        ground_is_bare: whether the background shows that ground without the air before it.
+        casters: what casts shadows in the scene.
+        shadow: where the scene's shadows are to be seen in the air, their map; otherwise None.
+        air: defines with which a shader of a part's own includes `through_air.glsl`; empty without
+            air, and in `prepare`.
     """
 
     view: PartView
@@ -80,7 +121,10 @@ class PartFrame:
     key_light: KeyLightChanged
     clear_sky: AmbientChanged
     whole_sky: AmbientChanged
-    air: tuple[str, ...]
+    ground_is_bare: bool
+    casters: Casters
+    shadow: PartShadow | None
+    air: tuple[str, ...] = ()
 
 
 class PartTarget(Protocol):
@@ -183,8 +227,9 @@ class PartGl(Protocol):
 class FramePart:
     """A module's part of the frame; override the hooks it uses. All calls come on the GL thread.
 
-    A part that raises is left out of all further pictures; it is its module's Fault, of the module
-    that has the name of the part's entry point.
+    A part belongs to the module that has the name of its entry point. One that raises is left out
+    of all further pictures, and is that module's Fault. If the module provides a slot of that name,
+    the part is switched off while nobody holds the slot.
 
     Class attributes:
         hears: messages whose latest ones `show` gets; those of a slot go when nobody holds it.
@@ -195,13 +240,31 @@ class FramePart:
             `float sun_factor(vec3 from_eye)` is the share that reaches a point,
             `vec3 ground_factor(vec3 from_eye)` that of the light of open ground, and
             `float sun_factor_end_m(vec3 d, float metres)` how far along a ray points may be
-            dimmed. One installed part may have it.
+            dimmed.
+        extra_lights: GLSL of lights besides sun and sky, called while the part is seen:
+            `int extra_light_count()`, and `vec3 extra_light(int number, vec3 point, vec3 face,
+            out vec3 towards)`, the irradiance (W m^-2) of one on a plane that faces it at a point
+            from the eye, on a surface with the normal `face`; `towards` is its direction.
+        through_air: GLSL of the air, called while the part is seen: `vec3 through_air(vec3
+            radiance, vec3 direction, float metres, float share)` is what the eye sees of a
+            radiance so far away, through air with a share of the light of open air;
+            `float ground_horizon()` is the sine of the elevation that divides the sky from the
+            ground behind the scene, `void background_through_air(vec3 direction, inout vec3
+            ground, inout vec3 sky)` adds what both lack. LIGHT_SHAFTS is defined where there is a
+            `PartFrame.shadow`, SUN_FACTOR where a part dims the sun.
+        switch: name of the scene's setting that switches the part; its messages are demanded only
+            while that is on and a scene is open. Empty: always.
+
+    Only one installed part may have each GLSL hook.
     """
 
     hears: ClassVar[tuple[type[Derived], ...]] = ()
     blocks: ClassVar[Mapping[str, UniformBlock]] = {}
     samplers: ClassVar[tuple[str, ...]] = ()
     sun_factor: ClassVar[Path | None] = None
+    extra_lights: ClassVar[Path | None] = None
+    through_air: ClassVar[Path | None] = None
+    switch: ClassVar[str] = ""
 
     def __init__(self, gl: PartGl):
         self.gl = gl
@@ -215,6 +278,13 @@ class FramePart:
     def sun_share(cls, heard: Heard, point_m: Vector, direction: Vector) -> float:
         """Share of the sun in a direction that it lets reach a point: `sun_factor`'s twin."""
         return 1.0
+
+    @classmethod
+    def extra_irradiance(
+        cls, heard: Heard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
+    ) -> FloatArray:
+        """Irradiance (3,), W m^-2, of its lights on a plane: the twin of `extra_lights`."""
+        return np.zeros(3)
 
     def show(self, heard: Heard) -> None:
         """Draw these from the next picture on; called when one of them changes."""
@@ -231,6 +301,15 @@ class FramePart:
     def shades_sun(self) -> bool:
         """Whether `sun_factor` dims anything in the picture that was prepared."""
         return False
+
+    @property
+    def air_defines(self) -> tuple[str, ...]:
+        """Defines with which `through_air` is compiled in the picture that was prepared."""
+        return ()
+
+    def air_defines_on(self, centre_m: NDArray[np.float64], radius_m: float) -> tuple[str, ...]:
+        """Further defines on surfaces within a sphere, its centre (3,) in world axes."""
+        return ()
 
     def draw_over_sky(self, size_px: Size, view: PartView) -> None:
         """Add radiance (linear sRGB, W m^-2 sr^-1) to the sky where no surface covers it.
@@ -254,8 +333,9 @@ def frame_parts() -> dict[str, type[FramePart]]:
             part = point.load()
             if not (isinstance(part, type) and issubclass(part, FramePart)):
                 raise UserError("it names no subclass of FramePart")
-            if part.sun_factor is not None and (other := _dims_sun(found)):
-                raise UserError(f"the frame part {other} dims the sun already")
+            for hook in GLSL_HOOKS:
+                if getattr(part, hook) is not None and (other := _with_hook(found, hook)):
+                    raise UserError(f"the frame part {other} has the hook {hook} already")
             found[point.name] = part
         except BaseException as error:
             pass_interrupt(error)
@@ -263,8 +343,8 @@ def frame_parts() -> dict[str, type[FramePart]]:
     return found
 
 
-def _dims_sun(parts: Mapping[str, type[FramePart]]) -> str:
-    return next((name for name, part in parts.items() if part.sun_factor is not None), "")
+def _with_hook(parts: Mapping[str, type[FramePart]], hook: str) -> str:
+    return next((name for name, part in parts.items() if getattr(part, hook) is not None), "")
 
 
 def heard_by_parts() -> tuple[type[Derived], ...]:
@@ -291,7 +371,17 @@ def sun_share(heard: Heard, point_m: Vector, direction: Vector) -> float:
     return share
 
 
-def shade_is_same(before: Heard, now: Heard) -> bool:
-    """Whether parts that dim the sun heard the same messages."""
-    kinds = {k for part in frame_parts().values() if part.sun_factor for k in part.hears}
-    return all(before.get(kind) is now.get(kind) for kind in kinds)
+def extra_irradiance(
+    heard: Heard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
+) -> FloatArray:
+    """Irradiance (3,), W m^-2, of all parts' lights on a plane."""
+    total = np.zeros(3)
+    for part in frame_parts().values():
+        total += part.extra_irradiance(heard_by(part, heard), point_m, normal, is_free)
+    return total
+
+
+def heard_is_same(before: Heard, now: Heard, *hooks: str) -> bool:
+    """Whether parts with one of these GLSL hooks heard the same messages."""
+    parts = (p for p in frame_parts().values() if any(getattr(p, hook) for hook in hooks))
+    return all(before.get(kind) is now.get(kind) for part in parts for kind in part.hears)

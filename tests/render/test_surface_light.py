@@ -5,7 +5,7 @@ The sky is uniform with radiance 1 unless a test says so: the open sky's irradia
 
 import numpy as np
 import pytest
-from air_stage import volume_of
+from air_stage import air_of, volume_of
 from house_fixtures import filter_rounding
 from light_map_stage import (
     PROBES,
@@ -346,7 +346,7 @@ def test_air_in_a_room_without_windows_does_not_glow(backend, tmp_path, share, g
     show(backend, matte(tmp_path, 0.0), lambda layout: even(layout, 0.0, share))
     dark = look(backend, *ABOVE).radiance
     assert dark.max() == 0.0
-    backend.change(air=volume_of(1e-2, 8.0))
+    backend.show(air_of(volume_of(1e-2, 8.0)))
     glow = look(backend, *ABOVE).radiance
     backend.change(light_map=None, surface_light=None)
     in_open_air = look(backend, *ABOVE).radiance

@@ -4,10 +4,12 @@ import re
 from collections import defaultdict
 from pathlib import Path
 
+import air
 import clouds
+import lamps
 import numpy as np
 import pytest
-from air_stage import volume_of
+from air_stage import air_of, volume_of
 from light_map_stage import even, laid, lit
 from scene_stage import light, look, square
 from stateful_backend import opened
@@ -16,12 +18,8 @@ from term_stage import material
 from vrut_lite.render.shader_files import SHADERS, shader_source
 
 _SAMPLER = re.compile(r"^layout\(binding = (\d+)\) uniform sampler\w+ (\w+);", re.MULTILINE)
-OF_CLOUDS = Path(clouds.__file__).parent / "shaders"
-STAGES = sorted(
-    path for folder in (SHADERS, OF_CLOUDS) for path in folder.iterdir() if path.suffix != ".glsl"
-)
-# Light shafts read the shadow map of the whole scene, which surfaces have too.
-SAME_TEXTURE = {"shaft_shadow_map": "shadow_map"}
+FOLDERS = SHADERS, *(Path(module.__file__).parent / "shaders" for module in (air, clouds, lamps))
+STAGES = sorted(path for folder in FOLDERS for path in folder.iterdir() if path.suffix != ".glsl")
 
 
 @pytest.mark.parametrize("stage", STAGES, ids=lambda path: path.name)
@@ -30,7 +28,7 @@ def test_no_unit_has_two_textures(stage):
     two kinds of texture, with which GL draws nothing; whatever is compiled out."""
     textures = defaultdict(set)
     for unit, name in _SAMPLER.findall(shader_source(stage)):
-        textures[unit].add(SAME_TEXTURE.get(name, name))
+        textures[unit].add(name)
     assert {unit: names for unit, names in textures.items() if len(names) > 1} == {}
 
 
@@ -52,7 +50,7 @@ def test_a_thin_film_is_drawn_in_air(backend, tmp_path):
     film = {"iridescenceFactor": 1.0, "iridescenceThicknessMaximum": 400.0}
     backend.change(scene=opened(square(tmp_path, material((0.1,) * 3, 0.3, iridescence=film))))
     without = middle(backend)
-    backend.change(air=volume_of(1e-12, 0.0))
+    backend.show(air_of(volume_of(1e-12, 0.0)))
     np.testing.assert_allclose(middle(backend), without, rtol=0.01)
 
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from vrut_lite.render.part_slots import part_blocks
-from vrut_lite.render.uniform_blocks import AIR
 from vrut_lite.uniform_block import UniformBlock
 
-CLOUDS = part_blocks()["cloud_block.glsl"]
+AIR, CLOUDS = (part_blocks()[f"{name}_block.glsl"] for name in ("air", "cloud"))
 BLOCK = UniformBlock(
     "Some", "some", {"a": ("float", "one"), "b": ("vec3", "three"), "c": ("mat4", "sixteen")}, 5
 )

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import trimesh
+from air.module import DrawnAir
 from air_stage import volume_of
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import ChooseSlot, SetSetting
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
@@ -95,7 +96,7 @@ class OtherSky(Sky):
 def stage(tmp_path):
     """A kernel with a sky and an open scene; the scene manager."""
     kernel = Kernel()
-    for module in (Sky, OtherSky):
+    for module in (DrawnAir, Sky, OtherSky):
         kernel.add_module(module)
     kernel.add_module(SceneManager)
     path = tmp_path / "box.glb"
@@ -116,26 +117,29 @@ def test_air_is_asked_for_and_handed_on(stage):
     kernel, scene = stage
     assert kernel.wanted(AirChanged) is not None
     assert kernel.last(SceneNeeds).air_reach_m > 1000.0
-    assert scene.state.air is kernel.last(AirChanged).volume
+    assert scene.state.shown(AirChanged) is kernel.last(AirChanged)
 
 
-def test_switched_off_air_is_not_demanded(stage):
-    """No demand, no reach, no air in the state, and the counters count it; on again all return."""
+@pytest.mark.parametrize("by", ["setting", "module"])
+def test_switched_off_air_is_not_demanded(stage, by):
+    """By the scene's setting, which the counters count, or with the module: no demand, no reach, no
+    air in the state; on again all return."""
     kernel, scene = stage
     for wanted in (False, True):
-        play(kernel, SetSetting(module="scene", name="air", value=wanted))
+        setting = SetSetting(module="scene", name="air", value=wanted)
+        play(kernel, setting if by == "setting" else EnableModule(module="air", enabled=wanted))
         play(kernel, Resize(width_px=64, height_px=32))
         assert (kernel.wanted(AirChanged) is not None) is wanted
         assert (kernel.last(SceneNeeds).air_reach_m > 0.0) is wanted
-        assert (scene.state.air is not None) is wanted
-    assert scene.counters.skipped["air: switched off"] == 2
+        assert (scene.state.shown(AirChanged) is not None) is wanted
+    assert scene.counters.skipped["air: switched off"] == (2 if by == "setting" else 0)
 
 
 def test_another_sky_does_not_inherit_the_air(stage):
     """A sky that makes none must not be seen through the air of the last."""
     kernel, scene = stage
     play(kernel, ChooseSlot(slot="sky", module="other_sky"))
-    assert scene.state.air is None
+    assert scene.state.shown(AirChanged) is None
 
 
 def test_light_shafts_are_handed_on(stage):

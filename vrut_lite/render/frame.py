@@ -1,32 +1,30 @@
-"""One frame on the GL thread: shadow map, reflection and air, then a still or a moving picture.
+"""One frame on the GL thread: shadow map, reflection and parts, then a still or a moving picture.
 
 Radiance stays linear and in physical units until the tone map.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from vrut_lite.frame_part import Heard, PartFrame
+from vrut_lite.frame_part import Heard, PartFrame, PartShadow
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.kernel.work_counters import WorkCounters
-from vrut_lite.messages.air import AirVolume
-from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.night import MoonDiscChanged
 from vrut_lite.messages.sky import ViewShader, mean_level
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.air import AIR_DEFINES, AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.culling import in_view
 from vrut_lite.render.device import Choices
 from vrut_lite.render.frame_parts import PartFailed
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.light import Light, Reflection, Shadow
-from vrut_lite.render.passes.near_air import NearAirTable
+from vrut_lite.render.light import Light, Reflection
+from vrut_lite.render.passes.caster_renderer import SceneCasters
 from vrut_lite.render.passes.shadow_map import SHADOW_SIZE, ShadowMaps, quick_size
-from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
+from vrut_lite.render.passes.shadows_on_mesh import shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.view import View
@@ -59,8 +57,7 @@ class Frame:
         self._moving = MovingPictures(self._passes)
         self._shadow = ShadowMaps(context, self.counters)
         self._filter = SpecularFilter(context, self.counters)
-        self._air = AirOnGpu(context)
-        self._near_air = NearAirTable(context)
+        self._casters: SceneCasters | None = None
         self._reflectance = _table_texture(context)
 
     def measure_passes(self, measure: Measure) -> None:
@@ -76,10 +73,6 @@ class Frame:
         `SkyPass`)."""
         self._passes.sky.show_view(view)
 
-    def show_air(self, volume: AirVolume | None) -> None:
-        """Draw this air from the next frame on; None where none is visible."""
-        self._air.show(volume)
-
     def show_light_map(self, laid: LightMapLaid | None) -> None:
         """Look surfaces up in this map from the next light on; None where there is no map."""
         self._passes.surface_light.lay_out(laid)
@@ -87,10 +80,6 @@ class Frame:
     def show_surface_light(self, light: SurfaceLightChanged | None) -> None:
         """Light surfaces by this from the next frame on; None: by the open sky."""
         self._passes.surface_light.show(light)
-
-    def show_lamps(self, lamps: SceneLamps | None) -> None:
-        """Light surfaces by these too from the next frame on."""
-        self._passes.lamps.show(lamps)
 
     def show_parts(self, heard: Heard) -> None:
         """Let the modules' parts draw these messages from the next frame on."""
@@ -129,29 +118,35 @@ class Frame:
         with passes.measure("shadow"):
             always = not state.skips.shadow
             if finished:
-                shafts = state.light_shafts and self._air.volume is not None
+                shafts = state.light_shafts and passes.parts.fill_air
                 shadows = self._shadow.of_still(
                     passes.meshes, scene, seen, light, view, state.size_px, always, shafts
                 )
             else:
                 size = quick_size(state.size_px[0]) if quick else SHADOW_SIZE
                 shadows = self._shadow.update(passes.meshes, scene, light, view, always, size)
-        with passes.measure("lamps"):
-            passes.lamps.update(passes.meshes, scene, view.eye_m, always)
-        air = self._air_before(scene, view, light, shadows.scene, state)
-        parts = _part_frame(scene, view, air, state, still)
+        if always or self._casters is None or self._casters.scene is not scene:
+            self._casters = SceneCasters(passes.meshes, scene)
+        shafts = state.light_shafts and passes.parts.fill_air and any(light.sun_irradiance)
+        shadow = None
+        if shafts:
+            assert shadows.scene is not None
+            shadow = PartShadow(shadows.scene.texture, shadow_from_eye(shadows.scene, view))
+        parts = _part_frame(scene, view, light, shadow, state, still, self._casters)
         with passes.measure("parts before surfaces"):
-            if passes.parts.prepare(parts):
-                air = air.with_dimmed_sun()
+            defines = passes.parts.prepare(parts)
+        parts = replace(parts, air=defines.air)
         disc = self._disc(light, state.key_light, state.shown(MoonDiscChanged))
-        shot = FrameInputs(scene, seen, view, light, disc, shadows, reflection, air, parts, state)
+        shot = FrameInputs(
+            scene, seen, view, light, disc, shadows, reflection, defines, parts, state
+        )
         return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
         bind_permanent_framebuffer(self._context)
         for thing in (self._passes, self._stills, self._moving, self._shadow, self._filter,
-                      self._air, self._near_air, self._reflectance):  # fmt: skip
+                      self._reflectance):  # fmt: skip
             thing.release()
 
     def _disc(self, light: Light, key: KeyLightChanged, moon: MoonDiscChanged | None) -> SunDisc:
@@ -159,34 +154,6 @@ class Frame:
         of_moon = key.body == "moon" and moon is not None
         sun = (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance
         return SunDisc(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
-
-    def _air_before(
-        self,
-        scene: PyrenderScene,
-        view: View,
-        light: Light,
-        shadow: Shadow | None,
-        state: SceneState,
-    ) -> FrameAir:
-        """Bind the air of this frame; returns the shaders' defines."""
-        if self._air.volume is None:
-            self.counters.skip("air: none to be seen")
-            return FrameAir()
-        shafts = state.light_shafts and any(light.sun_irradiance)
-        around = AirSurroundings(
-            eye_altitude_m=float(view.eye_m[1]),
-            ground_level_m=scene.ground_level_m,
-            ground_is_bare=not light.sky.ground_through_air,
-            shadow_from_eye=np.eye(4) if shadow is None else shadow_from_eye(shadow, view),
-        )
-        self._air.bind(around)
-        if shafts:
-            assert shadow is not None
-            shadow.texture.use(location=SHADOW_UNIT)
-            self.counters.did("light shafts")
-        self.counters.did("air")
-        near = None if shafts else self._near_air.draw(self._air.volume, view, state.size_px)
-        return FrameAir.of(self._air.volume, around, shafts, near)
 
     def _seen(self, scene: PyrenderScene, view: View, skips: FrameSkips) -> list[PlacedPrimitive]:
         """Meshes that may be in the picture."""
@@ -226,7 +193,13 @@ class Frame:
 
 
 def _part_frame(
-    scene: PyrenderScene, view: View, air: FrameAir, state: SceneState, still: bool
+    scene: PyrenderScene,
+    view: View,
+    light: Light,
+    shadow: PartShadow | None,
+    state: SceneState,
+    still: bool,
+    casters: SceneCasters,
 ) -> PartFrame:
     assert state.key_light is not None
     assert state.ambient is not None
@@ -240,7 +213,9 @@ def _part_frame(
         key_light=state.key_light,
         clear_sky=state.ambient,
         whole_sky=state.sky_light.ambient,
-        air=tuple(name for name in air.mesh if name in AIR_DEFINES),
+        ground_is_bare=not light.sky.ground_through_air,
+        casters=casters,
+        shadow=shadow,
     )
 
 

@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from OpenGL import GL
@@ -27,6 +27,7 @@ from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
+from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
 from vrut_lite.render.shader_files import Defines, shader_source
 from vrut_lite.render.size_cache import SizeCache
@@ -45,6 +46,22 @@ def warn_of_part(name: str, error: str) -> None:
     _log.warning("the frame part %s is left out of pictures: %s", name, error)
 
 
+class PartDefines(NamedTuple):
+    """Defines of shaders that call hooks of parts in a picture.
+
+    Attributes:
+        lights: on surfaces, of their light alone.
+        air: in shaders of parts, before what they draw.
+        surfaces: of both, on surfaces.
+        sky: on the background; a sky that includes its air needs no more.
+    """
+
+    lights: Defines
+    air: Defines
+    surfaces: Defines
+    sky: Defines
+
+
 class FrameParts:
     """One of each installed part."""
 
@@ -59,6 +76,8 @@ class FrameParts:
         self._made: dict[str, PartRenderer] = {}
         self._heard: dict[str, Heard] = {}
         self._failed: set[str] = set()
+        # The one that draws the air in the picture that was prepared.
+        self._air: FramePart | None = None
 
     def show(self, heard: Heard) -> None:
         """Draw these messages from the next picture on."""
@@ -85,12 +104,37 @@ class FrameParts:
     def _seen(self) -> dict[str, FramePart]:
         return {name: part for name, part in self._parts.items() if part.is_seen}
 
-    def prepare(self, frame: PartFrame) -> bool:
-        """Let parts prepare a picture; whether one of them dims the sun in it."""
-        self._counters.skip("part: nothing to draw", len(self._types) - len(self._seen()))
+    def prepare(self, frame: PartFrame) -> PartDefines:
+        """Let parts prepare a picture; defines of their hooks in it."""
+        for name in self._types:
+            if name not in self._seen():
+                self._counters.skip(f"{name}: none to be seen")
         for name, part in self._seen().items():
             self._do(name, partial(part.prepare, frame))
-        return any(part.shades_sun for part in self._seen().values())
+        seen = self._seen().values()
+        sun: Defines = ("SUN_FACTOR",) if any(part.shades_sun for part in seen) else ()
+        extra: Defines = ("EXTRA_LIGHTS",) if any(part.extra_lights for part in seen) else ()
+        self._air = next((part for part in seen if part.through_air), None)
+        air: Defines = () if self._air is None else ("THROUGH_AIR", *self._air.air_defines)
+        through = (*air, "LIGHT_SHAFTS") if air and frame.shadow is not None else air
+        on_sky = through if frame.ground_is_bare or frame.shadow is not None else ()
+        return PartDefines(
+            lights=(*sun, *extra),
+            air=air,
+            surfaces=(*through, *sun, *extra),
+            sky=(*on_sky, *sun) if on_sky else (),
+        )
+
+    @property
+    def fill_air(self) -> bool:
+        """Whether there is air to be seen."""
+        return any(part.through_air for part in self._seen().values())
+
+    def air_defines_on(self, placed: PlacedPrimitive) -> Defines:
+        """Further defines of the air before a mesh."""
+        if self._air is None:
+            return ()
+        return self._air.air_defines_on(placed.centre_m, placed.radius_m)
 
     def draw_over_solid(self, frame: PartFrame, target: PartTarget, sample: int) -> None:
         """Let parts draw over sky and solid surfaces; depth is reversed."""

@@ -1,19 +1,22 @@
 """A light meter: lux at points of the scene, from the same light as the picture's."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from vrut_lite.frame_part import IsFree
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.messages.lamps import MOST_DRAWN, SceneLamps
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.render.rays import SceneRays
 from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
+
+ExtraIrradiance = Callable[[FloatArray, FloatArray, IsFree], FloatArray]
 
 
 class Illuminance(NamedTuple):
@@ -36,8 +39,8 @@ def illuminance(
     point_m: ArrayLike,
     normal: ArrayLike,
     sun_share: Callable[[Vector, Vector], float] = lambda point_m, direction: 1.0,
+    extra: ExtraIrradiance = lambda point_m, normal, is_free: np.zeros(3),
     lit: LitScene | None = None,
-    lamps: SceneLamps | None = None,
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
@@ -48,17 +51,19 @@ def illuminance(
         sun: before any layer.
         ambient: of the sky with its layers.
         sun_share: share of the sun in a direction that parts let reach a point.
-        lamps: of the scene; those that the frame draws shine here too.
+        extra: irradiance (3,) of parts' lights, where rays from the point are free.
     """
     n = np.asarray(normal, dtype=float)
     n = n / np.linalg.norm(n)
     direction = np.asarray(sun.direction)
     cosine = max(0.0, float(n @ direction))
+    point = np.asarray(point_m, dtype=float)
     sunlit = cosine > 0.0 and rays.is_free(point_m, n, direction)
     through = float(sunlit)
     if sunlit:
-        x, y, z = np.asarray(point_m, float).tolist()
+        x, y, z = point.tolist()
         through = sun_share((x, y, z), sun.direction)
+    by_lamps = extra(point, n, partial(rays.is_free, point, n))
     sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
     hit = None if lit is None else rays.surface_at(point_m, n)
     if lit is not None and hit is not None:
@@ -67,17 +72,5 @@ def illuminance(
     return Illuminance(
         sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
         sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,
-        lamp_lux=0.0 if lamps is None else _lamp_lux(rays, lamps, np.asarray(point_m, float), n),
+        lamp_lux=float(luminance(by_lamps)) * LUMENS_PER_WATT,
     )
-
-
-def _lamp_lux(
-    rays: SceneRays, lamps: SceneLamps, point_m: NDArray[np.float64], n: NDArray[np.float64]
-) -> float:
-    lux = 0.0
-    for lamp in range(min(lamps.count, MOST_DRAWN)):
-        away = lamps.position_m.values[lamp] - point_m
-        reach_m = float(np.linalg.norm(away))
-        if reach_m > 0.0 and n @ away > 0.0 and rays.is_free(point_m, n, away / reach_m, reach_m):
-            lux += float(luminance(lamps.irradiance_at(lamp, point_m, n))) * LUMENS_PER_WATT
-    return lux

@@ -7,10 +7,8 @@ from typing import Any, NamedTuple
 
 from vrut_lite.frame_part import PartFrame
 from vrut_lite.kernel.work_counters import WorkCounters
-from vrut_lite.render.air import FrameAir
 from vrut_lite.render.backdrop import Backdrop
-from vrut_lite.render.frame_parts import FrameParts, PartFailed
-from vrut_lite.render.lamps import LampsOnGpu
+from vrut_lite.render.frame_parts import FrameParts, PartDefines, PartFailed
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
@@ -42,7 +40,7 @@ class FrameInputs(NamedTuple):
     disc: SunDisc
     shadows: Shadows
     reflection: Reflection
-    air: FrameAir
+    defines: PartDefines
     parts: PartFrame
     state: SceneState
 
@@ -63,7 +61,6 @@ class PicturePasses:
     parts: FrameParts
     tone: TonePass
     surface_light: SurfaceLightOnGpu
-    lamps: LampsOnGpu
     backdrop: Backdrop
     measure: Measure = unmeasured
 
@@ -80,7 +77,6 @@ class PicturePasses:
             FrameParts(context, counters, patience, part_failed),
             TonePass(context),
             SurfaceLightOnGpu(context),
-            LampsOnGpu(context, counters),
             Backdrop(context),
         )
 
@@ -101,13 +97,12 @@ class PicturePasses:
             shot.reflection,
             self.surface_light,
             defines,
-            shot.air.near,
+            self.parts.air_defines_on,
             blended,
         )
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self.meshes.delete()
-        for thing in (self.sky, self.parts, self.tone, self.surface_light, self.lamps,
-                      self.backdrop):  # fmt: skip
+        for thing in (self.sky, self.parts, self.tone, self.surface_light, self.backdrop):
             thing.release()

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
-from vrut_lite.frame_part import Heard, sun_share
+from vrut_lite.frame_part import Heard, extra_irradiance, sun_share
 from vrut_lite.kernel.work_counters import WorkCounters
-from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
@@ -53,7 +52,6 @@ class PyrenderBackend:
             "scene": self._upload_scene,
             "light_map": self._upload_light_map,
             "surface_light": self._upload_surface_light,
-            "air": self._upload_air,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
             "parts": self._upload_parts,
@@ -119,8 +117,8 @@ class PyrenderBackend:
             point_m,
             normal,
             partial(sun_share, state.parts),
+            partial(extra_irradiance, state.parts),
             _lit_scene(state, ambient),
-            None if state.scene is None else state.scene.lamps,
         )
 
     def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:
@@ -185,7 +183,6 @@ class PyrenderBackend:
     def _upload_scene(self, context: Any, scene: SceneOpened) -> None:
         # Its buffers reach the GPU with the next frame.
         self._scene = PyrenderScene(scene)
-        self._frame.show_lamps(scene.lamps)
         # Its meshes are still whole.
         self._uploaded["light_map"] = None
 
@@ -196,9 +193,6 @@ class PyrenderBackend:
 
     def _upload_surface_light(self, context: Any, light: SurfaceLightChanged | None) -> None:
         self._frame.show_surface_light(light)
-
-    def _upload_air(self, context: Any, volume: AirVolume | None) -> None:
-        self._frame.show_air(volume)
 
     def _upload_parts(self, context: Any, heard: Heard) -> None:
         self._frame.show_parts(heard)

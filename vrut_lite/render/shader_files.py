@@ -5,13 +5,11 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from vrut_lite.frame_part import frame_parts
+from vrut_lite.frame_part import GLSL_HOOKS, frame_parts
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.uniform_blocks import BLOCK_FILES
 
 SHADERS = Path(__file__).parent / "shaders"
-# Stands for the GLSL of the part that dims the sun.
-_SUN_FACTOR = "sun_factor.glsl"
 _LINE = re.compile(r"^//!(include|sampler) (\S+)(?: (\S+))?$", re.MULTILINE)
 
 
@@ -22,8 +20,8 @@ Defines = tuple[str, ...]
 def shader_source(name: str | Path) -> str:
     """The text of a shader of ours or, by its path, of a module.
 
-    Each line `//!include FILE` is replaced by a file beside it, one of ours, or a uniform block,
-    and `//!sampler TYPE NAME` by the declaration of a frame part's texture.
+    Each line `//!include FILE` is replaced by a file beside it, one of ours, a frame part's hook
+    or a uniform block, and `//!sampler TYPE NAME` by the declaration of a part's texture.
     """
     path = SHADERS / name
 
@@ -40,9 +38,10 @@ def _included(folder: Path, name: str) -> str:
     beside = folder / name
     if beside.exists():
         return shader_source(beside)
-    if name == _SUN_FACTOR:
-        parts = (part.sun_factor for part in frame_parts().values())
-        return "".join(shader_source(part) for part in parts if part is not None)
+    hook = name.removesuffix(".glsl")
+    if hook in GLSL_HOOKS:
+        files = (getattr(part, hook) for part in frame_parts().values())
+        return "".join(shader_source(file) for file in files if file is not None)
     block = BLOCK_FILES.get(name) or part_blocks().get(name)
     return shader_source(name) if block is None else block.glsl()
 

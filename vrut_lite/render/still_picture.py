@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.render.air import SUN_FACTOR
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
@@ -139,7 +138,7 @@ class StillPictures:
         """
         passes, state = self._passes, shot.state
         solid, blended = in_order(shot.seen, shot.view.eye_m)
-        defines = _defines(shot, passes.lamps.defines)
+        defines = _defines(shot)
         if targets.has_one_sample:
             defines = (ONE_SAMPLE, *defines)
         if state.shows != "picture":
@@ -193,15 +192,20 @@ class StillPictures:
         with passes.measure("sky"):
             pictures = passes.meshes.picture_count
             passes.sky.draw(
-                targets.size, shot.view, shot.light, shot.disc, skips.sky, shot.air.sky, pictures
+                targets.size,
+                shot.view,
+                shot.light,
+                shot.disc,
+                skips.sky,
+                shot.defines.sky,
+                pictures,
             )
 
 
-def _defines(shot: FrameInputs, of_lamps: Defines) -> Defines:
+def _defines(shot: FrameInputs) -> Defines:
     """What meshes' shaders are compiled with."""
     if shot.state.shows == "picture":
-        return (*shot.air.mesh, *of_lamps)
-    sun_factor = tuple(set(shot.air.mesh) & {SUN_FACTOR})
+        return shot.defines.surfaces
     if shot.state.shows == "illuminance":
-        return ("ILLUMINANCE", *sun_factor, *of_lamps)
+        return ("ILLUMINANCE", *shot.defines.lights)
     return ("ILLUMINANCE", "MAP_VALUES")

@@ -1,41 +1,7 @@
 """The renderer's uniform blocks, by the names that shaders include."""
 
-from vrut_lite.messages.lamps import MOST_DRAWN
 from vrut_lite.uniform_block import UniformBlock
 
-AIR = UniformBlock(
-    "Air",
-    "air",
-    binding=0,
-    fields={
-        "sun_direction": ("vec3", "of the body whose shadows the scene casts"),
-        "reach_m": ("float", "how much of a ray's air the slices span at most"),
-        "sun_azimuth": ("vec2", "unit vector, world x and z"),
-        "second_direction": ("vec3", "of the other body"),
-        "second_azimuth": ("vec2", "unit vector, world x and z"),
-        "horizon_depth": ("float", "1 + mu of the tables' horizon"),
-        "depth_above_horizon": ("float", "from there to their highest row"),
-        "slices": ("float", "by distance"),
-        "rows_above": ("float", "above the horizon"),
-        "rows_below": ("float", "below it"),
-        "columns": ("float", "by azimuth"),
-        "radiance_scale": ("float", "from texels to W m^-2 sr^-1"),
-        "observer_radius_m": ("float", "from the planet's middle"),
-        "top_radius_m": ("float", "of the edge of the air"),
-        "above_top_m": ("float", "of the observer; negative inside the air"),
-        "evenness": ("float", "of slices"),
-        "start_radius_m": ("float", "of where rays begin in the air"),
-        "tangent_below_m2": ("float", "squared, from there to the deepest sphere"),
-        "tangent_above_m2": ("float", "minus the squared tangent to the edge of the air"),
-        "shortest_span_m": ("float", "of a ray's air"),
-        "ground_radius_m": ("float", "of the ground behind the scene"),
-        "above_ground_m": ("float", "of the eye"),
-        "horizon_height": ("float", "mu that parts that ground from the sky"),
-        "ground_is_bare": ("float", "1: air is drawn before it"),
-        "rows_down": ("vec3", "crowding, x and place of the row that is moved: air_rows.py"),
-        "shadow_from_eye": ("mat4", "into the shadow map, from positions relative to the eye"),
-    },
-)
 SURFACE_LIGHT = UniformBlock(
     "SurfaceLight",
     "surface",
@@ -58,25 +24,6 @@ SURFACE_LIGHT = UniformBlock(
         "view_edge_px": ("float", "of the squares of pixels that share a point of the view"),
         "view_height_px": ("float", "of the picture"),
         "view_scale": ("float", "from the light of these points to W m^-2"),
-    },
-)
-LAMPS = UniformBlock(
-    "Lamps",
-    "lamps",
-    binding=4,
-    fields={
-        "lamps": (
-            f"mat4[{MOST_DRAWN}]",
-            "columns: place from the eye and slope of the cone's ramp; axis and cosine of its end; "
-            "direction of a table's angle 0 and number of the table, or -1; intensity and the sign "
-            "of the direction of 90 degrees",
-        ),
-        "tiles": ("vec2", "of the shadow maps, across and down"),
-        "count": ("float", "of the lamps"),
-        "depth_scale": ("float", "of depth in the shadow maps"),
-        "depth_offset": ("float", "over the distance along a face's axis"),
-        "face_share": ("float", "of a tile that the cube's face takes"),
-        "texel": ("float", "width of a texel of the maps a metre away, in metres"),
     },
 )
 SURFACE_TERMS = UniformBlock(
@@ -107,8 +54,6 @@ SURFACE_TERMS = UniformBlock(
 )
 # By the names that shaders include.
 BLOCK_FILES = {
-    "air_block.glsl": AIR,
-    "lamp_block.glsl": LAMPS,
     "surface_light_block.glsl": SURFACE_LIGHT,
     "surface_terms_block.glsl": SURFACE_TERMS,
 }

@@ -7,10 +7,9 @@ from typing import Any
 import msgspec
 
 from vrut_lite import __version__
-from vrut_lite.frame_part import heard_by_parts, part_reach_m
+from vrut_lite.frame_part import frame_parts, heard_by_parts, part_reach_m
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import Resize, SetExposure
@@ -53,7 +52,10 @@ class SceneManager(Module):
         self._view = view or SceneView()
         self._animated: OpenScene | None = None
         self._time_s: float | None = None
-        self._wants_air = False
+        # What parts that are switched on hear; whether one of them draws the air.
+        self._wanted_by_parts: dict[type[Derived], None] = {}
+        self._fills_air = False
+        self._empty_slots: set[str] = set()
         self._wants_scene_light = False
         self._has_light_map = False
         self._of_scene = (LightMapLaid, SurfaceLightChanged) if light_map else ()
@@ -62,8 +64,7 @@ class SceneManager(Module):
         self._follow_settings()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
-        for part in heard_by_parts():
-            self.link.demand(part)
+        self._want_parts()
 
     @property
     def state(self) -> SceneState:
@@ -206,13 +207,8 @@ class SceneManager(Module):
     @handles(*heard_by_parts())
     def on_part(self, message: Derived) -> None:
         """Hand it to the frame part that hears it; air may have to reach as far as it draws."""
-        self._take_parts({**self.state.parts, type(message): message})
-
-    @handles(AirChanged)
-    def on_air(self, message: AirChanged) -> None:
-        """Show the scene through this air."""
-        if self._wants_air:
-            self._change(air=message.volume)
+        if type(message) in self._wanted_by_parts:
+            self._take_parts({**self.state.parts, type(message): message})
 
     @handles(LightMapLaid)
     def on_light_map(self, message: LightMapLaid) -> None:
@@ -251,17 +247,24 @@ class SceneManager(Module):
 
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
-        """Drop the air of a sky that no longer holds its slot, and parts that nobody updates."""
-        if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
-            self._change(air=None)
-        elif message.name == LightMapLaid.slot:
+        """Drop what an earlier holder of the slot posted for parts."""
+        (self._empty_slots.discard if message.holder else self._empty_slots.add)(message.name)
+        if message.name in frame_parts():
+            self._look()
+        if message.name == LightMapLaid.slot:
             self._has_light_map = message.holder != ""
             self._take_surface_light()
-        elif message.holder == "":
-            parts = self.state.parts.items()
-            kept = {kind: part for kind, part in parts if kind.slot != message.name}
-            if len(kept) < len(parts):
-                self._take_parts(kept)
+            return
+        parts = self.state.parts.items()
+        kept = {kind: part for kind, part in parts if self._is_valid(kind, message)}
+        if len(kept) < len(parts):
+            self._take_parts(kept)
+
+    def _is_valid(self, kind: type[Derived], change: SlotChanged) -> bool:
+        """Whether the last message of a type is still valid after a slot has changed."""
+        if kind.slot != change.name:
+            return True
+        return change.holder != "" and self.link.last(kind) is not None
 
     def _take_parts(self, parts: dict[type[Derived], Derived]) -> None:
         camera, before = self.state.camera, self.state.parts
@@ -283,13 +286,13 @@ class SceneManager(Module):
     # --- what that needs ----------------------------------------------------------------
 
     def _look(self) -> None:
-        """Post the light and the air that this camera needs."""
+        """Post the light and the reach of the air that this camera needs."""
         camera, aspect = self.state.camera, self.state.aspect
         if camera is None:
             return
         faces, sky_in_view = visible_faces(camera, aspect)
         has_scene = self.state.scene is not None
-        self._want_air(has_scene)
+        self._want_parts()
         if has_scene:
             self._want_scene_light()
         self.link.post(
@@ -305,23 +308,35 @@ class SceneManager(Module):
 
     def _air_reach_m(self, camera: MoveCamera, aspect: float) -> float:
         scene = self.state.scene
-        if scene is None or not self._wants_air:
+        if scene is None or not self._fills_air:
             return 0.0
         ground_level_m = 0.0 if scene.ground is None else scene.ground.height_m
         reach_m = air_reach_m(camera, aspect, scene.lower_m, scene.upper_m, ground_level_m)
         return max(reach_m, part_reach_m(self.state.parts, camera))
 
-    def _want_air(self, useful: bool) -> None:
-        """Demand air where it is seen and switched on; remove it elsewhere."""
-        if useful and not self.settings.air:
-            self.counters.skip("air: switched off")
-        wanted = useful and self.settings.air
-        if wanted == self._wants_air:
-            return
-        self._wants_air = wanted
-        self.link.demand(AirChanged, None if wanted else 0)
-        last = self.link.last(AirChanged) if wanted else None
-        self._change(air=last and last.volume)
+    def _want_parts(self) -> None:
+        """Demand what parts hear that are switched on, and drop what others heard."""
+        has_scene, wanted = self.state.scene is not None, dict[type[Derived], None]()
+        self._fills_air = False
+        for name, part in frame_parts().items():
+            is_on = name not in self._empty_slots
+            if part.switch and has_scene and not getattr(self.settings, part.switch):
+                self.counters.skip(f"{part.switch}: switched off")
+                is_on = False
+            if is_on and (has_scene or not part.switch):
+                wanted.update(dict.fromkeys(part.hears))
+                self._fills_air |= part.through_air is not None
+        before, self._wanted_by_parts = self._wanted_by_parts, wanted
+        heard = {kind: part for kind, part in self.state.parts.items() if kind in wanted}
+        for kind in {**before, **wanted}:
+            if kind not in wanted:
+                self.link.demand(kind, 0)
+            elif kind not in before:
+                self.link.demand(kind)
+                if (message := self.link.last(kind)) is not None:
+                    heard[kind] = message
+        if heard.keys() != self.state.parts.keys():
+            self._take_parts(heard)
 
     def _want_scene_light(self) -> None:
         """Demand what only a scene needs: the light on its surfaces."""

@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import Any, Literal, Self, TypeVar
 
 from vrut_lite.kernel.messages import Derived
-from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.camera import MoveCamera, frame_bounds
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
@@ -62,7 +61,6 @@ class SceneState:
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
-        air: what the scene is seen through; None where it would not be seen.
         light_shafts: whether the scene shades the air.
         section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None without one.
@@ -83,7 +81,6 @@ class SceneState:
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)
     exposure: SetExposure = field(default_factory=SetExposure)
-    air: AirVolume | None = None
     light_shafts: bool = False
     section: Section | None = None
     light_map: LightMapLaid | None = None

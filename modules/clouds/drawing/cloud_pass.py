@@ -71,7 +71,7 @@ class CloudPass:
         """March through the clouds and blend them in.
 
         Args:
-            air: defines with which air.glsl finds the air, none without any.
+            air: defines of `through_air.glsl`, none without air.
             before_meshes: whether clouds may stand before meshes.
             light: while something moves, a number of the light on them: pictures of the same light
                 are taken over. None: the picture is a still.

@@ -6,8 +6,8 @@
 //!include cloud_ray.glsl
 //!include cloud_density.glsl
 //!include cloud_light.glsl
-#ifdef AIR
-//!include air.glsl
+#ifdef THROUGH_AIR
+//!include through_air.glsl
 #endif
 #ifdef GUIDED
 // A picture of the same rays, or of rays between which they lie.
@@ -63,13 +63,9 @@ vec4 through_air_of(vec3 gathered, Seen cloud, vec3 d) {
     float seen = pow(passed, 1.0 / clouds.diffused);
     vec3 behind = d.y > 0.0 ? clouds.light_from_above : clouds.light_from_below;
     vec3 radiance = gathered / (1.0 - hidden * cloud.transmittance) + (passed - seen) * behind;
-#ifdef AIR
-    if (cloud.weight > 0.0) {
-        AirRay ray = air_ray(d);
-        AirLight light = air_before(ray, cloud.distance_m / cloud.weight);
-        radiance = radiance * light.transmittance
-                 + (1.0 - seen) * (light.shaded + light.sunlit);
-    }
+#ifdef THROUGH_AIR
+    if (cloud.weight > 0.0)
+        radiance = through_air(radiance, d, cloud.distance_m / cloud.weight, 1.0 - seen);
 #endif
     return vec4(radiance, seen);
 }

@@ -1,4 +1,4 @@
-"""Meshes as the sun and lamps see them: depth of what casts shadows, and what glass leaves.
+"""Meshes as the sun and other lights see them: depth of what casts shadows, and what glass leaves.
 
 What is solid needs no material: one program draws it all. Holes and glass are looked up.
 """
@@ -6,6 +6,7 @@ What is solid needs no material: one program draws it all. Holes and glass are l
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.render.frustum import reaches
 from vrut_lite.render.gl_environment import import_pyrender
@@ -134,6 +135,20 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         if texture is not None:
             program.set_uniform("alpha_layer", material.layer_of.get("base_colour", 0))
             self._bind_texture(texture, "alpha_texture", program)
+
+
+class SceneCasters:
+    """What casts in a scene, as `frame_part.Casters` has it."""
+
+    def __init__(self, renderer: CasterRenderer, scene: PyrenderScene):
+        self._renderer, self.scene = renderer, scene
+        self.centre_m, self.radius_m = scene.centre_m, scene.radius_m
+
+    def draw_depth(
+        self, clip_from_place: NDArray[np.float64], place_m: NDArray[np.float64]
+    ) -> None:
+        """Draw their depth into the bound framebuffer."""
+        self._renderer.draw_depth(self.scene, Shadow(None, clip_from_place, 0.0, place_m))
 
 
 def is_all_solid(material: Any) -> bool:

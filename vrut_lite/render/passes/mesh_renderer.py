@@ -5,7 +5,7 @@ are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
 from vrut_lite.render.passes.draw_order import alpha_range
-from vrut_lite.render.passes.near_air import NearAir
 from vrut_lite.render.passes.programs import Program
 from vrut_lite.render.passes.shadows_on_mesh import OnMesh, bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
@@ -138,14 +137,13 @@ class MeshRenderer(CasterRenderer):
         reflection: Reflection,
         surface_light: SurfaceLightOnGpu,
         defines: Defines,
-        near_air: NearAir | None = None,
+        defines_on: Callable[[PlacedPrimitive], Defines],
         blended: bool = False,
     ) -> None:
         """Draw meshes of the scene, one after another, with reversed depth.
 
-        `defines`: further features of the shader, as in air.py; `near_air`: its table of air, if
-        there is one. Of blended materials the solid texels are drawn, or else, if `blended`, the
-        others.
+        `defines`: further features of the shader, on a mesh also those of `defines_on`. Of blended
+        materials the solid texels are drawn, or else, if `blended`, the others.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
@@ -160,13 +158,10 @@ class MeshRenderer(CasterRenderer):
             "irradiance_sh": np.asarray(light.irradiance_sh),
             "picture_count": self.picture_count,
         }
-        if near_air is not None:
-            of_picture["picture_px"] = np.asarray(near_air.size_px, dtype=float)
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
         known_shadows: dict[str, OnMesh] = {}
         for placed in placed_in_order:
-            near = ("NEAR_AIR",) if near_air is not None and near_air.holds(placed, view) else ()
             shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view, known_shadows)
             for side in sides(placed, blended):
                 own = (
@@ -176,7 +171,7 @@ class MeshRenderer(CasterRenderer):
                     *_lobe_defines(placed.primitive.material),
                     *term_defines(placed.primitive.material, blended),
                     *surface_light.defines(placed),
-                    *near,
+                    *defines_on(placed),
                     *side.defines,
                 )
                 program = self._mesh_program(placed.primitive, (*defines, *own))

@@ -77,7 +77,7 @@ class SkyPass:
         """Draw the sky, also where something was drawn unless `only_uncovered`.
 
         Args:
-            defines: further features of the shader, as in air.py.
+            defines: further features of the shader.
             pictures: of how many, shifted by parts of a pixel, this is one: all together they make
                 the horizon and the sun's edge as wide as a pixel.
         """

@@ -21,10 +21,10 @@ vec3 irradiance_of(vec3 face, vec3 n, bool behind) {
         found += sun;
     }
 #endif
-#ifdef LAMPS
-    for (int number = 0; number < int(lamps.count); ++number) {
-        vec3 towards, lamp = lamp_irradiance(number, point_in_triangle(face), face, towards);
-        found += lamp * max(dot(n, towards), 0.0);
+#ifdef EXTRA_LIGHTS
+    for (int number = 0; number < extra_light_count(); ++number) {
+        vec3 towards, extra = extra_light(number, point_in_triangle(face), face, towards);
+        found += extra * max(dot(n, towards), 0.0);
     }
 #endif
     return found;

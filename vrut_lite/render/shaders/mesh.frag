@@ -107,14 +107,12 @@ vec2 uv_of(int layer) {
 //!include sun_factor.glsl
 #endif
 
-#ifdef NEAR_AIR
-//!include near_air.glsl
-#elif defined(AIR)
-//!include air.glsl
+#ifdef THROUGH_AIR
+//!include through_air.glsl
 #endif
 
-#ifdef LAMPS
-//!include lamps.glsl
+#ifdef EXTRA_LIGHTS
+//!include extra_lights.glsl
 #endif
 
 vec4 base_color() {
@@ -169,7 +167,7 @@ void main() {
     // As bright as level ground of its colour in the open.
     vec3 on_ground = sky_irradiance(vec3(0.0, 1.0, 0.0)) + sun_irradiance * max(sun_direction.y, 0.0);
     vec3 shown = base.rgb * on_ground / PI;
-#ifdef AIR
+#ifdef THROUGH_AIR
     shown = through_air(shown, normalize(eye_to_sample), length(eye_to_sample), 1.0);
 #endif
     frag_radiance = vec4(shown, mix(base.a, 1.0, opaque));
@@ -289,13 +287,13 @@ void main() {
 #endif
         add_light(sun, sun_direction, nl, seen, diffuse, radiance, highlights);
     }
-#ifdef LAMPS
-    for (int number = 0; number < int(lamps.count); ++number) {
-        vec3 towards, lamp = lamp_irradiance(number, point_in_triangle(face), face, towards);
+#ifdef EXTRA_LIGHTS
+    for (int number = 0; number < extra_light_count(); ++number) {
+        vec3 towards, extra = extra_light(number, point_in_triangle(face), face, towards);
         float cosine = dot(n, towards);
-        if (cosine > 0.0 && lamp != vec3(0.0)) {
-            lamp *= before_terminator(cosine, dot(face, towards), dot(n, face));
-            add_light(lamp, towards, cosine, seen, diffuse, radiance, highlights);
+        if (cosine > 0.0 && extra != vec3(0.0)) {
+            extra *= before_terminator(cosine, dot(face, towards), dot(n, face));
+            add_light(extra, towards, cosine, seen, diffuse, radiance, highlights);
         }
     }
 #endif
@@ -381,7 +379,7 @@ void main() {
     tint *= 1.0 - clearcoat * clearcoat_share(max(dot(smooth_n, view), 1e-4));
 #endif
 #endif
-#ifdef AIR
+#ifdef THROUGH_AIR
     float metres = length(eye_to_sample), lit_air = 1.0;
 #ifdef SURFACE_LIGHT
     lit_air = light_in_air(reached.a, metres);

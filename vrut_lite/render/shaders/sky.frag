@@ -22,8 +22,8 @@ out vec4 frag_radiance;
 //!include sun_factor.glsl
 #endif
 
-#ifdef AIR
-//!include air.glsl
+#ifdef THROUGH_AIR
+//!include through_air.glsl
 #endif
 
 #ifdef BACKGROUND
@@ -61,8 +61,8 @@ vec3 sun_disc(vec3 d, vec3 mean_radiance) {
 void main() {
     vec3 d = normalize(ray);
     float over_horizon = d.y;
-#ifdef AIR
-    over_horizon -= air.horizon_height;
+#ifdef THROUGH_AIR
+    over_horizon -= ground_horizon();
 #endif
     float above = clamp(over_horizon / max(edge_px * fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
 #ifdef BACKGROUND
@@ -72,19 +72,8 @@ void main() {
     vec3 upper = sky_on_side(sky, d, 1.0) * sky_scale + sun_disc(d, sun_disc_radiance);
     vec3 lower = sky_on_side(sky, d, -1.0) * sky_scale;
 #endif
-#ifdef AIR
-    float ground_m = ground_distance_m(d);
-#ifdef SUN_FACTOR
-    if (air.ground_is_bare > 0.5) lower *= ground_factor(d * ground_m);
-#endif
-    if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m, 1.0);
-#ifdef LIGHT_SHAFTS
-    // A background that includes its air still contains light that the scene shades: remove it.
-    AirRay shaded = air_ray(d);
-    upper = max(upper - shadowed_light(shaded, d, MISSES_AIR), 0.0);
-    if (air.ground_is_bare < 0.5)
-        lower = max(lower - shadowed_light(shaded, d, ground_m), 0.0);
-#endif
+#ifdef THROUGH_AIR
+    background_through_air(d, lower, upper);
 #endif
 #ifdef OVER_HORIZON
     frag_radiance = vec4(upper, 1.0);

@@ -36,7 +36,7 @@ class MovingPictures:
         solid, blended = in_order(shot.seen, view.eye_m)
         passes.meshes.read_finer(shot.scene, 0.0)
         passes.counters.did("picture")
-        defines: Defines = (ONE_SAMPLE, *shot.air.mesh, *passes.lamps.defines)
+        defines: Defines = (ONE_SAMPLE, *shot.defines.surfaces)
         targets.begin()
         with reversed_depth():
             with passes.measure("depth"):
@@ -46,7 +46,7 @@ class MovingPictures:
             with passes.measure("mesh"):
                 passes.draw_meshes(shot, solid[::-1], defines, blended=False)
             with passes.measure("sky"):
-                passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.air.sky)
+                passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.defines.sky)
             with passes.measure("copy and meter"):
                 radiance = self._reprojection.keep(targets, shot)
             if blended or passes.parts.are_seen:

@@ -1,16 +1,24 @@
 """The shader's look-up of air against its twin in double precision."""
 
+from pathlib import Path
+from types import SimpleNamespace
+
+import air
 import numpy as np
 import pytest
+from air.air_textures import AirOnGpu
+from air.near_air import second_light
 from air_phases import lobe
 from air_stage import EARTH_M, volume_of
 from house_fixtures import filter_rounding
 
 from vrut_lite.array import Array
+from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import SecondLight
 from vrut_lite.sky.air_volume import look_up_air
 
 pytestmark = pytest.mark.gl
+SHADERS = Path(air.__file__).parent / "shaders"
 PROBE = """
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Rays { vec4 rays[]; };
@@ -25,17 +33,29 @@ void main() {
 """
 
 
+def frame_at(eye_m, ground_level_m):
+    """What the look-up needs of a picture."""
+    return SimpleNamespace(
+        view=SimpleNamespace(eye_m=np.array([0.0, eye_m, 0.0])),
+        size_px=(1, 1),
+        ground_level_m=ground_level_m,
+        ground_is_bare=True,
+        shadow=None,
+    )
+
+
 def on_gpu(owner, volume, rays, ground_level_m=0.0):
     """What the shader finds for rays (n, 4), direction and distance: (n, 3, 4)."""
-    from vrut_lite.render.air import AirOnGpu, AirSurroundings
-    from vrut_lite.render.passes.near_air import second_light
+    from vrut_lite.render.frame_parts import PartRenderer
     from vrut_lite.render.shader_files import defined, shader_source
+    from vrut_lite.render.tiles import Patience
 
     def work(context):
-        air = AirOnGpu(context)
-        air.show(volume)
-        air.bind(AirSurroundings(volume.observer_altitude_m, ground_level_m, True, np.eye(4)))
-        source = "#version 430 core\n" + shader_source("air.glsl") + PROBE
+        counters = WorkCounters()
+        textures = AirOnGpu(PartRenderer(context, counters, Patience(counters)))
+        textures.show(volume)
+        textures.bind(frame_at(volume.observer_altitude_m, ground_level_m))
+        source = "#version 430 core\n" + shader_source(SHADERS / "air.glsl") + PROBE
         probe = context.compute_shader(defined(source, dict.fromkeys(second_light(volume), 1)))
         given = context.buffer(rays.astype(np.float32).tobytes())
         found = context.buffer(reserve=48 * len(rays))
@@ -43,7 +63,7 @@ def on_gpu(owner, volume, rays, ground_level_m=0.0):
         found.bind_to_storage_buffer(2)
         probe.run(len(rays) // 64)
         light = np.frombuffer(found.read(), np.float32).reshape(-1, 3, 4).astype(float)
-        for thing in (probe, given, found, air):
+        for thing in (probe, given, found, textures):
             thing.release()
         return light
 

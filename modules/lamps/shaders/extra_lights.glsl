@@ -1,8 +1,11 @@
-// The scene's lamps: messages/lamps.py says what their numbers mean.
+// The scene's lamps; vrut_lite/messages/lamps.py defines their numbers.
 //!include lamp_block.glsl
 
-layout(binding = 24) uniform sampler2DShadow lamp_shadows;  // passes/lamp_shadows.py draws them
-layout(binding = 25) uniform sampler2DArray lamp_tables;
+// Drawn by lamp_shadows.py.
+//!sampler sampler2DShadow lamp_shadows
+//!sampler sampler2DArray lamp_tables
+
+const float TURN = 6.283185307179586;
 
 // Share of a lamp's intensity into a direction: its cone, and its table if it has one.
 float lamp_share(mat4 lamp, vec3 d) {
@@ -13,7 +16,7 @@ float lamp_share(mat4 lamp, vec3 d) {
         vec3 side = lamp[3].w * cross(lamp[2].xyz, lamp[1].xyz);
         vec2 around = vec2(dot(lamp[2].xyz, d), dot(side, d));
         // Straight along the axis every angle around it is as good.
-        float turn = dot(around, around) > 0.0 ? atan(around.y, around.x) / (2.0 * PI) : 0.0;
+        float turn = dot(around, around) > 0.0 ? atan(around.y, around.x) / TURN : 0.0;
         vec2 at = vec2(fract(turn), acos(clamp(along, -1.0, 1.0)) / PI);
         vec2 nodes = vec2(textureSize(lamp_tables, 0).xy);
         share *= texture(lamp_tables, vec3((at * (nodes - 1.0) + 0.5) / nodes, lamp[2].w)).r;
@@ -43,8 +46,12 @@ float lamp_visibility(int number, vec3 p, vec3 face) {
     return lit / 9.0;
 }
 
+int extra_light_count() {
+    return int(lamps.count);
+}
+
 // Irradiance of a lamp on a plane that faces it, at a point relative to the eye.
-vec3 lamp_irradiance(int number, vec3 point, vec3 face, out vec3 towards) {
+vec3 extra_light(int number, vec3 point, vec3 face, out vec3 towards) {
     mat4 lamp = lamps.lamps[number];
     vec3 p = point - lamp[0].xyz;
     float squared = dot(p, p);

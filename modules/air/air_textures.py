@@ -1,79 +1,31 @@
-"""The air of a frame on the GPU: tables as textures, and the block of numbers beside them.
+"""The air of a picture on the GPU: tables as textures, and the block of numbers beside them."""
 
-Meshes and sky apply the air where they are shaded (shaders/air.glsl). Each fragment knows how
-far it is, so that edges with several samples and meshes that let light through come out right,
-and no pass over all samples has to read a depth buffer.
-"""
-
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from air.block import AIR, BLOCK
+from vrut_lite.frame_part import PartFrame, PartGl
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import Vector
-from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.passes.near_air import SECOND_LIGHT, NearAir, second_light
-from vrut_lite.render.shader_files import Defines
-from vrut_lite.render.uniform_blocks import AIR
 from vrut_lite.sky.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.sky.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 
-# A part's GLSL dims the sun (see `FramePart.sun_factor`).
-SUN_FACTOR = "SUN_FACTOR"
-# Those with which air.glsl alone is compiled.
-AIR_DEFINES = ("AIR", SECOND_LIGHT)
-# As air.glsl binds them.
-_RADIANCE_UNIT, _EXTINCTION_UNIT, _PHASE_UNIT = 12, 13, 26
-
-
-class AirSurroundings(NamedTuple):
-    """Inputs of a frame's air besides the volume.
-
-    Attributes:
-        eye_altitude_m: the eye's y.
-        ground_level_m: y of the ground behind the scene, below the eye.
-        ground_is_bare: whether the renderer must still add the air before that ground.
-        shadow_from_eye: matrix (4, 4) into the shadow map, of positions relative to the eye.
-    """
-
-    eye_altitude_m: float
-    ground_level_m: float
-    ground_is_bare: bool
-    shadow_from_eye: NDArray[np.float64]
-
-
-class FrameAir(NamedTuple):
-    """The defines with which shaders of meshes and sky are compiled for a frame's air.
-
-    `near`: a table for what is near, where there is one.
-    """
-
-    mesh: Defines = ()
-    sky: Defines = ()
-    near: NearAir | None = None
-
-    @classmethod
-    def of(
-        cls, volume: AirVolume, around: AirSurroundings, shafts: bool, near: NearAir | None
-    ) -> "FrameAir":
-        """Defines of a frame with air; a sky whose air is included needs no more."""
-        mesh = ("AIR", *second_light(volume), *(("LIGHT_SHAFTS",) if shafts else ()))
-        return cls(mesh, mesh if shafts or around.ground_is_bare else (), near)
-
-    def with_dimmed_sun(self) -> "FrameAir":
-        """The same where a part dims the sun; the sky's ground is dimmed only through air."""
-        sky = (*self.sky, SUN_FACTOR) if "AIR" in self.sky else self.sky
-        return FrameAir((*self.mesh, SUN_FACTOR), sky, self.near)
+SAMPLERS = ("air_radiance", "air_extinction", "air_phase")
 
 
 class AirOnGpu:
     """The textures of one volume; made and used on the GL thread only."""
 
-    def __init__(self, context: Any):
-        self._context = context
-        self._block = context.buffer(reserve=AIR.size_bytes)
+    def __init__(self, gl: PartGl):
+        self._gl, self._context = gl, gl.context
+        self._block, self._binding = (
+            gl.context.buffer(reserve=AIR.size_bytes),
+            gl.block(BLOCK).binding,
+        )
+        self._units = tuple(map(gl.unit, SAMPLERS))
         self._uploaded: Any = None
         self._radiance: Any = None
         self._extinction: Any = None
@@ -105,14 +57,14 @@ class AirOnGpu:
         self._uploaded = self._written(self._uploaded, light, (columns, rows, kinds * slices))
         self._radiance = self._uploaded
 
-    def bind(self, around: AirSurroundings) -> None:
-        """Hand volume and surroundings to all shaders that are drawn with next."""
+    def bind(self, frame: PartFrame) -> None:
+        """Hand the volume to all shaders that a picture is drawn with."""
         assert self.volume is not None
-        self._block.write(_packed(self.volume, around))
-        self._block.bind_to_uniform_block(AIR.binding)
-        self._radiance.use(location=_RADIANCE_UNIT)
-        self._extinction.use(location=_EXTINCTION_UNIT)
-        self._phase.use(location=_PHASE_UNIT)
+        self._block.write(_packed(self.volume, frame))
+        self._block.bind_to_uniform_block(self._binding)
+        textures = self._radiance, self._extinction, self._phase
+        for unit, texture in zip(self._units, textures, strict=True):
+            texture.use(location=unit)
 
     def release(self) -> None:
         """Free the GL objects."""
@@ -134,7 +86,7 @@ class AirOnGpu:
 
     def _release(self, texture: Any) -> None:
         if texture is not None:
-            bind_permanent_framebuffer(self._context)
+            self._gl.leave_framebuffers()
             texture.release()
 
 
@@ -156,15 +108,15 @@ def _between_nodes(context: Any, texture: Any) -> Any:
     return texture
 
 
-def _packed(volume: AirVolume, around: AirSurroundings) -> bytes:
+def _packed(volume: AirVolume, frame: PartFrame) -> bytes:
     """The uniform block `AIR`."""
     horizon, top = horizon_depth(volume)
     radius, altitude = volume.ground_radius_m, volume.observer_altitude_m
     start_m = min(altitude, volume.top_altitude_m)
     down_m, up_m = start_m + BELOW_LEVEL_M, volume.top_altitude_m - start_m
-    ground_radius = radius + around.ground_level_m
-    above_ground_m = max(around.eye_altitude_m - around.ground_level_m, 0.0)
-    bare = around.ground_is_bare
+    ground_radius = radius + frame.ground_level_m
+    above_ground_m = max(float(frame.view.eye_m[1]) - frame.ground_level_m, 0.0)
+    bare = frame.ground_is_bare
     second = volume.sun_direction if volume.second is None else volume.second.direction
     return AIR.packed(
         sun_direction=volume.sun_direction,
@@ -192,7 +144,8 @@ def _packed(volume: AirVolume, around: AirSurroundings) -> bytes:
         horizon_height=_horizon_height(ground_radius, above_ground_m) if bare else 0.0,
         ground_is_bare=float(bare),
         rows_down=rows_below(volume),
-        shadow_from_eye=around.shadow_from_eye,
+        picture_px=frame.size_px,
+        shadow_from_eye=np.eye(4) if frame.shadow is None else frame.shadow.clip_from_eye,
     )
 
 

@@ -9,12 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.work_counters import WorkCounters
+from vrut_lite.frame_part import Casters, PartGl
 from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.render.light import Shadow
-from vrut_lite.render.passes.mesh_renderer import MeshRenderer
-from vrut_lite.render.pyrender_scene import PyrenderScene
 
 FACES = 6
 EDGE_PX = 512
@@ -39,28 +36,21 @@ class LampShadows:
     The counters count faces, and skips those that a spot does not reach and maps that are there.
     """
 
-    def __init__(self, context: Any, counters: WorkCounters):
-        self._context = context
-        self._counters = counters
+    def __init__(self, gl: PartGl):
+        self._gl = gl
+        self._context, self._counters = gl.context, gl.counters
         self._texture: Any = None
         self._buffer: Any = None
         self._drawn: tuple[Any, ...] = ()
         self.depth = DepthRange(0.0, 0.0)
 
-    def update(
-        self,
-        meshes: MeshRenderer,
-        scene: PyrenderScene,
-        lamps: SceneLamps,
-        count: int,
-        always: bool,
-    ) -> Any:
-        """The texture for the first `count` lamps; `always` draws it also when nothing changed."""
-        if not always and self._drawn == (scene, lamps):
+    def update(self, casters: Casters, lamps: SceneLamps, count: int) -> Any:
+        """The texture for the first `count` lamps."""
+        if self._drawn == (casters, lamps):
             self._counters.skip("lamp shadows: same scene")
             return self._texture
         self._make(count)
-        near_m, far_m = _NEAR_RADII * scene.radius_m, _farthest_m(scene, lamps)
+        near_m, far_m = _NEAR_RADII * casters.radius_m, _farthest_m(casters, lamps)
         self.depth = DepthRange(
             0.5 * (far_m + near_m) / (far_m - near_m) + 0.5, -far_m * near_m / (far_m - near_m)
         )
@@ -75,15 +65,15 @@ class LampShadows:
                     continue
                 self._buffer.viewport = (face * EDGE_PX, lamp * EDGE_PX, EDGE_PX, EDGE_PX)
                 self._buffer.use()
-                matrix = face_matrix(face, near_m, far_m)
-                meshes.draw_depth(scene, Shadow(self._texture, matrix, 0.0, place))
+                casters.draw_depth(face_matrix(face, near_m, far_m), place)
                 self._counters.did("lamp shadow face")
-        self._drawn = (scene, lamps)
+        self._drawn = (casters, lamps)
         return self._texture
 
     def release(self) -> None:
-        """Free the GL objects; another framebuffer must be bound."""
+        """Free the GL objects."""
         if self._texture is not None:
+            self._gl.leave_framebuffers()
             self._buffer.release()
             self._texture.release()
         self._texture = self._buffer = None
@@ -123,7 +113,7 @@ def _reaches(lamps: SceneLamps, lamp: int, face: int) -> bool:
     return bool(between <= outer + _CORNER_RAD + 0.01)
 
 
-def _farthest_m(scene: PyrenderScene, lamps: SceneLamps) -> float:
-    """Of anything in the scene from any lamp."""
-    away: FloatArray = np.linalg.norm(lamps.position_m.values - scene.centre_m, axis=1)
-    return float(away.max() + scene.radius_m)
+def _farthest_m(casters: Casters, lamps: SceneLamps) -> float:
+    """Distance of the farthest thing in the scene from any lamp."""
+    away: FloatArray = np.linalg.norm(lamps.position_m.values - casters.centre_m, axis=1)
+    return float(away.max() + casters.radius_m)

@@ -3,15 +3,16 @@
 import msgspec
 import numpy as np
 import pytest
+from air.frame_part import AirPart
+from air.near_air import reach_m
 from air_phases import lobe
-from air_stage import volume_of
+from air_stage import air_of, volume_of
 from scene_stage import look, square
 from stateful_backend import opened
 from term_stage import material
 from test_air_frame import EYE, scene_of, show_light, uniform_sky, wall
 
 from vrut_lite.messages.air import SecondLight
-from vrut_lite.render.passes.near_air import NearAir, reach_m
 from vrut_lite.sky.air_volume import node_rays, slice_shares
 
 pytestmark = pytest.mark.gl
@@ -61,10 +62,10 @@ def test_before_near_walls_the_small_table_is_all_of_the_air(
     backend = gl_backend(size_px=(48, 32))
     backend.change(scene=opened(scene_of(tmp_path, wall(distance_m, albedo))))
     show_light(backend, uniform_sky(4.0))
-    backend.change(air=volume)
+    backend.show(air_of(volume))
     view = EYE, np.add(EYE, (0.1, 0.05, -1.0)), 0.6
     near = look(backend, *view).radiance
-    monkeypatch.setattr(NearAir, "holds", lambda *_: False)
+    monkeypatch.setattr(AirPart, "air_defines_on", lambda *_: ())
     whole = look(backend, *view).radiance
     np.testing.assert_allclose(near, whole, rtol=1e-3, atol=4e-4)
     assert np.any(near != whole)
@@ -75,7 +76,8 @@ def test_glass_in_air_is_drawn_again(gl_backend, tmp_path):
     blended so. The second picture is the first."""
     backend = gl_backend(size_px=(32, 32))
     pane = material(transmission={"transmissionFactor": 1.0})
-    backend.change(scene=opened(square(tmp_path, pane)), air=planet_air())
+    backend.change(scene=opened(square(tmp_path, pane)))
+    backend.show(air_of(planet_air()))
     show_light(backend, uniform_sky(4.0))
     view = (0.0, 2.0, 0.5), (0.0, 0.0, 0.0), 0.3
     first, second = (look(backend, *view).radiance for _ in range(2))

@@ -1,13 +1,15 @@
-// The air before a point that is near: render/passes/near_air.py says what that is, and fills the tables.
+// The air before a point that is near, as near_air.py defines it, which fills the tables.
 
-layout(binding = 36) uniform sampler2D near_radiance;    // a mean along the ray
-layout(binding = 37) uniform sampler2D near_extinction;  // m^-1
-uniform vec2 picture_px;
+//!include air_block.glsl
+// A mean along the ray.
+//!sampler sampler2D near_radiance
+// In m^-1.
+//!sampler sampler2D near_extinction
 
 // As air.glsl's, of an optical depth so small that its square is the last that is seen.
 vec3 through_air(vec3 radiance, vec3 d, float metres, float share) {
     vec2 nodes = vec2(textureSize(near_radiance, 0));
-    vec2 at = (gl_FragCoord.xy / picture_px * (nodes - 1.0) + 0.5) / nodes;
+    vec2 at = (gl_FragCoord.xy / air.picture_px * (nodes - 1.0) + 0.5) / nodes;
     vec3 optical_depth = textureLod(near_extinction, at, 0.0).rgb * metres;
     vec3 absorbed = optical_depth * (1.0 - 0.5 * optical_depth);
     return radiance + absorbed * (share * textureLod(near_radiance, at, 0.0).rgb - radiance);

@@ -42,7 +42,13 @@ def night(backend, path, *lamps, ground=True):
     """A scene under a black sky, lit by lamps alone."""
     disc = GroundDisc((0.0, 0.0), 0.0, 100.0) if ground else None
     light(backend, np.zeros((6, 8, 8, 3)))
-    backend.change(scene=msgspec.structs.replace(opened(path, disc), lamps=lamps_of(*lamps)))
+    show(backend, msgspec.structs.replace(opened(path, disc), lamps=lamps_of(*lamps)))
+
+
+def show(backend, scene):
+    """Open the scene, for the part too."""
+    backend.change(scene=scene)
+    backend.show(scene)
 
 
 def irradiance_of(lamps, camera):
@@ -63,7 +69,8 @@ def test_matte_ground_under_a_lamp_has_the_radiance_of_its_irradiance(backend, f
     night(backend, far_box, LAMPS[name])
     for x, z in ((0.0, 0.5), (-0.6, 0.2), (0.5, -0.7)):
         found = look(backend, (x, 6.0, z + 0.1), (x, 0.0, z), 0.1).radiance
-        expected = irradiance_of(backend.state.scene.lamps, backend.state.camera) * ALBEDO / np.pi
+        lamps = backend.state.scene.lamps
+        expected = irradiance_of(lamps, backend.state.camera) * ALBEDO / np.pi
         np.testing.assert_allclose(found, expected, atol=0.01 * expected.max())
         np.testing.assert_allclose(found.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), rtol=0.01)
 
@@ -114,11 +121,13 @@ def test_a_smooth_surface_mirrors_a_lamp_where_a_mirror_would(backend, tmp_path)
 def test_without_lamps_nothing_is_done_for_them(backend, far_box):
     """No program is compiled with them and no map drawn; by day the picture is the same."""
     light(backend, 1.0 + 0.0 * texel_directions(8), sun_irradiance=(5.0,) * 3)
-    backend.change(scene=opened(far_box, GroundDisc((0.0, 0.0), 0.0, 100.0)))
+    show(backend, opened(far_box, GroundDisc((0.0, 0.0), 0.0, 100.0)))
+    drawn = backend.counters.done["lamp"]
     before = look(backend, EYE, TARGET).radiance
+    assert backend.counters.done["lamp"] == drawn
     assert backend.counters.skipped["lamps: none in the scene"] >= 1
     dim = lamps_of({"position_m": (0, 2, 0), "intensity_rgb": (1e-9,) * 3})
-    backend.change(scene=msgspec.structs.replace(backend.state.scene, lamps=dim))
+    show(backend, msgspec.structs.replace(backend.state.scene, lamps=dim))
     np.testing.assert_allclose(look(backend, EYE, TARGET).radiance, before, rtol=1e-5)
     faces = backend.counters.done["lamp shadow face"]
     look(backend, EYE, TARGET)

@@ -1,11 +1,13 @@
 // Transmittance and radiance of the air between the eye and a point; the float32 twin of
-// sky/air_volume.py, which defines where the tables' nodes lie.
+// vrut_lite/sky/air_volume.py, which defines where the tables' nodes lie.
 
 //!include air_block.glsl
-layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice;
-                                                        // then those of a second body
-layout(binding = 13) uniform sampler2D air_extinction;  // its logarithm; rows by slices
-layout(binding = 26) uniform sampler2D air_phase;       // of aerosol, by the sine of half the angle
+// Shaded, direct, aerosol: slice on slice; then those of a second body.
+//!sampler sampler3D air_radiance
+// Its logarithm; rows by slices.
+//!sampler sampler2D air_extinction
+// Of aerosol, by the sine of half the angle.
+//!sampler sampler2D air_phase
 
 const float MISSES_AIR = 1e30;
 const float AIR_PI = 3.14159265;
@@ -184,4 +186,25 @@ float ground_distance_m(vec3 d) {
     float squared = d.y > -0.7 ? down * down - tangent
         : (air.ground_radius_m - perigee_m) * (air.ground_radius_m + perigee_m);
     return tangent / max(down + sqrt(max(squared, 0.0)), 1e-6);
+}
+
+// Sine of the elevation that divides the sky from the ground behind the scene.
+float ground_horizon() {
+    return air.horizon_height;
+}
+
+// Adds the air before the ground of a background (`lower`), unless the background includes it.
+void background_through_air(vec3 d, inout vec3 lower, inout vec3 upper) {
+    float ground_m = ground_distance_m(d);
+#ifdef SUN_FACTOR
+    if (air.ground_is_bare > 0.5) lower *= ground_factor(d * ground_m);
+#endif
+    if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m, 1.0);
+#ifdef LIGHT_SHAFTS
+    // A background that includes its air still contains light that the scene shades: remove it.
+    AirRay shaded = air_ray(d);
+    upper = max(upper - shadowed_light(shaded, d, MISSES_AIR), 0.0);
+    if (air.ground_is_bare < 0.5)
+        lower = max(lower - shadowed_light(shaded, d, ground_m), 0.0);
+#endif
 }

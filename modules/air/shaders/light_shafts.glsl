@@ -2,7 +2,7 @@
 // summed up from the eye, so each shaded piece of the ray is a difference of two look-ups, exact
 // for any number of pieces; the steps only find where shadows begin and end.
 
-layout(binding = 9) uniform sampler2DShadow shaft_shadow_map;
+//!sampler sampler2DShadow shaft_shadow_map
 
 const int SHAFT_STEPS = 64;
 const int SHAFT_HALVINGS = 5;

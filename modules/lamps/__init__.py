@@ -1,0 +1,1 @@
+"""Lamps of the scene, drawn with their shadows."""
