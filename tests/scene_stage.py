@@ -107,5 +107,6 @@ def look_finished(backend, eye, target, field_of_view_rad=0.6):
     )
     asked = StillAsked(camera=camera, size_px=backend.state.size_px)
     points = ViewLightChanged.without_points(asked, "none", 1, "test")
-    backend.change(moved_camera=camera, view_light=points)
+    own = {**backend.state.parts["light_transport"], ViewLightChanged: points}
+    backend.change(moved_camera=camera, parts={**backend.state.parts, "light_transport": own})
     return backend.draw()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import msgspec
 
+from vrut_lite.frame_part import all_parts, heard_with, heard_without
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.packing import packed
 from vrut_lite.scene.scene_state import SceneState
@@ -16,7 +17,8 @@ class StatefulBackend:
 
     def __init__(self, backend, **parts):
         self.backend = backend
-        self.state = SceneState(**parts)
+        self.state = SceneState(parts=all_parts())
+        self.change(**parts)
 
     def change(self, **parts):
         """Give parts of the state other values; other light is that of a clear sky."""
@@ -24,10 +26,18 @@ class StatefulBackend:
         is_relit = not LIGHT.isdisjoint(parts) and "sky_light" not in parts
         if is_relit and LIGHT.isdisjoint(self.state.missing):
             self.state = self.state.under_clear_sky()
+        if "scene" in parts:
+            self.hear(self.state.scene)
 
-    def show(self, *messages):
-        """Hand these to the frame parts, besides the others that they have."""
-        self.change(parts={**self.state.parts, **{type(part): part for part in messages}})
+    def hear(self, *messages):
+        """Let frame parts hear these, as the scene manager does."""
+        for message in messages:
+            self.state = replace(self.state, parts=heard_with(self.state.parts, message))
+
+    def forget(self, *kinds):
+        """Take back what parts heard last of these types."""
+        parts = heard_without(self.state.parts, lambda kind: kind in kinds)
+        self.state = replace(self.state, parts=parts)
 
     def draw(self, still=True, is_given_up=None):
         """The picture."""

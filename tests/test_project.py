@@ -126,7 +126,7 @@ def kernel(project):
     kernel, failures = daylight_kernel()
     assert failures == []
     faults = FaultCollector(kernel)
-    kernel.add_module(SceneManager, light_map=False)
+    kernel.add_module(SceneManager, lights_surfaces=False)
     kernel.inject(*setting_inputs(project, kernel), *daylight_inputs(project))
     kernel.inject(*view_inputs(project))
     kernel.pump_until_idle()

@@ -8,11 +8,12 @@ light through. Nobody else knows of it.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -24,17 +25,23 @@ from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.uniform_block import UniformBlock
 
 GROUP = "vrut_lite.frame_parts"
 # GLSL of parts: `//!include NAME.glsl` brings that of the installed part.
-GLSL_HOOKS = ("sun_factor", "extra_lights", "through_air")
+GLSL_HOOKS = ("sun_factor", "irradiance", "extra_lights", "through_air")
+# What a part shows: its latest messages, by type.
 Heard = Mapping[type[Derived], Derived]
+# That of each part that is switched on, by its name.
+PartsHeard = Mapping[str, Heard]
 Size = tuple[int, int]
 D = TypeVar("D", bound=Derived)
+# Stands for the number of a part of the scene.
+GROUND = -1
 _log = logging.getLogger(__name__)
 
 
@@ -93,12 +100,55 @@ class PartShadow(NamedTuple):
     clip_from_eye: NDArray[np.float64]
 
 
+class PlacedSurface(Protocol):
+    """A mesh where it stands in the scene."""
+
+    @property
+    def part(self) -> int | None:
+        """Number of the scene's part, `GROUND` for the ground disc, None for points and lines."""
+
+    @property
+    def is_two_sided(self) -> bool:
+        """Whether its back is seen too."""
+
+
+class Hit(NamedTuple):
+    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material.
+
+    `part` is `GROUND` or the scene's part, `triangle` the number in its mesh.
+    """
+
+    point_m: FloatArray
+    normal: FloatArray
+    material: str
+    part: int
+    triangle: int
+
+
+@dataclass(frozen=True, eq=False)
+class MeshChart:
+    """A mesh cut up so that each of its points has a place in a part's map.
+
+    Attributes:
+        source_vertex: (V,) int32, the mesh's vertex that each of these copies.
+        uv: (V, 2) places of these vertices in the map, which shaders get as `place_px`.
+        triangles: (F, 3) int32, numbers of these vertices, in the order of the mesh's triangles.
+    """
+
+    source_vertex: NDArray[np.int32]
+    uv: Float32Array
+    triangles: NDArray[np.int32]
+
+
 @dataclass(frozen=True)
 class PartFrame:
     """A picture that is about to be drawn.
 
     Attributes:
-        view: the camera.
+        view: the camera's matrices.
+        camera: the camera as it was set.
+        shows: "picture", or the name of the values that are shown in false colours.
+        seen: surfaces that may be in the picture.
         size_px: width and height.
         is_still: whether it must be complete; otherwise something moves, and it must be quick.
         highest_m: y that no surface of the scene exceeds.
@@ -114,6 +164,9 @@ class PartFrame:
     """
 
     view: PartView
+    camera: MoveCamera
+    shows: str
+    seen: Sequence[PlacedSurface]
     size_px: Size
     is_still: bool
     highest_m: float
@@ -225,7 +278,9 @@ class PartGl(Protocol):
 
 
 class FramePart:
-    """A module's part of the frame; override the hooks it uses. All calls come on the GL thread.
+    """A module's part of the frame; override the hooks it uses.
+
+    Instances are made and called on the GL thread, class methods on other threads too.
 
     A part belongs to the module that has the name of its entry point. One that raises is left out
     of all further pictures, and is that module's Fault. If the module provides a slot of that name,
@@ -233,6 +288,9 @@ class FramePart:
 
     Class attributes:
         hears: messages whose latest ones `show` gets; those of a slot go when nobody holds it.
+            The scene manager demands them, and adds the open scene where a part hears
+            `SceneOpened`.
+        on_demand: those among them that the scene manager does not demand.
         blocks: uniform blocks of its shaders, by the names that these include.
         samplers: names of textures that surfaces and sky look up for it, declared in GLSL by a
             line `//!sampler TYPE NAME`; `gl.unit(name)` is where it binds them in `prepare`.
@@ -241,6 +299,9 @@ class FramePart:
             `vec3 ground_factor(vec3 from_eye)` that of the light of open ground, and
             `float sun_factor_end_m(vec3 d, float metres)` how far along a ray points may be
             dimmed.
+        irradiance: GLSL of the light on surfaces, without the key light's direct part, for those
+            that have `surface_defines`: render/shaders/light_of_surface.glsl lists its functions.
+            What the part hears is demanded while a scene is open.
         extra_lights: GLSL of lights besides sun and sky, called while the part is seen:
             `int extra_light_count()`, and `vec3 extra_light(int number, vec3 point, vec3 face,
             out vec3 towards)`, the irradiance (W m^-2) of one on a plane that faces it at a point
@@ -259,15 +320,27 @@ class FramePart:
     """
 
     hears: ClassVar[tuple[type[Derived], ...]] = ()
+    on_demand: ClassVar[tuple[type[Derived], ...]] = ()
     blocks: ClassVar[Mapping[str, UniformBlock]] = {}
     samplers: ClassVar[tuple[str, ...]] = ()
     sun_factor: ClassVar[Path | None] = None
+    irradiance: ClassVar[Path | None] = None
     extra_lights: ClassVar[Path | None] = None
     through_air: ClassVar[Path | None] = None
     switch: ClassVar[str] = ""
 
     def __init__(self, gl: PartGl):
         self.gl = gl
+
+    @classmethod
+    def hear(cls, heard: Heard, message: Derived) -> Heard:
+        """The messages to show after one that arrives: the latest of each type."""
+        return {**heard, type(message): message}
+
+    @classmethod
+    def demands(cls, kind: type[Derived]) -> bool:
+        """Whether the scene manager demands a type of message that the part hears."""
+        return kind is not SceneOpened and kind not in cls.on_demand
 
     @classmethod
     def reach_m(cls, heard: Heard, camera: MoveCamera) -> float:
@@ -286,6 +359,29 @@ class FramePart:
         """Irradiance (3,), W m^-2, of its lights on a plane: the twin of `extra_lights`."""
         return np.zeros(3)
 
+    @classmethod
+    def irradiance_at(cls, heard: Heard, hit: Hit, sky: AmbientChanged) -> FloatArray | None:
+        """Irradiance (3,), linear sRGB in W m^-2, of a surface: `irradiance`'s twin.
+
+        None where the open sky lights the surface.
+        """
+        return None
+
+    @classmethod
+    def finishes(cls, heard: Heard, camera: MoveCamera, size_px: Size) -> bool:
+        """Whether it has the light of a finished still, which is the mean of several pictures."""
+        return False
+
+    @classmethod
+    def may_reuse(cls, before: Heard, now: Heard, hour_moved: bool) -> bool:
+        """Whether moving pictures may take over surfaces that were drawn with other messages.
+
+        `hour_moved`: sun and sky have changed a little with the hour, else they are the same.
+        """
+        if cls.sun_factor or cls.extra_lights:
+            return _are_same(before, now)
+        return cls.through_air is None or hour_moved or _are_same(before, now)
+
     def show(self, heard: Heard) -> None:
         """Draw these from the next picture on; called when one of them changes."""
 
@@ -293,6 +389,29 @@ class FramePart:
     def is_seen(self) -> bool:
         """Whether there is anything to draw."""
         return True
+
+    @property
+    def charts(self) -> Sequence[MeshChart | None] | None:
+        """Charts of the scene's parts in their order, None for meshes that stay whole.
+
+        Read after `show`; the same object while meshes stay as they are cut.
+        """
+        return None
+
+    def sees_sky(self, surface: PlacedSurface) -> bool:
+        """Whether a surface may get light from the sky itself; asked before `prepare`."""
+        return True
+
+    def surface_defines(self, surface: PlacedSurface) -> tuple[str, ...]:
+        """Defines of a surface's program with which `irradiance` is compiled; empty: it is not."""
+        return ()
+
+    def bind_surface(self, surface: PlacedSurface) -> Mapping[str, Any]:
+        """Bind what `irradiance` looks up for a surface; returns values of its uniforms.
+
+        The same object while the values are the same.
+        """
+        return {}
 
     def prepare(self, frame: PartFrame) -> None:
         """Compute what the picture needs, and bind what surfaces look up."""
@@ -334,7 +453,7 @@ def frame_parts() -> dict[str, type[FramePart]]:
             if not (isinstance(part, type) and issubclass(part, FramePart)):
                 raise UserError("it names no subclass of FramePart")
             for hook in GLSL_HOOKS:
-                if getattr(part, hook) is not None and (other := _with_hook(found, hook)):
+                if getattr(part, hook) and (other := part_with(hook, found)):
                     raise UserError(f"the frame part {other} has the hook {hook} already")
             found[point.name] = part
         except BaseException as error:
@@ -343,45 +462,117 @@ def frame_parts() -> dict[str, type[FramePart]]:
     return found
 
 
-def _with_hook(parts: Mapping[str, type[FramePart]], hook: str) -> str:
-    return next((name for name, part in parts.items() if getattr(part, hook) is not None), "")
+def part_with(hook: str, parts: Mapping[str, type[FramePart]]) -> str:
+    """Name of the part that has the GLSL of a hook, or an empty text."""
+    return next((name for name, part in parts.items() if getattr(part, hook)), "")
 
 
 def heard_by_parts() -> tuple[type[Derived], ...]:
-    """Types of all messages that parts hear."""
-    return tuple(dict.fromkeys(kind for part in frame_parts().values() for kind in part.hears))
+    """Types of all messages that parts hear, but for the scene, which the manager posts."""
+    kinds = dict.fromkeys(kind for part in frame_parts().values() for kind in part.hears)
+    return tuple(kind for kind in kinds if kind is not SceneOpened)
 
 
-def heard_by(part: type[FramePart], heard: Heard) -> Heard:
-    """The messages that a part hears."""
-    return {kind: heard[kind] for kind in part.hears if kind in heard}
+def latest(heard: Heard, kind: type[D]) -> D | None:
+    """The latest message of a type that is heard, or None."""
+    message = heard.get(kind)
+    assert message is None or isinstance(message, kind)
+    return message
 
 
-def part_reach_m(heard: Heard, camera: MoveCamera) -> float:
+def all_parts() -> PartsHeard:
+    """All installed parts, switched on, before they hear anything."""
+    return MappingProxyType(dict.fromkeys(frame_parts(), MappingProxyType({})))
+
+
+def heard_with(parts: PartsHeard, message: Derived) -> PartsHeard:
+    """The parts after a message that arrives; the same object if none shows it."""
+    changed: dict[str, Heard] = {}
+    for name, heard in parts.items():
+        part = frame_parts()[name]
+        if type(message) in part.hears:
+            after = part.hear(heard, message)
+            if not _are_same(heard, after):
+                changed[name] = MappingProxyType(dict(after))
+    return MappingProxyType({**parts, **changed}) if changed else parts
+
+
+def heard_without(parts: PartsHeard, is_dropped: Callable[[type[Derived]], bool]) -> PartsHeard:
+    """The parts without messages of some types; the same object if none has such a message."""
+    if not any(is_dropped(kind) for heard in parts.values() for kind in heard):
+        return parts
+    return MappingProxyType(
+        {
+            name: MappingProxyType({k: heard[k] for k in heard if not is_dropped(k)})
+            for name, heard in parts.items()
+        }
+    )
+
+
+def changed_kinds(before: PartsHeard, now: PartsHeard) -> set[type[Derived]]:
+    """Types of messages that parts show otherwise than before."""
+    none: Heard = {}
+    return {
+        kind
+        for name in before.keys() | now.keys()
+        for old, new in [(before.get(name, none), now.get(name, none))]
+        for kind in old.keys() | new.keys()
+        if old.get(kind) is not new.get(kind)
+    }
+
+
+def shown_by_parts(parts: PartsHeard, kind: type[D]) -> D | None:
+    """The latest message of a type that parts hear, or None."""
+    found = (latest(heard, kind) for heard in parts.values())
+    return next((message for message in found if message is not None), None)
+
+
+def part_reach_m(parts: PartsHeard, camera: MoveCamera) -> float:
     """Distance from the eye up to which parts draw things in the air."""
-    reach_m = (p.reach_m(heard_by(p, heard), camera) for p in frame_parts().values())
+    reach_m = (part.reach_m(heard, camera) for part, heard in _on(parts))
     return max(reach_m, default=0.0)
 
 
-def sun_share(heard: Heard, point_m: Vector, direction: Vector) -> float:
+def sun_share(parts: PartsHeard, point_m: Vector, direction: Vector) -> float:
     """Share of the sun in a direction that parts let reach a point."""
     share = 1.0
-    for part in frame_parts().values():
-        share *= part.sun_share(heard_by(part, heard), point_m, direction)
+    for part, heard in _on(parts):
+        share *= part.sun_share(heard, point_m, direction)
     return share
 
 
 def extra_irradiance(
-    heard: Heard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
+    parts: PartsHeard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
 ) -> FloatArray:
     """Irradiance (3,), W m^-2, of all parts' lights on a plane."""
     total = np.zeros(3)
-    for part in frame_parts().values():
-        total += part.extra_irradiance(heard_by(part, heard), point_m, normal, is_free)
+    for part, heard in _on(parts):
+        total += part.extra_irradiance(heard, point_m, normal, is_free)
     return total
 
 
-def heard_is_same(before: Heard, now: Heard, *hooks: str) -> bool:
-    """Whether parts with one of these GLSL hooks heard the same messages."""
-    parts = (p for p in frame_parts().values() if any(getattr(p, hook) for hook in hooks))
-    return all(before.get(kind) is now.get(kind) for part in parts for kind in part.hears)
+def irradiance_at(parts: PartsHeard, hit: Hit, sky: AmbientChanged) -> FloatArray | None:
+    """Irradiance (3,) that a part gives a surface, or None: the open sky lights it."""
+    found = (part.irradiance_at(heard, hit, sky) for part, heard in _on(parts))
+    return next((irradiance for irradiance in found if irradiance is not None), None)
+
+
+def finishes_still(parts: PartsHeard, camera: MoveCamera, size_px: Size) -> bool:
+    """Whether a part has the light of a finished still from here."""
+    return any(part.finishes(heard, camera, size_px) for part, heard in _on(parts))
+
+
+def may_reuse_surfaces(before: PartsHeard, now: PartsHeard, hour_moved: bool) -> bool:
+    """Whether all parts let moving pictures take over surfaces that were drawn before."""
+    return all(
+        part.may_reuse(before.get(name, {}), now.get(name, {}), hour_moved)
+        for name, part in frame_parts().items()
+    )
+
+
+def _on(parts: PartsHeard) -> list[tuple[type[FramePart], Heard]]:
+    return [(frame_parts()[name], heard) for name, heard in parts.items()]
+
+
+def _are_same(before: Heard, now: Heard) -> bool:
+    return before.keys() == now.keys() and all(before[kind] is now[kind] for kind in now)

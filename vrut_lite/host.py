@@ -6,6 +6,7 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel
+from vrut_lite.frame_part import Hit
 from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.messages import Input, JobResult
 from vrut_lite.kernel.work_counters import WorkCounters
@@ -16,7 +17,6 @@ from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.picture_passes import Measure
 from vrut_lite.render.pyrender_backend import PyrenderBackend
-from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, SceneView
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.scene_state import FrameSkips, SceneState

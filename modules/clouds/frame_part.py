@@ -11,7 +11,7 @@ from clouds.drawing.layer_textures import BLOCK, SHADERS, CloudsOnGpu, CloudSurr
 from clouds.drawing.light_volume import SAMPLER as LIGHT_SAMPLER
 from clouds.model.cloud_layers import clear_light, lights_on, sun_transmittance_of
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.frame_part import FramePart, Heard, PartFrame, PartGl, PartTarget
+from vrut_lite.frame_part import FramePart, Heard, PartFrame, PartGl, PartTarget, latest
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
@@ -142,6 +142,5 @@ class CloudsPart(FramePart):
 
 def _layers(heard: Heard) -> tuple[CloudLayer, ...]:
     """The layers from low to high."""
-    message = heard.get(CloudsChanged)
-    assert message is None or isinstance(message, CloudsChanged)
+    message = latest(heard, CloudsChanged)
     return () if message is None else message.layers

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.drawing.texel_values import noise_of_pair, texel_edges_m
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.false_colours import coloured, scale_of
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.messages.light_map_values import noise_of_pair, texel_edges_m
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 
@@ -28,7 +28,7 @@ def light_picture(light: SurfaceLightChanged) -> FalseColours:
 
 
 def error_picture(finer: SurfaceLightChanged, coarser: SurfaceLightChanged) -> FalseColours:
-    """Noise that the finer's rays leave, as a share of the light: see `light_map_values.noise`."""
+    """Noise that the finer's rays leave, as a share of the light: see `texel_values.noise`."""
     return _picture(noise_of_pair(finer, coarser))
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QLabel, QProgressBar, QWidget
 
+from light_transport.drawing.mapped_scene import FewerRaysLight
 from light_transport.false_colours import (
     FalseColours,
     density_picture,
@@ -131,8 +132,9 @@ def _shown(
 ) -> Shown:
     """On the engine's thread; the scene's state knows two lights of one hour, if any does."""
     kernel, state = stage.kernel, stage.state
-    if state.surface_light is not None and state.coarser_light is not None:
-        pair = state.surface_light, state.coarser_light
+    present, fewer = state.shown(SurfaceLightChanged), state.shown(FewerRaysLight)
+    if present is not None and fewer is not None:
+        pair = present, fewer.light
     laid, scene = kernel.last(LightMapLaid), kernel.last(SceneOpened)
     picture = None
     if kind == _LIGHT and light is not None:

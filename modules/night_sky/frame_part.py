@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.frame_part import FramePart, Heard, PartGl, PartView, Screen
+from vrut_lite.frame_part import FramePart, Heard, PartGl, PartView, Screen, latest
 from vrut_lite.messages.night import (
     EDGE_OVER_MIDDLE,
     THROUGH_PLACES,
@@ -43,12 +43,10 @@ class NightPart(FramePart):
 
     def show(self, heard: Heard) -> None:
         """Draw this night from the next picture on."""
-        stars, moon = heard.get(StarsChanged), heard.get(MoonDiscChanged)
+        stars, moon = latest(heard, StarsChanged), latest(heard, MoonDiscChanged)
         if stars is not self._stars:
-            assert stars is None or isinstance(stars, StarsChanged)
             self._stars = stars
             self._show_stars(stars)
-        assert moon is None or isinstance(moon, MoonDiscChanged)
         self._show_moon(moon)
 
     @property

@@ -81,7 +81,7 @@ def test_walls_have_the_light_of_the_air_before_them(
     sky = 1360.0 / 6.0 / np.pi * sun[1]
     backend.change(scene=opened(walls(tmp_path, albedo)))
     light(backend, np.full((6, 8, 8, 3), sky), sun_direction=sun)
-    backend.show(air_of(air_volume(field, EYE_M, sun, 1.5e5)))
+    backend.hear(air_of(air_volume(field, EYE_M, sun, 1.5e5)))
     eye = np.array([0.0, EYE_M, 0.0])
     for distance_m, ahead in ((1e3, (1, 0, 0)), (1e4, (0, 0, 1)), (1e5, (-1, 0, 0))):
         way = np.add(distance_m * np.array(ahead, float), (0.0, 0.02 * distance_m, 0.0))
@@ -117,7 +117,7 @@ def test_black_walls_in_fog_fade_as_koschmieder_says(backend, tmp_path):
     for share in (0.25, 0.5, 1.0, 4.0):
         backend.change(scene=opened(black_wall(tmp_path, share * visibility_m)))
         light(backend, np.zeros((6, 8, 8, 3)), sun_direction=sun)
-        backend.show(air_of(volume))
+        backend.hear(air_of(volume))
         picture = look(backend, (0.0, 2.0, 0.0), (0.0, 2.0, 10.0), 0.001)
         shown.append(picture.radiance[8, 8, 1])
     contrast = 1.0 - np.array(shown[:3]) / shown[3]
@@ -141,7 +141,7 @@ def test_no_line_and_no_bands_across_a_black_wall(backend, field, tmp_path, heig
     backend.change(size_px=(16, 150))
     backend.change(scene=opened(black_wall(tmp_path, distance_m)))
     light(backend, np.zeros((6, 8, 8, 3)), sun_direction=sun)
-    backend.show(air_of(air_volume(field, height_m, sun, 1.5 * distance_m)))
+    backend.hear(air_of(air_volume(field, height_m, sun, 1.5 * distance_m)))
     horizon = -np.arccos(EARTH_M / (EARTH_M + height_m))
     eye = np.array([0.0, height_m, 0.0])
     away = np.array([0.0, np.sin(horizon), np.cos(horizon)])

@@ -71,7 +71,7 @@ def test_walls_fade_into_the_air(backend, tmp_path, distance_m, albedo):
     """A white wall gives back the 4 of a uniform sky, a black one nothing: T L + (1 - T) S, 1 %."""
     backend.change(scene=opened(scene_of(tmp_path, wall(distance_m, albedo))))
     show_light(backend, uniform_sky(4.0))
-    backend.show(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.hear(air_of(volume_of(EXTINCTION, SOURCE)))
     target = np.add(EYE, (0.0, 0.1 * distance_m, -distance_m))
     picture = look(backend, EYE, target, 0.02)
     expected = through(4.0 * albedo, np.linalg.norm(target - EYE))
@@ -96,7 +96,7 @@ def test_sunlit_air_has_its_phase_functions(backend, tmp_path):
             sun_direction=tuple(direction),
             aerosol_phase=lobe(g, factor, form),
         )
-        backend.show(air_of(volume))
+        backend.hear(air_of(volume))
         target = np.add(EYE, (0.0, 1e3, -1e4))
         picture = look(backend, EYE, target, 0.02)
         nu = (target - EYE) @ direction / np.linalg.norm(target - EYE)
@@ -119,7 +119,7 @@ def test_what_is_behind_glass_has_its_own_air(backend, tmp_path):
     }
     backend.change(scene=opened(square(tmp_path, glass, corners=corners)))
     show_light(backend, uniform_sky(4.0))
-    backend.show(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.hear(air_of(volume_of(EXTINCTION, SOURCE)))
     target = np.array([0.0, 200.0, -2e3])
     picture = look(backend, EYE, target, 0.02)
     expected = 0.5 * through(0.0, np.linalg.norm(target - EYE)) + 0.5 * 4.0
@@ -138,7 +138,7 @@ def test_a_pixel_on_an_edge_is_the_mean_of_near_and_far(backend, tmp_path):
     far = wall(2e4, 0.0)
     backend.change(scene=opened(scene_of(tmp_path, near, far)))
     show_light(backend, uniform_sky(0.0))
-    backend.show(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.hear(air_of(volume_of(EXTINCTION, SOURCE)))
     picture = look(backend, EYE, np.add(EYE, (0.0, 5.0, -50.0)), 0.1)
     ends = through(0.0, [50.0, 2e4])[:, 1]
     share = (picture.radiance[..., 1] - ends[0]) / (ends[1] - ends[0])
@@ -157,7 +157,7 @@ def test_without_air_the_picture_is_bit_for_bit_the_one_of_before(backend, tmp_p
     before = look(backend, *view)
     pictures = []
     for volume in (None, volume_of(EXTINCTION, SOURCE), None):
-        backend.show(air_of(volume))
+        backend.hear(air_of(volume))
         pictures.append(look(backend, *view))
     for picture, same in zip(pictures, (True, False, True), strict=True):
         assert np.array_equal(picture.radiance, before.radiance) is same
@@ -195,7 +195,7 @@ def test_the_ground_goes_on_beyond_the_disc(backend, tmp_path, height_m, radius_
     middle = max(0.5 * (rim + horizon), horizon - 0.7 * half)
     eye = np.array([0.0, height_m, 0.0])
     target = np.add(eye, (0.0, np.tan(middle), -1.0))
-    backend.show(air_of(volume))
+    backend.hear(air_of(volume))
     radiance = look(backend, eye, target, 2 * half).radiance[:, 16]
     angle = middle + np.arctan(np.tan(half) * (1.0 - (np.arange(256) + 0.5) / 128))
     pixel = np.abs(np.diff(angle)).max()
@@ -215,5 +215,5 @@ def test_ground_that_has_its_air_gets_no_more(backend, tmp_path):
     show_light(backend, horizon_sky(), ground_through_air=True)
     view = (EYE, np.add(EYE, (1.0, -0.2, 0.0)), 1.0)
     clear = look(backend, *view)
-    backend.show(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.hear(air_of(volume_of(EXTINCTION, SOURCE)))
     np.testing.assert_array_equal(look(backend, *view).radiance, clear.radiance)

@@ -39,7 +39,7 @@ def show(backend, folder, boxes, sun=SUN, sky=0.0):
     trimesh.Scene(meshes).export(path)
     backend.change(scene=opened(path))
     light(backend, np.full((6, 8, 8, 3), sky), sun_direction=sun, sun_irradiance=(1.0,) * 3)
-    backend.show(air_of(volume_of(EXTINCTION, SHADED, 0.0, SUNLIT, sun_direction=tuple(sun))))
+    backend.hear(air_of(volume_of(EXTINCTION, SHADED, 0.0, SUNLIT, sun_direction=tuple(sun))))
 
 
 def hits(start, direction):

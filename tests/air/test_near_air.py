@@ -62,7 +62,7 @@ def test_before_near_walls_the_small_table_is_all_of_the_air(
     backend = gl_backend(size_px=(48, 32))
     backend.change(scene=opened(scene_of(tmp_path, wall(distance_m, albedo))))
     show_light(backend, uniform_sky(4.0))
-    backend.show(air_of(volume))
+    backend.hear(air_of(volume))
     view = EYE, np.add(EYE, (0.1, 0.05, -1.0)), 0.6
     near = look(backend, *view).radiance
     monkeypatch.setattr(AirPart, "air_defines_on", lambda *_: ())
@@ -77,7 +77,7 @@ def test_glass_in_air_is_drawn_again(gl_backend, tmp_path):
     backend = gl_backend(size_px=(32, 32))
     pane = material(transmission={"transmissionFactor": 1.0})
     backend.change(scene=opened(square(tmp_path, pane)))
-    backend.show(air_of(planet_air()))
+    backend.hear(air_of(planet_air()))
     show_light(backend, uniform_sky(4.0))
     view = (0.0, 2.0, 0.5), (0.0, 0.0, 0.0), 0.3
     first, second = (look(backend, *view).radiance for _ in range(2))

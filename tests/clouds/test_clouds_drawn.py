@@ -102,7 +102,7 @@ def test_a_cloud_is_seen_through_the_air(stage):
     view = np.array([0.0, 0.3, np.sqrt(1.0 - 0.09)])
     bare = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
     extinction, source = np.array([2e-5, 5e-5, 1e-4]), np.array([3.0, 5.0, 9.0])
-    stage.show(air_of(volume_of(extinction, source, sun_direction=(0.6, 0.8, 0.0))))
+    stage.hear(air_of(volume_of(extinction, source, sun_direction=(0.6, 0.8, 0.0))))
     seen = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
     # What is seen lies a mean free path behind where the slab's density is one: 20 m over its base.
     metres = distance_up_m(EYE[1], layer.base_m + 10.0, view[1]) + 10.0

@@ -48,7 +48,7 @@ def night(backend, path, *lamps, ground=True):
 def show(backend, scene):
     """Open the scene, for the part too."""
     backend.change(scene=scene)
-    backend.show(scene)
+    backend.hear(scene)
 
 
 def irradiance_of(lamps, camera):

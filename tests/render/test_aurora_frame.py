@@ -18,7 +18,7 @@ def test_the_frame_shows_what_the_twin_computes(shared_gl_backend, box_file, eye
     )  # fmt: skip
     backend = shared_gl_backend(size_px=(96, 64), scene=opened(box_file))
     light(backend, uniform_sky(0.0), sun_irradiance=(0.0,) * 3)
-    backend.show(band)
+    backend.hear(band)
     target = (0.0, eye_m + (1.0 if eye_m < 1e5 else -0.3), -1.0)
     picture = look(backend, (0.0, eye_m, 0.0), target, 1.0).radiance
     rows, columns = np.mgrid[0:64, 0:96] + 0.5

@@ -136,6 +136,86 @@ def test_a_part_without_messages_is_not_made(glowing):
     assert glowing.counters.done["glow"] == 0
 
 
+LIT = """uniform vec3 glow;
+Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind, float occlusion) {
+    return Reached(vec4(glow, 0.0), vec4(0.0), false, vec3(0.0), vec3(0.0));
+}
+vec3 open_irradiance(vec3 n) { return vec3(0.0); }
+float light_in_air(float share_of_sky, float metres) { return 1.0; }
+"""
+
+
+class Lighting(FramePart):
+    """Lights all surfaces of the scene by the glow as irradiance."""
+
+    hears = (GlowShown,)
+
+    def show(self, heard):
+        """Take the irradiance."""
+        self.glow = np.array(heard[GlowShown].glow)
+        if self.glow[0] < 0.0:
+            raise ZeroDivisionError("no light")
+
+    def surface_defines(self, surface):
+        """All of the scene."""
+        return ("LIT",) if surface.part == 0 else ()
+
+    def bind_surface(self, surface):
+        """The same for all."""
+        return {"glow": self.glow}
+
+    @classmethod
+    def irradiance_at(cls, heard, hit, sky):
+        """As the shader."""
+        return np.array(heard[GlowShown].glow) if heard and hit.part == 0 else None
+
+
+class OtherLighting(FramePart):
+    """Would light surfaces too."""
+
+    irradiance = Path("other.glsl")
+
+
+@pytest.fixture
+def lit_box(gl_owner, box_file, tmp_path, install, monkeypatch):
+    """The box lit by the part `Lighting` under a sky of radiance 1."""
+    path = tmp_path / "lit.glsl"
+    path.write_text(LIT)
+    monkeypatch.setattr(Lighting, "irradiance", path)
+    install(A=Lighting, B=OtherLighting)
+    backend = PyrenderBackend(gl_owner)
+    stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
+    light(stage, uniform_sky(1.0), sun_irradiance=(0.0,) * 3)
+    yield stage
+    backend.close()
+
+
+def on_box(stage):
+    """Irradiance of the box's top by its picture, whose paint is white under a coat, and lux."""
+    seen = look(stage, (0.0, 9.0, 1e-3), (0.0, 0.0, 0.0), 0.1).radiance[12, 16]
+    return seen, stage.backend.illuminance(stage.state, (0.1, 2.0, 0.1), (0.0, 1.0, 0.0)).sky_lux
+
+
+@pytest.mark.gl
+def test_a_part_lights_surfaces_in_place_of_the_sky(lit_box, caplog):
+    """Twice the irradiance is twice as bright, for picture and light meter; where the part gives
+    no more, the open sky lights them. A second part that lights surfaces is left out."""
+    under_sky, sky_lux = on_box(lit_box)
+    assert list(frame_part.frame_parts()) == ["A"]
+    shown = []
+    for glow in (1.0, 2.0):
+        lit_box.hear(GlowShown(glow=(glow, glow, glow)))
+        shown.append(on_box(lit_box))
+    assert shown[0][1] == pytest.approx(683.0)
+    np.testing.assert_allclose(shown[1][0], 2.0 * shown[0][0], rtol=1e-5)
+    # Without its sky the part leaves a coat dark.
+    assert (shown[0][0] < under_sky / np.pi).all()
+    lit_box.hear(GlowShown(glow=(-1.0,) * 3))
+    np.testing.assert_array_equal(on_box(lit_box)[0], under_sky)
+    assert "the frame part A is left out of pictures: ZeroDivisionError: no light" in caplog.text
+    assert sky_lux == pytest.approx(np.pi * 683.0, rel=1e-3)
+
+
 class BrokenClouds(FramePart):
     """Raises where clouds would be prepared."""
 
@@ -182,7 +262,7 @@ def test_a_part_gets_no_unit_that_the_driver_lacks(install, gl_owner, box_file, 
     backend = PyrenderBackend(gl_owner)
     stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
     light(stage, uniform_sky(1.0))
-    stage.show(GlowShown(glow=(1.0,) * 3))
+    stage.hear(GlowShown(glow=(1.0,) * 3))
     assert look(stage, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0)).radiance.max() == 1.0
     backend.close()
     assert "needs unit 1039" in caplog.text

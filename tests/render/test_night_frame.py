@@ -8,6 +8,7 @@ from scene_stage import light, look
 from stateful_backend import opened
 
 from vrut_lite.array import Array
+from vrut_lite.frame_part import all_parts
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
 from vrut_lite.geometry.sun_disc import points_radiance
 from vrut_lite.messages.night import THROUGH_PLACES, MoonDiscChanged, StarsChanged
@@ -59,8 +60,9 @@ def backend(shared_gl_backend, box_file):
     return backend
 
 
-def show(backend, *parts):
-    backend.change(parts={type(part): part for part in parts})
+def show(backend, *messages):
+    backend.change(parts=all_parts())
+    backend.hear(*messages)
 
 
 def picture(backend, target=(0.0, 40.0, -60.0), eye=(0.0, 10.0, 0.0)):

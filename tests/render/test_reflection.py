@@ -13,7 +13,7 @@ from stateful_backend import opened
 
 from vrut_lite.geometry import reflection
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
-from vrut_lite.render.relight_scale import age_factor
+from vrut_lite.sky.relight_scale import age_factor
 
 TOP = np.array([0.0, 1.0, 0.0])
 

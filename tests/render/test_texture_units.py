@@ -50,7 +50,7 @@ def test_a_thin_film_is_drawn_in_air(backend, tmp_path):
     film = {"iridescenceFactor": 1.0, "iridescenceThicknessMaximum": 400.0}
     backend.change(scene=opened(square(tmp_path, material((0.1,) * 3, 0.3, iridescence=film))))
     without = middle(backend)
-    backend.show(air_of(volume_of(1e-12, 0.0)))
+    backend.hear(air_of(volume_of(1e-12, 0.0)))
     np.testing.assert_allclose(middle(backend), without, rtol=0.01)
 
 
@@ -68,5 +68,6 @@ def test_a_map_of_gloss_does_not_replace_the_sky_that_is_seen(backend, tmp_path,
     layout = laid(scene, ((1, 2),))
     sky = np.array([3.0 * towards, 0.0, 0.0, 0.5])
     seen = lit(layout, even(layout, 0.5 * np.pi, 0.5), sky=sky)
-    backend.change(scene=scene, light_map=layout, surface_light=seen)
+    backend.change(scene=scene)
+    backend.hear(layout, seen)
     np.testing.assert_allclose(middle(backend, (-1.0, 1.0, 0.0)), expected, atol=0.02)

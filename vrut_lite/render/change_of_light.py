@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 
-from vrut_lite.frame_part import heard_is_same
+from vrut_lite.frame_part import may_reuse_surfaces
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.scene_state import SceneState
 
 # Parts of a state that must be the very same for a picture to be taken over.
-_KEPT = ("scene", "light_map", "section", "shows", "tolerance")
+_KEPT = ("scene", "section", "shows", "tolerance")
 # Parts that the hour changes; without another hour they have been set by hand.
-_LIGHT = ("key_light", "background", "ambient", "sky_light", "surface_light")
+_LIGHT = ("key_light", "background", "ambient", "sky_light")
 # As far as the sun may have moved, and light may have become brighter or darker.
 _LARGEST_MOVE_RAD, _LARGEST_RATIO = 0.026, 1.1
 _UP = (0.0, 1.0, 0.0)
@@ -25,10 +25,10 @@ def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
     """
     if any(getattr(before, name) is not getattr(now, name) for name in _KEPT):
         return None
-    if not heard_is_same(before.parts, now.parts, "sun_factor", "extra_lights"):
+    is_same = all(getattr(before, name) is getattr(now, name) for name in _LIGHT)
+    if not may_reuse_surfaces(before.parts, now.parts, hour_moved=not is_same):
         return None
-    air_is_same = heard_is_same(before.parts, now.parts, "through_air")
-    if air_is_same and all(getattr(before, name) is getattr(now, name) for name in _LIGHT):
+    if is_same:
         return np.ones(3)
     old, new = before.key_light, now.key_light
     assert old is not None

@@ -3,16 +3,16 @@
 Radiance stays linear and in physical units until the tone map.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from vrut_lite.frame_part import Heard, PartFrame, PartShadow
+from vrut_lite.frame_part import MeshChart, PartFrame, PartShadow, PartsHeard
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.kernel.work_counters import WorkCounters
-from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.night import MoonDiscChanged
 from vrut_lite.messages.sky import ViewShader, mean_level
 from vrut_lite.messages.sun import KeyLightChanged
@@ -73,17 +73,13 @@ class Frame:
         `SkyPass`)."""
         self._passes.sky.show_view(view)
 
-    def show_light_map(self, laid: LightMapLaid | None) -> None:
-        """Look surfaces up in this map from the next light on; None where there is no map."""
-        self._passes.surface_light.lay_out(laid)
+    def show_parts(self, heard: PartsHeard) -> Sequence[MeshChart | None] | None:
+        """Let the modules' parts draw these messages from the next frame on.
 
-    def show_surface_light(self, light: SurfaceLightChanged | None) -> None:
-        """Light surfaces by this from the next frame on; None: by the open sky."""
-        self._passes.surface_light.show(light)
-
-    def show_parts(self, heard: Heard) -> None:
-        """Let the modules' parts draw these messages from the next frame on."""
+        Returns the charts of the scene's parts, where they are cut up for it.
+        """
         self._passes.parts.show(heard)
+        return self._passes.parts.charts
 
     def draw(
         self,
@@ -110,9 +106,8 @@ class Frame:
         passes.meshes.update(scene)
         passes.meshes.section = state.section
         quick = not still and state.shows == "picture" and self._choices.takes_over
-        finished = still and state.light_of_view is not None
+        finished = still and not state.shows_map and state.has_finished_light
         seen = self._seen(scene, view, state.skips)
-        passes.surface_light.show_view(state.light_of_view if still else None)
         with passes.measure("reflection"):
             reflection = self._reflection(light, seen, still, state)
         with passes.measure("shadow"):
@@ -132,7 +127,7 @@ class Frame:
         if shafts:
             assert shadows.scene is not None
             shadow = PartShadow(shadows.scene.texture, shadow_from_eye(shadows.scene, view))
-        parts = _part_frame(scene, view, light, shadow, state, still, self._casters)
+        parts = _part_frame(scene, view, seen, light, shadow, state, still, self._casters)
         with passes.measure("parts before surfaces"):
             defines = passes.parts.prepare(parts)
         parts = replace(parts, air=defines.air)
@@ -172,12 +167,7 @@ class Frame:
         skips = state.skips
         self._filter.change_seen = reflection_change(state.tolerance)
         glossy = [placed for placed in seen if not placed.primitive.material.matte]
-        mirrors = self._passes.surface_light.upload_mirrors(seen)
-        if mirrors:
-            self.counters.did("mirror", mirrors)
-        else:
-            self.counters.skip("mirror: none in view")
-        if glossy and skips.unlit and not any(map(self._passes.surface_light.sees_sky, glossy)):
+        if glossy and skips.unlit and not any(map(self._passes.parts.sees_sky, glossy)):
             self.counters.skip("reflection: no sky reaches what is seen")
         elif glossy or not skips.reflection:
             slices = None if still else SLICES_A_FRAME
@@ -195,17 +185,22 @@ class Frame:
 def _part_frame(
     scene: PyrenderScene,
     view: View,
+    seen: list[PlacedPrimitive],
     light: Light,
     shadow: PartShadow | None,
     state: SceneState,
     still: bool,
     casters: SceneCasters,
 ) -> PartFrame:
+    assert state.camera is not None
     assert state.key_light is not None
     assert state.ambient is not None
     assert state.sky_light is not None
     return PartFrame(
         view=view,
+        camera=state.camera,
+        shows=state.shows,
+        seen=seen,
         size_px=state.size_px,
         is_still=still,
         highest_m=float(scene.centre_m[1] + scene.radius_m),

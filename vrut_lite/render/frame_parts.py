@@ -1,10 +1,10 @@
 """The modules' parts of the frame: made, shown their messages and drawn, on the GL thread."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from OpenGL import GL
@@ -14,12 +14,15 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.frame_part import (
     FramePart,
     Heard,
+    MeshChart,
     PartFrame,
+    PartsHeard,
     PartTarget,
     PartView,
+    PlacedSurface,
     Size,
     frame_parts,
-    heard_by,
+    part_with,
 )
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.work_counters import WorkCounters
@@ -37,6 +40,8 @@ from vrut_lite.uniform_block import UniformBlock
 
 # Called with the name of a part that raised, and a sentence.
 PartFailed = Callable[[str, str], None]
+T = TypeVar("T")
+_NOTHING: Heard = {}
 _UNITS = "GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS"
 _log = logging.getLogger(__name__)
 
@@ -71,6 +76,7 @@ class FrameParts:
         self._context, self._counters, self._patience = context, counters, patience
         self._tell_failed = failed
         self._types = frame_parts()
+        self._lights_surfaces = part_with("irradiance", self._types)
         # Parts are made when they first have something to show.
         self._parts: dict[str, FramePart] = {}
         self._made: dict[str, PartRenderer] = {}
@@ -79,11 +85,10 @@ class FrameParts:
         # The one that draws the air in the picture that was prepared.
         self._air: FramePart | None = None
 
-    def show(self, heard: Heard) -> None:
+    def show(self, heard: PartsHeard) -> None:
         """Draw these messages from the next picture on."""
-        for name, part_type in self._types.items():
-            own = heard_by(part_type, heard)
-            before = self._heard.get(name, {})
+        for name in self._types:
+            own, before = heard.get(name, _NOTHING), self._heard.get(name, _NOTHING)
             if own.keys() == before.keys() and all(own[kind] is before[kind] for kind in own):
                 continue
             self._heard[name] = own
@@ -97,9 +102,9 @@ class FrameParts:
         self._parts[name].show(heard)
 
     @property
-    def are_seen(self) -> bool:
-        """Whether any part has something to draw."""
-        return any(part.is_seen for part in self._parts.values())
+    def are_drawn(self) -> bool:
+        """Whether any part draws over the sky or surfaces."""
+        return any(map(_draws, self._seen().values()))
 
     def _seen(self) -> dict[str, FramePart]:
         return {name: part for name, part in self._parts.items() if part.is_seen}
@@ -161,10 +166,40 @@ class FrameParts:
         context.depth_mask = True
         GL.glDepthFunc(GL.GL_GREATER)
 
-    def _do(self, name: str, work: Callable[[], None]) -> None:
+    # --- the part that lights surfaces ----------------------------------------------------
+
+    @property
+    def charts(self) -> Sequence[MeshChart | None] | None:
+        """Charts of the scene's parts, as messages that were shown last lay them out."""
+        part = self._parts.get(self._lights_surfaces)
+        return None if part is None else self._do(self._lights_surfaces, lambda: part.charts)
+
+    def sees_sky(self, surface: PlacedSurface) -> bool:
+        """Whether a surface may get light from the sky itself."""
+        return self._of_surfaces(lambda part: part.sees_sky(surface), True)
+
+    def surface_defines(self, surface: PlacedSurface) -> Defines:
+        """Defines of the program of a surface that is lit by a part; none under the open sky."""
+        none: Defines = ()
+        defines = self._of_surfaces(lambda part: part.surface_defines(surface), none)
+        return ("IRRADIANCE", *defines) if defines else ()
+
+    def bind_surface(self, surface: PlacedSurface) -> Mapping[str, Any]:
+        """Bind what a lit surface looks up; values of its program's uniforms."""
+        return self._of_surfaces(lambda part: part.bind_surface(surface), {})
+
+    def _of_surfaces(self, work: Callable[[FramePart], T], otherwise: T) -> T:
+        """A call of the part that lights surfaces; `otherwise` without one or its light."""
+        part = self._parts.get(self._lights_surfaces)
+        if part is None or not part.is_seen:
+            return otherwise
+        found = self._do(self._lights_surfaces, partial(work, part))
+        return otherwise if found is None else found
+
+    def _do(self, name: str, work: Callable[[], T]) -> T | None:
         """Do a part's work; one that raises is left out from now on."""
         try:
-            work()
+            return work()
         except GivenUp:
             raise
         except BaseException as error:
@@ -172,6 +207,7 @@ class FrameParts:
             self._parts.pop(name, None)
             self._failed.add(name)
             self._tell_failed(name, sentence_of(error))
+            return None
 
     def release(self) -> None:
         """Free all GL objects."""
@@ -179,6 +215,14 @@ class FrameParts:
             self._do(name, part.release)
         for made in self._made.values():
             made.release()
+
+
+def _draws(part: FramePart) -> bool:
+    kind = type(part)
+    return (
+        kind.draw_over_sky is not FramePart.draw_over_sky
+        or kind.draw_over_solid is not FramePart.draw_over_solid
+    )
 
 
 class PartRenderer:

@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.frame_part import IsFree
+from vrut_lite.frame_part import Hit, IsFree
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.render.rays import SceneRays
-from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
 
 ExtraIrradiance = Callable[[FloatArray, FloatArray, IsFree], FloatArray]
 
@@ -40,18 +39,19 @@ def illuminance(
     normal: ArrayLike,
     sun_share: Callable[[Vector, Vector], float] = lambda point_m, direction: 1.0,
     extra: ExtraIrradiance = lambda point_m, normal, is_free: np.zeros(3),
-    lit: LitScene | None = None,
+    irradiance_at: Callable[[Hit], FloatArray | None] = lambda hit: None,
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
     The scene (with a sharp edge) and frame parts shade the sun. All other light is as in the
-    picture: the light map's on its surfaces, else that of the whole sky with its layers.
+    picture: a frame part's on surfaces, else that of the whole sky with its layers.
 
     Args:
         sun: before any layer.
         ambient: of the sky with its layers.
         sun_share: share of the sun in a direction that parts let reach a point.
         extra: irradiance (3,) of parts' lights, where rays from the point are free.
+        irradiance_at: irradiance (3,) that a part gives a point of a surface, or None.
     """
     n = np.asarray(normal, dtype=float)
     n = n / np.linalg.norm(n)
@@ -65,10 +65,9 @@ def illuminance(
         through = sun_share((x, y, z), sun.direction)
     by_lamps = extra(point, n, partial(rays.is_free, point, n))
     sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
-    hit = None if lit is None else rays.surface_at(point_m, n)
-    if lit is not None and hit is not None:
-        reached = reached_irradiance(lit, hit)
-        sky = sky if reached is None else reached
+    hit = rays.surface_at(point_m, n)
+    reached = None if hit is None else irradiance_at(hit)
+    sky = sky if reached is None else reached
     return Illuminance(
         sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
         sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,

@@ -16,7 +16,6 @@ from vrut_lite.render.passes.tone_pass import TonePass
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
-from vrut_lite.render.surface_light import SurfaceLightOnGpu
 from vrut_lite.render.tiles import Patience
 from vrut_lite.scene.scene_state import SceneState
 
@@ -60,7 +59,6 @@ class PicturePasses:
     sky: SkyPass
     parts: FrameParts
     tone: TonePass
-    surface_light: SurfaceLightOnGpu
     backdrop: Backdrop
     measure: Measure = unmeasured
 
@@ -76,7 +74,6 @@ class PicturePasses:
             SkyPass(context),
             FrameParts(context, counters, patience, part_failed),
             TonePass(context),
-            SurfaceLightOnGpu(context),
             Backdrop(context),
         )
 
@@ -95,7 +92,7 @@ class PicturePasses:
             shot.light,
             shot.shadows,
             shot.reflection,
-            self.surface_light,
+            self.parts,
             defines,
             self.parts.air_defines_on,
             blended,
@@ -104,5 +101,5 @@ class PicturePasses:
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self.meshes.delete()
-        for thing in (self.sky, self.parts, self.tone, self.surface_light, self.backdrop):
+        for thing in (self.sky, self.parts, self.tone, self.backdrop):
             thing.release()

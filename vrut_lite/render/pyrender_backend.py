@@ -10,13 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
-from vrut_lite.frame_part import Heard, extra_irradiance, sun_share
+from vrut_lite.frame_part import (
+    Hit,
+    PartsHeard,
+    extra_irradiance,
+    irradiance_at,
+    sun_share,
+)
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.messages.gpu_texture import GpuTexture
-from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame
@@ -27,9 +32,7 @@ from vrut_lite.render.light_meter import Illuminance, illuminance
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import Measure
 from vrut_lite.render.pyrender_scene import PyrenderScene
-from vrut_lite.render.rays import Hit, SceneRays
-from vrut_lite.render.surface_look_up import LitScene
-from vrut_lite.render.value_light import ValueLight, in_false_colours
+from vrut_lite.render.rays import SceneRays
 from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import NO_PARTS, SceneState
 
@@ -50,11 +53,9 @@ class PyrenderBackend:
         # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
-            "light_map": self._upload_light_map,
-            "surface_light": self._upload_surface_light,
+            "parts": self._upload_parts,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
-            "parts": self._upload_parts,
         }
         # The uploaded parts: a texture on the GPU is valid while its message is kept.
         nothing = {**dict.fromkeys(self._uploads), "parts": NO_PARTS}
@@ -65,7 +66,6 @@ class PyrenderBackend:
         # The sky with its layers, where it has any.
         self._summed_cube = _OwnCube()
         self._mirrored: Sky | None = None
-        self._values = ValueLight()
         self._rays: tuple[SceneOpened, SceneRays] | None = None
 
     @property
@@ -94,15 +94,10 @@ class PyrenderBackend:
             GivenUp: `is_given_up()`, called repeatedly on the GL thread, returned true.
         """
         state.check_drawable()
-        if state.shows in ("texels", "noise"):
-            # Values are looked up as light is; no other light may come to them.
+        if state.shows_map:
             assert state.key_light is not None
             sun = msgspec.structs.replace(state.key_light, irradiance_rgb=(0.0, 0.0, 0.0))
-            light = self._values.of(state)
-            if light is None:
-                width, height = state.size_px
-                return in_false_colours(np.zeros((height, width, 4), np.float32), state.shows)
-            state = replace(state, key_light=sun, surface_light=light, view_light=None)
+            state = replace(state, key_light=sun)
         return self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
@@ -118,7 +113,7 @@ class PyrenderBackend:
             normal,
             partial(sun_share, state.parts),
             partial(extra_irradiance, state.parts),
-            _lit_scene(state, ambient),
+            partial(irradiance_at, state.parts, sky=ambient),
         )
 
     def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:
@@ -184,18 +179,12 @@ class PyrenderBackend:
         # Its buffers reach the GPU with the next frame.
         self._scene = PyrenderScene(scene)
         # Its meshes are still whole.
-        self._uploaded["light_map"] = None
+        self._uploaded["parts"] = None
 
-    def _upload_light_map(self, context: Any, laid: LightMapLaid | None) -> None:
-        self._frame.show_light_map(laid)
+    def _upload_parts(self, context: Any, heard: PartsHeard) -> None:
+        charts = self._frame.show_parts(heard)
         if self._scene is not None:
-            self._scene.lay_out(laid)
-
-    def _upload_surface_light(self, context: Any, light: SurfaceLightChanged | None) -> None:
-        self._frame.show_surface_light(light)
-
-    def _upload_parts(self, context: Any, heard: Heard) -> None:
-        self._frame.show_parts(heard)
+            self._scene.lay_out(charts)
 
     def _upload_background(self, context: Any, background: BackgroundChanged) -> None:
         """Upload the cube map, or use the texture that is on the GPU already."""
@@ -247,14 +236,6 @@ class PyrenderBackend:
         mirrored = self._mirrored or sky
         radius_rad = sun.even_radius_rad
         return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored, radius_rad)
-
-
-def _lit_scene(state: SceneState, ambient: AmbientChanged) -> LitScene | None:
-    if state.light_map is None or state.surface_light is None:
-        return None
-    assert state.scene is not None
-    harmonics = ambient.irradiance_sh_rgb.values
-    return LitScene(state.scene, state.light_map, state.surface_light, harmonics)
 
 
 class _OwnCube:

@@ -1,6 +1,6 @@
 """A loaded scene as a pyrender scene: its meshes, materials and the ground disc."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.frame_part import GROUND, MeshChart
 from vrut_lite.messages.ground_disc import GroundDisc, inner_and_outer
-from vrut_lite.messages.light_map import NOT_MAPPED, LightMapLaid, Shape
 from vrut_lite.messages.points_and_lines import PointsAndLines
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.scene_content import MapName, Material, Mesh
@@ -29,21 +29,21 @@ class PlacedPrimitive:
     """A pyrender primitive where it stands.
 
     `centre_m` (3,) is the middle of its bounds, `radius_m` holds it all from there. The matrix
-    (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
-    `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one, and
-    `light_end_px` (2,) lies past the last texel that its look-ups reach. `mirror` is the number of
-    the cube map of its surroundings. What does not cast is left out of shadow maps.
+    (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one. `part` is as in
+    `PlacedSurface`. What does not cast is left out of shadow maps.
     """
 
     primitive: Any
     world_from_model: FloatArray
     centre_m: FloatArray
     radius_m: float
-    is_ground: bool = False
+    part: int | None = None
     casts: bool = True
-    light_corner_px: NDArray[np.int32] | None = None
-    light_end_px: NDArray[np.int32] | None = None
-    mirror: int | None = None
+
+    @property
+    def is_ground(self) -> bool:
+        """Whether it is of the ground disc."""
+        return self.part == GROUND
 
     @property
     def is_two_sided(self) -> bool:
@@ -99,54 +99,45 @@ class PyrenderScene:
         )
         self._strokes = _strokes(opened.points_and_lines)
         self._ground = () if ground is None else _ground(ground)
-        # By the number of the mesh and of its shape in the light map.
-        self._cuts: dict[tuple[int, int], _Cut] = {}
-        self.lay_out(None)
+        # By the number of the mesh and its chart in a frame part's map.
+        self._cuts: dict[tuple[int, MeshChart | None], _Cut] = {}
+        self._charts: Sequence[MeshChart | None] | None = None
+        self._place()
 
-    def lay_out(self, light_map: LightMapLaid | None) -> None:
-        """Cut meshes as the light map's layout does; uncut meshes keep their buffers."""
+    def lay_out(self, charts: Sequence[MeshChart | None] | None) -> None:
+        """Cut meshes as the charts of the scene's parts do; uncut meshes keep their buffers."""
+        if charts is not self._charts:
+            self._charts = charts
+            self._place()
+
+    def _place(self) -> None:
         geometry = self._opened.geometry
-        whole = {key: cut for key, cut in self._cuts.items() if key[1] == NOT_MAPPED}
+        whole = {key: cut for key, cut in self._cuts.items() if key[1] is None}
         self._cuts, self.uploads, self.placed = {}, Uploads(set()), []
-        mirrors = None if light_map is None else light_map.mirrors
-        mirror_of = (
-            {}
-            if mirrors is None
-            else {int(part): number for number, part in enumerate(mirrors.part.values)}
-        )
-        for part, mesh in enumerate(geometry.part_mesh.values):
-            shape = NOT_MAPPED if light_map is None else int(light_map.part_shape.values[part])
-            key = (int(mesh), shape)
+        meshes = geometry.part_mesh.values.tolist()
+        charts = self._charts or [None] * len(meshes)
+        for part, key in enumerate(zip(meshes, charts, strict=True)):
             if key not in self._cuts:
-                self._cuts[key] = whole.get(key) or self._cut(int(mesh), shape, light_map)
+                self._cuts[key] = whole.get(key) or self._cut(*key)
                 self.uploads.meshes.add(self._cuts[key])
-            lit: dict[str, Any] = {}
-            if light_map is not None and shape != NOT_MAPPED:
-                corner = light_map.part_corner_px.values[part]
-                size = np.ceil(light_map.shape(shape).uv.max(axis=0, initial=0.0) + 0.5).astype(
-                    np.int32
-                )
-                lit = {"light_corner_px": corner, "light_end_px": corner + size}
             matrix = geometry.world_from_part.values[part] @ self._cuts[key].model_from_centred
-            mirror = mirror_of.get(part)
-            self.placed.append(_placed(self._cuts[key].primitive, matrix, mirror=mirror, **lit))
+            self.placed.append(_placed(self._cuts[key].primitive, matrix, part=part))
         for stroke in self._strokes:
             self.uploads.meshes.add(stroke)
             self.placed.append(_placed(stroke.primitive, stroke.model_from_centred, casts=False))
         for cut in self._ground:
             self.uploads.meshes.add(cut)
             ground = cut.primitive, cut.model_from_centred
-            self.placed.append(_placed(*ground, is_ground=True, casts=False))
+            self.placed.append(_placed(*ground, part=GROUND, casts=False))
 
     def paint_ground(self, albedo_rgb: Vector) -> None:
         """Give the ground disc an albedo, linear RGB in [0, 1]."""
         for cut in self._ground:
             cut.primitive.material.baseColorFactor = [*albedo_rgb, 1.0]
 
-    def _cut(self, number: int, shape: int, light_map: LightMapLaid | None) -> _Cut:
+    def _cut(self, number: int, chart: MeshChart | None) -> _Cut:
         mesh = self._opened.geometry.mesh(number)
-        cut = None if light_map is None or shape == NOT_MAPPED else light_map.shape(shape)
-        return _cut_up(mesh, self._surfaces[mesh.material], cut)
+        return _cut_up(mesh, self._surfaces[mesh.material], chart)
 
 
 def _placed(primitive: Any, matrix: FloatArray, **more: Any) -> PlacedPrimitive:
@@ -204,13 +195,13 @@ def _ground(ground: GroundDisc) -> tuple[_Cut, ...]:
     return tuple(_Cut(primitive, middle) for primitive in primitives)
 
 
-def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
-    """A mesh with its vertices centred, and with those of its shape in the light map.
+def _cut_up(mesh: Mesh, surface: "Surface", chart: MeshChart | None) -> _Cut:
+    """A mesh with its vertices centred, and with those of its chart in a part's map.
 
     Single precision then serves the mesh itself, not the distance of its origin.
     """
     centre = 0.5 * (mesh.positions_m.min(axis=0) + mesh.positions_m.max(axis=0))
-    vertices = slice(None) if shape is None else shape.source_vertex
+    vertices = slice(None) if chart is None else chart.source_vertex
 
     def values(array: NDArray | None) -> Any:
         return None if array is None else np.asarray(array, np.float32)[vertices]
@@ -218,12 +209,12 @@ def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
     primitive = pyrender.Primitive(
         positions=(mesh.positions_m - centre).astype(np.float32)[vertices],
         normals=values(mesh.normals),
-        # Our shaders need no tangents: that attribute holds the place in the light map.
-        tangents=None if shape is None else np.pad(shape.uv, ((0, 0), (0, 2))),
+        # Our shaders need no tangents: that attribute holds the place in a part's map.
+        tangents=None if chart is None else np.pad(chart.uv, ((0, 0), (0, 2))),
         texcoord_0=values(mesh.uv),
         texcoord_1=values(mesh.second_uv),
         color_0=values(mesh.colours_rgba),
-        indices=np.asarray((mesh if shape is None else shape).triangles, np.uint32),
+        indices=np.asarray((mesh if chart is None else chart).triangles, np.uint32),
         material=surface,
     )
     primitive.wound_as_normals = _wound_as_normals(primitive)

@@ -1,11 +1,10 @@
 """Single rays against an opened scene, on the CPU in double precision."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
+from vrut_lite.frame_part import GROUND, Hit
 from vrut_lite.messages.ground_disc import fall_m
 from vrut_lite.messages.scene import SceneOpened
 
@@ -13,21 +12,6 @@ from vrut_lite.messages.scene import SceneOpened
 _CLEARANCE = 1e-6
 # Largest distance of a point that counts as on a surface.
 _TOUCHING = 1e-5
-# Stands for the number of a part.
-GROUND = -1
-
-
-class Hit(NamedTuple):
-    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material.
-
-    `part` is `GROUND` or the scene's part, `triangle` the number in its mesh.
-    """
-
-    point_m: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    material: str
-    part: int
-    triangle: int
 
 
 class SceneRays:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from vrut_lite.frame_part import GLSL_HOOKS, frame_parts
+from vrut_lite.frame_part import GLSL_HOOKS, frame_parts, part_with
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.uniform_blocks import BLOCK_FILES
 
@@ -40,8 +40,9 @@ def _included(folder: Path, name: str) -> str:
         return shader_source(beside)
     hook = name.removesuffix(".glsl")
     if hook in GLSL_HOOKS:
-        files = (getattr(part, hook) for part in frame_parts().values())
-        return "".join(shader_source(file) for file in files if file is not None)
+        parts = frame_parts()
+        part = part_with(hook, parts)
+        return shader_source(getattr(parts[part], hook)) if part else ""
     block = BLOCK_FILES.get(name) or part_blocks().get(name)
     return shader_source(name) if block is None else block.glsl()
 

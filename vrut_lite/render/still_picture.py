@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.messages.picture import SetExposure
+from vrut_lite.numeric_types import Float32Array
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.pictures.value_picture import value_pixels, values_of
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
@@ -18,8 +22,7 @@ from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import SAMPLES, Targets
 from vrut_lite.render.tiles import Piece, TiledPass
-from vrut_lite.render.value_light import in_false_colours
-from vrut_lite.scene.scene_state import SceneState
+from vrut_lite.scene.scene_state import SceneState, Shown
 
 # A still is the mean of pictures with one sample a pixel, which show what lies so far to the right
 # and up, in pixels. Software renderers shade hidden samples too where there are several: three such
@@ -29,6 +32,8 @@ SHIFTS_PX = tuple(
 )
 FEWER_SHIFTS_PX = ((-1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, -1 / 3))
 _UNSHIFTED_PX = ((0.0, 0.0),)
+# Share of a pixel's samples that must show a surface.
+_LEAST_COVERED = 0.5
 
 
 class StillPictures:
@@ -78,7 +83,7 @@ class StillPictures:
         finally:
             passes.meshes.picture_number, passes.meshes.picture_count = 0, 1
         if state.shows != "picture":
-            return in_false_colours(resolved, state.shows)
+            return _in_false_colours(resolved, state.shows)
         radiance = resolved[..., :3]
         if len(shifts) > 1:
             with passes.measure("copy and meter"):
@@ -209,3 +214,16 @@ def _defines(shot: FrameInputs) -> Defines:
     if shot.state.shows == "illuminance":
         return ("ILLUMINANCE", *shot.defines.lights)
     return ("ILLUMINANCE", "MAP_VALUES")
+
+
+def _in_false_colours(resolved: Float32Array, shows: Shown) -> Picture:
+    """The picture of values (h, w, 4); alpha is the share of a pixel with a value."""
+    value: NDArray[np.floating] = resolved[..., 0]
+    if shows == "illuminance":
+        value = luminance(resolved[..., :3]) * LUMENS_PER_WATT
+    covered = (resolved[..., 3] >= _LEAST_COVERED) & (value > 0.0)
+    share = np.where(covered, resolved[..., 3], 1.0)
+    values = np.where(covered, value / share, np.nan).astype(np.float32)
+    found = values_of(values, shows)
+    each = np.repeat(np.nan_to_num(values)[..., None], 3, axis=-1)
+    return Picture(each, value_pixels(found), exposure.ev100_of(SetExposure(), each), found)

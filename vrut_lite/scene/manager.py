@@ -7,11 +7,19 @@ from typing import Any
 import msgspec
 
 from vrut_lite import __version__
-from vrut_lite.frame_part import frame_parts, heard_by_parts, part_reach_m
+from vrut_lite.frame_part import (
+    FramePart,
+    Heard,
+    PartsHeard,
+    frame_parts,
+    heard_by_parts,
+    heard_with,
+    heard_without,
+    part_reach_m,
+)
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
@@ -33,8 +41,8 @@ from vrut_lite.scene.settings import SCENE, SceneSettings
 class SceneManager(Module):
     """Owns the state of a `SceneView`; draws nothing itself.
 
-    It demands light (the sky's cube map in `cube_size` texels, if given), and a light map unless
-    the view's backend draws none.
+    It demands light (the sky's cube map in `cube_size` texels, if given) and what frame parts show;
+    of the part that lights surfaces only if the view's backend draws by it.
     """
 
     manifest = Manifest(name=SCENE, title="Scene", version=__version__)
@@ -46,21 +54,17 @@ class SceneManager(Module):
         settings: Any,
         view: SceneView | None = None,
         cube_size: int | None = None,
-        light_map: bool = True,
+        lights_surfaces: bool = True,
     ):
         super().__init__(link, settings)
         self._view = view or SceneView()
         self._animated: OpenScene | None = None
         self._time_s: float | None = None
-        # What parts that are switched on hear; whether one of them draws the air.
-        self._wanted_by_parts: dict[type[Derived], None] = {}
-        self._fills_air = False
+        self._lights_surfaces = lights_surfaces
         self._empty_slots: set[str] = set()
-        self._wants_scene_light = False
-        self._has_light_map = False
-        self._of_scene = (LightMapLaid, SurfaceLightChanged) if light_map else ()
-        self._hour_moved = True
-        self._change(tolerance=tolerance_of(link), coarser_light=None)
+        # What parts that are switched on hear, but for what they get on demand.
+        self._demanded: set[type[Derived]] = set()
+        self._change(tolerance=tolerance_of(link))
         self._follow_settings()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
@@ -92,9 +96,9 @@ class SceneManager(Module):
         self._show(scene, moved_camera=None)
 
     def _show(self, scene: SceneOpened, moved_camera: MoveCamera | None) -> None:
-        self._change(scene=scene, moved_camera=moved_camera)
+        parts = heard_with(self.state.parts, scene)
+        self._change(scene=scene, moved_camera=moved_camera, parts=parts)
         self._cut()
-        self._take_surface_light()
         self.link.post(scene)
         self._look()
 
@@ -196,7 +200,6 @@ class SceneManager(Module):
         self._take_light(ambient=message)
 
     def _take_light(self, **light: Any) -> None:
-        self._hour_moved = True
         self._view.pending = self.state.with_light(**light)
 
     @handles(SkyLightChanged)
@@ -207,32 +210,7 @@ class SceneManager(Module):
     @handles(*heard_by_parts())
     def on_part(self, message: Derived) -> None:
         """Hand it to the frame part that hears it; air may have to reach as far as it draws."""
-        if type(message) in self._wanted_by_parts:
-            self._take_parts({**self.state.parts, type(message): message})
-
-    @handles(LightMapLaid)
-    def on_light_map(self, message: LightMapLaid) -> None:
-        """Look surfaces up in this map, if it is of the open scene."""
-        self._take_surface_light()
-
-    @handles(SurfaceLightChanged)
-    def on_surface_light(self, message: SurfaceLightChanged) -> None:
-        """Light surfaces with it, if it is of the open scene."""
-        before = self.state.surface_light
-        self._take_surface_light()
-        coarser = None
-        if before is not None and before.layout_key == message.layout_key:
-            same_hour = message.rays > before.rays and not self._hour_moved
-            coarser = before if same_hour else None
-        self._hour_moved = False
-        self._change(coarser_light=coarser)
-
-    @handles(ViewLightChanged)
-    def on_view_light(self, message: ViewLightChanged) -> None:
-        """Light a finished still with it, if it is of the present map."""
-        laid = self.state.light_map
-        if laid is not None and message.layout_key == laid.layout_key:
-            self._change(view_light=message)
+        self._take_parts(heard_with(self.state.parts, message))
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
@@ -251,34 +229,19 @@ class SceneManager(Module):
         (self._empty_slots.discard if message.holder else self._empty_slots.add)(message.name)
         if message.name in frame_parts():
             self._look()
-        if message.name == LightMapLaid.slot:
-            self._has_light_map = message.holder != ""
-            self._take_surface_light()
-            return
-        parts = self.state.parts.items()
-        kept = {kind: part for kind, part in parts if self._is_valid(kind, message)}
-        if len(kept) < len(parts):
-            self._take_parts(kept)
 
-    def _is_valid(self, kind: type[Derived], change: SlotChanged) -> bool:
-        """Whether the last message of a type is still valid after a slot has changed."""
-        if kind.slot != change.name:
-            return True
-        return change.holder != "" and self.link.last(kind) is not None
+        def is_outdated(kind: type[Derived]) -> bool:
+            return kind.slot == message.name and not (message.holder and self.link.last(kind))
 
-    def _take_parts(self, parts: dict[type[Derived], Derived]) -> None:
+        self._take_parts(heard_without(self.state.parts, is_outdated))
+
+    def _take_parts(self, parts: PartsHeard) -> None:
         camera, before = self.state.camera, self.state.parts
-        self._change(parts=MappingProxyType(parts))
+        if parts is before:
+            return
+        self._change(parts=parts)
         if camera and part_reach_m(parts, camera) != part_reach_m(before, camera):
             self._look()
-
-    def _take_surface_light(self) -> None:
-        laid, light = self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)
-        self._view.pending = (
-            self.state.with_surface_light(laid, light)
-            if self._has_light_map
-            else self.state.with_surface_light(None, None)
-        )
 
     def _change(self, **parts: Any) -> None:
         self._view.pending = replace(self.state, **parts)
@@ -293,8 +256,6 @@ class SceneManager(Module):
         faces, sky_in_view = visible_faces(camera, aspect)
         has_scene = self.state.scene is not None
         self._want_parts()
-        if has_scene:
-            self._want_scene_light()
         self.link.post(
             SceneNeeds(
                 sky_in_view=sky_in_view,
@@ -308,41 +269,47 @@ class SceneManager(Module):
 
     def _air_reach_m(self, camera: MoveCamera, aspect: float) -> float:
         scene = self.state.scene
-        if scene is None or not self._fills_air:
+        on = self.state.parts
+        if scene is None or not any(frame_parts()[name].through_air for name in on):
             return 0.0
         ground_level_m = 0.0 if scene.ground is None else scene.ground.height_m
         reach_m = air_reach_m(camera, aspect, scene.lower_m, scene.upper_m, ground_level_m)
         return max(reach_m, part_reach_m(self.state.parts, camera))
 
     def _want_parts(self) -> None:
-        """Demand what parts hear that are switched on, and drop what others heard."""
-        has_scene, wanted = self.state.scene is not None, dict[type[Derived], None]()
-        self._fills_air = False
-        for name, part in frame_parts().items():
-            is_on = name not in self._empty_slots
-            if part.switch and has_scene and not getattr(self.settings, part.switch):
-                self.counters.skip(f"{part.switch}: switched off")
-                is_on = False
-            if is_on and (has_scene or not part.switch):
-                wanted.update(dict.fromkeys(part.hears))
-                self._fills_air |= part.through_air is not None
-        before, self._wanted_by_parts = self._wanted_by_parts, wanted
-        heard = {kind: part for kind, part in self.state.parts.items() if kind in wanted}
-        for kind in {**before, **wanted}:
-            if kind not in wanted:
-                self.link.demand(kind, 0)
-            elif kind not in before:
-                self.link.demand(kind)
-                if (message := self.link.last(kind)) is not None:
-                    heard[kind] = message
-        if heard.keys() != self.state.parts.keys():
-            self._take_parts(heard)
+        """Switch frame parts on and off, and demand what those hear that are on."""
+        before, installed = self.state.parts, frame_parts()
+        on = {name: part for name, part in installed.items() if self._is_on(name, part)}
+        if on.keys() != before.keys():
+            parts = {
+                name: before[name] if name in before else self._heard(part)
+                for name, part in on.items()
+            }
+            self._change(parts=MappingProxyType(parts))
+        demanded = {kind for part in on.values() for kind in part.hears if part.demands(kind)}
+        for kind in self._demanded - demanded:
+            self.link.demand(kind, 0)
+        for kind in demanded - self._demanded:
+            self.link.demand(kind)
+        self._demanded = demanded
 
-    def _want_scene_light(self) -> None:
-        """Demand what only a scene needs: the light on its surfaces."""
-        if self._wants_scene_light:
-            return
-        self._wants_scene_light = True
-        for kind in self._of_scene:
-            self.link.demand(kind, None)
-        self._take_surface_light()
+    def _is_on(self, name: str, part: type[FramePart]) -> bool:
+        has_scene = self.state.scene is not None
+        if part.irradiance and not (has_scene and self._lights_surfaces):
+            return False
+        if part.switch:
+            if has_scene and not getattr(self.settings, part.switch):
+                self.counters.skip(f"{part.switch}: switched off")
+                return False
+            if not has_scene:
+                return False
+        return name not in self._empty_slots
+
+    def _heard(self, part: type[FramePart]) -> Heard:
+        """What a part shows that is switched on: the last messages that it hears."""
+        heard: Heard = MappingProxyType({})
+        for kind in part.hears:
+            last = self.state.scene if kind is SceneOpened else self.link.last(kind)
+            if last is not None and kind.slot not in self._empty_slots:
+                heard = part.hear(heard, last)
+        return heard

@@ -1,14 +1,13 @@
 """The state of the scene that backends draw, as one frozen value."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Literal, Self, TypeVar
 
+from vrut_lite.frame_part import PartsHeard, finishes_still, shown_by_parts
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.camera import MoveCamera, frame_bounds
-from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.section import Section
@@ -16,12 +15,11 @@ from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
-from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.numeric_types import Vector
 from vrut_lite.sky.ground_albedo import ground_albedo
 
 D = TypeVar("D", bound=Derived)
-NO_PARTS: Mapping[type[Derived], Derived] = MappingProxyType({})
+NO_PARTS: PartsHeard = MappingProxyType({})
 Shown = Literal["picture", "illuminance", "texels", "noise"]
 # Albedo of the ground disc before the first light, from which it is derived.
 _UNLIT_GROUND_ALBEDO = (0.1, 0.1, 0.1)
@@ -35,7 +33,7 @@ class FrameSkips:
         meshes: meshes outside the view.
         sky: samples of the sky that meshes cover.
         shadow: the shadow map when the sun is down, or neither scene nor sun have changed.
-        unlit: filtering a sky that reaches no visible surface, by the light map.
+        unlit: filtering a sky that reaches no visible surface, by the part that lights surfaces.
         reflection: filtering a sky without a visible change, or that no visible surface mirrors.
     """
 
@@ -57,16 +55,12 @@ class SceneState:
         background, key_light, ambient: of the clear sky; None before the first message.
         sky_light: of the clear sky and its layers; what lights the scene. None before the first
             of each of these messages.
-        parts: latest messages of the types that frame parts hear, by type.
+        parts: what each frame part shows that is switched on: its latest messages, by type.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
         light_shafts: whether the scene shades the air.
         section: what cuts the picture, not the light; None where nothing does.
-        light_map: of the scene; None without one.
-        surface_light: of that light map; None before the first, while the open sky lights surfaces.
-        view_light: of that light and some camera; None without one, or before the first.
-        coarser_light: of the same hour, by fewer rays; None where none is known.
         shows: the picture, or values of surfaces in false colours.
         tolerance: share by which radiance may be off.
     """
@@ -76,17 +70,13 @@ class SceneState:
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
     sky_light: SkyLightChanged | None = None
-    parts: Mapping[type[Derived], Derived] = field(default_factory=lambda: NO_PARTS)
+    parts: PartsHeard = field(default_factory=lambda: NO_PARTS)
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)
     exposure: SetExposure = field(default_factory=SetExposure)
     light_shafts: bool = False
     section: Section | None = None
-    light_map: LightMapLaid | None = None
-    surface_light: SurfaceLightChanged | None = None
-    view_light: ViewLightChanged | None = None
-    coarser_light: SurfaceLightChanged | None = None
     shows: Shown = "picture"
     tolerance: float = DEFAULT_TOLERANCE
     skips: FrameSkips = field(default_factory=FrameSkips)
@@ -106,18 +96,19 @@ class SceneState:
         )
 
     @property
-    def light_of_view(self) -> ViewLightChanged | None:
-        """The light of this very view, where it is known."""
-        known = self.view_light
-        if known is None or (known.camera, known.size_px) != (self.camera, self.size_px):
-            return None
-        return known
+    def shows_map(self) -> bool:
+        """Whether values of a frame part's map are shown, to which no light may come."""
+        return self.shows in ("texels", "noise")
+
+    @property
+    def has_finished_light(self) -> bool:
+        """Whether a frame part has the light of a finished still of this view."""
+        camera = self.camera
+        return camera is not None and finishes_still(self.parts, camera, self.size_px)
 
     def shown(self, kind: type[D]) -> D | None:
         """The latest message of a type that frame parts hear, or None."""
-        message = self.parts.get(kind)
-        assert message is None or isinstance(message, kind)
-        return message
+        return shown_by_parts(self.parts, kind)
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -161,27 +152,3 @@ class SceneState:
             source=self.background.source,
         )
         return replace(self, sky_light=light)
-
-    def with_surface_light(
-        self, light_map: LightMapLaid | None, surface_light: SurfaceLightChanged | None
-    ) -> Self:
-        """The state with a light map and the light in it.
-
-        Each is dropped unless it belongs to the scene: a result for one scene may arrive after the
-        next was opened.
-        """
-        if light_map is not None and not self._is_of_scene(light_map):
-            light_map = None
-        if surface_light is not None and (light_map is None or not surface_light.fits(light_map)):
-            surface_light = None
-        # Other light leaves that of a view outdated.
-        same = surface_light is not None and surface_light is self.surface_light
-        view_light = self.view_light if same else None
-        return replace(
-            self, light_map=light_map, surface_light=surface_light, view_light=view_light
-        )
-
-    def _is_of_scene(self, light_map: LightMapLaid) -> bool:
-        if self.scene is None or light_map.content_key != self.scene.content_key:
-            return False
-        return light_map.part_shape.shape == self.scene.geometry.part_mesh.shape

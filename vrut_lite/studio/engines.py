@@ -86,7 +86,7 @@ class EngineHost:
         self._backend = module.open_engine(settings, lambda samples: self._traced(samples))
         self._view = SceneView(self.kernel, self._backend)
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
-        self.kernel.add_module(SceneManager, view=self._view, light_map=False)
+        self.kernel.add_module(SceneManager, view=self._view, lights_surfaces=False)
         # Clouds are seen in the sky that lights.
         for kind in (SkyLightChanged, SkyRadianceChanged):
             self.inject(Demand(consumer=name, message=kind.__name__, size=_SKY_SIZE))

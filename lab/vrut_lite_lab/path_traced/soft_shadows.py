@@ -17,6 +17,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.frame_part import heard_with
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.numeric_types import FloatArray
@@ -89,7 +90,7 @@ def finished(state: SceneState) -> SceneState:
     assert state.camera is not None
     asked = StillAsked(camera=state.camera, size_px=state.size_px)
     points = ViewLightChanged.without_points(asked, "none", 1, "soft shadows")
-    return replace(state, view_light=points)
+    return replace(state, parts=heard_with(state.parts, points))
 
 
 def row(gl: PyrenderBackend, name: str, state: SceneState, spp: int) -> list[Captioned]:

@@ -46,7 +46,7 @@ class OpenedScene:
         self._faults = FaultCollector(self._kernel)
         try:
             # Nobody looks: a small background, no light map and no air.
-            self._kernel.add_module(SceneManager, cube_size=_COARSE_CUBE, light_map=False)
+            self._kernel.add_module(SceneManager, cube_size=_COARSE_CUBE, lights_surfaces=False)
             self._demand(_CUBE)
             project = msgspec.structs.replace(project, air=False)
             for message in (

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from test_window_exposure import INSIDE, OUTSIDE, RunningEngine
@@ -10,6 +11,7 @@ from window_driver import PATIENCE_MS
 from vrut_lite.app.engine.finer_light import FinerLight
 from vrut_lite.array import Array
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.messages.light_map import SurfaceLightChanged
 from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.scene.scene_state import SceneState
 
@@ -18,6 +20,17 @@ VIEW_LIGHT = ViewLightChanged(
     light=Array(np.ones((5, 8, 4), np.float16)), plane=Array(np.ones((5, 8, 4), np.float32)),
     mirrored=Array(np.zeros((2, 5, 8, 4), np.float16)), source="s",
 )  # fmt: skip
+
+SURFACE_LIGHT = SurfaceLightChanged(
+    layout_key="l", texels=Array(np.ones((4, 4, 4), np.float16)), probes=None,
+    radiance_scale=1.0, rays=1, source="s",
+)  # fmt: skip
+
+
+def heard(state, message):
+    """The state with a message that frame parts show."""
+    own = {**state.parts.get("light_transport", {}), type(message): message}
+    return replace(state, parts={**state.parts, "light_transport": own})
 
 
 @pytest.fixture
@@ -40,7 +53,7 @@ def test_a_picture_at_rest_is_finished_anew_when_the_light_of_its_points_arrives
     running.shown.clear()
 
     def arrives(stage):
-        stage._view.pending = replace(stage.state, view_light=VIEW_LIGHT)
+        stage._view.pending = heard(stage.state, VIEW_LIGHT)
 
     running.engine.ask(arrives, changes=True).result(PATIENCE_MS / 1000)
     running.wait(0.5)
@@ -56,15 +69,15 @@ def test_light_that_comes_late_is_seen_in_a_finished_picture(running):
 
     def arrives(light):
         def change(stage):
-            stage._view.pending = replace(stage.state, surface_light=light)
+            stage._view.pending = heard(stage.state, light)
 
         running.shown.clear()
         running.engine.ask(change, changes=True).result(PATIENCE_MS / 1000)
         running.wait(0.5)
         return [shown.still for shown in running.shown]
 
-    assert arrives(object()) == [False, True]
-    assert arrives(object()) == [True]
+    assert arrives(SURFACE_LIGHT) == [False, True]
+    assert arrives(msgspec.structs.replace(SURFACE_LIGHT, rays=2)) == [True]
 
 
 def test_rays_of_a_standing_picture_give_way_to_an_input_and_go_on_when_it_changed_nothing():
@@ -88,7 +101,7 @@ def test_rays_of_a_standing_picture_give_way_to_an_input_and_go_on_when_it_chang
     assert not is_wanted()
     light.resume(kernel, 11.5)
     assert is_wanted()
-    known = replace(state, moved_camera=OUTSIDE, size_px=(16, 9), view_light=VIEW_LIGHT)
+    known = heard(replace(state, moved_camera=OUTSIDE, size_px=(16, 9)), VIEW_LIGHT)
     light.give_way(kernel, known, 12.0)
     assert is_wanted()
     light.give_way(kernel, state, 12.0)

@@ -11,6 +11,7 @@ from vrut_lite.app.engine.window_jobs import WindowJobs
 from vrut_lite.array import Array
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
+from vrut_lite.frame_part import Hit
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
@@ -20,7 +21,6 @@ from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
 from vrut_lite.render.light_meter import Illuminance
-from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, SceneView
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.scene_state import SceneState
@@ -73,7 +73,9 @@ class CpuSkyStage:
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
         self._backend = CpuSkyBackend()
         self._view = SceneView(self.kernel, self._backend)
-        self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE, light_map=False)
+        self.kernel.add_module(
+            SceneManager, view=self._view, cube_size=_CUBE_SIZE, lights_surfaces=False
+        )
         self.renderer = "CPU, sky alone"
         self.device: Device | None = None
         self.pass_seconds: dict[str, float] = {}

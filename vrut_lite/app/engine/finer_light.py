@@ -1,7 +1,9 @@
 """Demand for light by rays of the window's own picture, once that is finished."""
 
+from vrut_lite.frame_part import changed_kinds
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Demand
+from vrut_lite.kernel.messages import Demand, Derived
+from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.scene.scene_state import SceneState
 
@@ -27,7 +29,7 @@ class FinerLight:
 
     def give_way(self, kernel: Kernel, state: SceneState, now_s: float) -> None:
         """Pause, as an input came; light that has arrived stays."""
-        if self.resumes_at_s is not None or (self._wanted and state.light_of_view is None):
+        if self.resumes_at_s is not None or (self._wanted and not state.has_finished_light):
             self._want(kernel, False)
             self.resumes_at_s = now_s + _PAUSE_S
 
@@ -51,20 +53,21 @@ class FinerLight:
 
 def is_only_finer(before: SceneState | None, now: SceneState) -> bool:
     """Whether a picture may go on being finished: nothing but the light of its points is new."""
-    return (
-        before is not None
-        and now.view_light is not None
-        and now.view_light is not before.view_light
-        and now.shares_all_but(before, "view_light")
-    )
+    finer = now.shown(ViewLightChanged) is not None
+    return before is not None and finer and _changed(before, now) == {ViewLightChanged}
 
 
 def is_only_lit(before: SceneState | None, now: SceneState) -> bool:
     """Whether nothing but the light of surfaces is new, which they had before too."""
-    return (
-        before is not None
-        and before.surface_light is not None
-        and now.surface_light is not None
-        and now.surface_light is not before.surface_light
-        and now.shares_all_but(before, "surface_light", "coarser_light", "view_light")
-    )
+    if before is None or None in (state.shown(SurfaceLightChanged) for state in (before, now)):
+        return False
+    changed = _changed(before, now)
+    of_light = all(kind.slot == SurfaceLightChanged.slot for kind in changed)
+    return of_light and SurfaceLightChanged in changed and LightMapLaid not in changed
+
+
+def _changed(before: SceneState, now: SceneState) -> set[type[Derived]]:
+    """Types of what frame parts show otherwise than before; none if more than that is other."""
+    if not now.shares_all_but(before, "parts"):
+        return set()
+    return changed_kinds(before.parts, now.parts)

@@ -6,6 +6,7 @@ from time import perf_counter
 from typing import Any, Protocol
 
 from vrut_lite.app.engine.window_jobs import WindowJobs
+from vrut_lite.frame_part import Hit
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.work_counters import WorkCounters
@@ -13,7 +14,6 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.picture_passes import unmeasured
-from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import SceneState
 

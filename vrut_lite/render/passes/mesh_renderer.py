@@ -5,12 +5,13 @@ are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
 """
 
 import math
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.frame_part import PlacedSurface
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.messages.scene_content import MapName
 from vrut_lite.messages.section import Section
@@ -26,7 +27,6 @@ from vrut_lite.render.passes.triangles import Side, draw_side, sides
 from vrut_lite.render.passes.view import View, normal_matrix
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene, Uploads
 from vrut_lite.render.shader_files import Defines
-from vrut_lite.render.surface_light import SurfaceLightOnGpu
 from vrut_lite.render.surface_terms import term_defines
 
 import_pyrender()
@@ -44,6 +44,16 @@ _LAYER_UNIFORMS: dict[str, MapName] = {
     "occlusion_layer": "occlusion",
     "emissive_layer": "emission",
 }
+
+
+class SurfaceLighting(Protocol):
+    """The frame part that lights surfaces, where there is one."""
+
+    def surface_defines(self, surface: PlacedSurface) -> Defines:
+        """Defines of the program of a surface that it lights."""
+
+    def bind_surface(self, surface: PlacedSurface) -> Mapping[str, Any]:
+        """Bind what the surface looks up; values of its program's uniforms."""
 
 
 class MeshRenderer(CasterRenderer):
@@ -135,7 +145,7 @@ class MeshRenderer(CasterRenderer):
         light: Light,
         shadows: Shadows,
         reflection: Reflection,
-        surface_light: SurfaceLightOnGpu,
+        lighting: SurfaceLighting,
         defines: Defines,
         defines_on: Callable[[PlacedPrimitive], Defines],
         blended: bool = False,
@@ -159,9 +169,9 @@ class MeshRenderer(CasterRenderer):
             "picture_count": self.picture_count,
         }
         _bind_maps(light, shadows, reflection)
-        surface_light.bind(scene, light, view.eye_m)
         known_shadows: dict[str, OnMesh] = {}
         for placed in placed_in_order:
+            of_light = lighting.surface_defines(placed)
             shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view, known_shadows)
             for side in sides(placed, blended):
                 own = (
@@ -170,7 +180,7 @@ class MeshRenderer(CasterRenderer):
                     *cut_out_defines(placed.primitive.material),
                     *_lobe_defines(placed.primitive.material),
                     *term_defines(placed.primitive.material, blended),
-                    *surface_light.defines(placed),
+                    *of_light,
                     *defines_on(placed),
                     *side.defines,
                 )
@@ -179,9 +189,8 @@ class MeshRenderer(CasterRenderer):
                 program.set_uniforms("shadow", shadow_uniforms)
                 self._set_place(program, placed, view)
                 self._set_surface(program, placed, blended)
-                if surface_light.mirrors(placed):
-                    mirror_eye_m = surface_light.bind_mirror(placed, view.eye_m)
-                    program.set_uniform("mirror_eye_m", mirror_eye_m)
+                if of_light:
+                    program.set_uniforms("light", lighting.bind_surface(placed))
                 draw_side(placed.primitive, side, blended)
                 direct_gl.disable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)
@@ -262,8 +271,6 @@ def _surface_uniforms(placed: PlacedPrimitive, blended: bool) -> dict[str, Any]:
         uniforms[name] = material.layer_of.get(map_name, 0)
     for unit, (name, _) in enumerate(_textures(material)):
         uniforms[f"material.{name}_texture"] = unit
-    if placed.light_corner_px is not None:
-        uniforms["light_corner_px"] = placed.light_corner_px.astype(np.float32)
     return uniforms
 
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.tolerance import budget
 from vrut_lite.render.light import Sky
-from vrut_lite.render.relight_scale import age_factor
 from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.unlocked import average_down_for_compute, run_compute
+from vrut_lite.sky.relight_scale import age_factor
 
 # Roughness of the filtered map's mip levels; a mirror looks up the sky itself.
 LEVEL_ROUGHNESS = (0.2, 0.35, 0.6, 1.0)

@@ -1,8 +1,8 @@
 // Irradiance of what is seen, normal maps left out: as a light meter on the surface has it.
 
 vec3 irradiance_of(vec3 face, vec3 n, bool behind) {
-#ifdef SURFACE_LIGHT
-    vec3 found = surface_light(face, n, n, behind).light.rgb;
+#ifdef IRRADIANCE
+    vec3 found = surface_light(face, n, n, behind, 1.0).light.rgb;
 #elif defined(MAP_VALUES)
     vec3 found = vec3(0.0);  // no map, no value
 #else

@@ -1,45 +1,31 @@
-// Which light reaches a surface: of its own texels, of probes, or of the ground around.
+// Light that a frame part gives a surface, in place of the open sky's irradiance.
 
-#if defined(LIGHT_MAP) || defined(LIGHT_PROBES) || defined(GROUND_LIGHT)
-#define SURFACE_LIGHT
-//!include surface_light.glsl
+#ifdef IRRADIANCE
+// Light without the direct sun: RGB irradiance in W m^-2, and in alpha the share of the open sky that
+// arrives. `sky`: b and a of the share a + b . d of the sky that is seen in direction d. Where a part
+// `mirrors`, also the mean radiance that a coat or metal mirrors, by both parts of Schlick's term.
+struct Reached {
+    vec4 light;
+    vec4 sky;
+    bool mirrors;
+    vec3 direct, grazing;
+};
 
-// Light of a surface with this normal, and with its normal map's normal.
-Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
-#if defined(GROUND_LIGHT)
-    return ground_light(eye_to_point);
-#elif defined(LIGHT_MAP)
-#ifdef TWO_SIDED
-    // The map has the light of the front alone.
-    if (behind) {
-#ifdef LIGHT_PROBES
-        if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
-#endif
-        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face)).light;
-        front.rgb *= tilted(n, -smooth_n, MOST_BEHIND);
-        return by_map(front, vec4(0.0, 0.0, 0.0, front.a));
-    }
-#endif
-    Reached front = map_light(light_corner_px + place_px * centroid_factor(face));
-#ifdef HAS_NORMAL_TEX
-    front.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
-#endif
-    return front;
-#else
-    return probe_light(eye_to_point, n);
-#endif
+vec3 ratio(vec3 wanted, vec3 had, float most) {
+    return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
 }
 
-// The same, finer where points of the view are known.
-Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
-    Reached found = light_of_scene(face, smooth_n, n, behind);
-#ifdef VIEW_LIGHT
-    if (add_points_of_view(point_in_triangle(face), face, found)) {
-#ifdef HAS_NORMAL_TEX
-        found.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
-#endif
-    }
-#endif
-    return found;
-}
+// The part defines, with vectors in world axes:
+// * Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind, float occlusion): light of
+//   the fragment, by the normals of triangle, vertices and normal map; whether its back is seen;
+//   and what an occlusion map leaves of the light
+// * vec3 open_irradiance(vec3 n): as sky_irradiance, which costs more
+// * float light_in_air(float share_of_sky, float metres): share of the light in open air that is in
+//   the air before a surface at this distance, which gets this share of the sky's
+// * with the define MIRROR: vec4 mirror_image(vec3 point, vec3 d, vec3 n, float nv, float alpha),
+//   radiance of the surroundings and their cover over a lobe from a point relative to the eye, and
+//   float mirror_fade(float roughness), from 0 where that image shows to 1 where it does not
+// * the macro LOBES, where `mirrors` may be true
+// With the define NO_SKY neither sky nor sun reaches the surface.
+//!include irradiance.glsl
 #endif

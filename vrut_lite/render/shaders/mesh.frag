@@ -5,7 +5,7 @@
 const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
-const float MOST_BEHIND = 10.0;      // and on the back of a sheet
+const float FEWEST_THINGS = 0.05;    // share of all directions below which things are too few to tell
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 const float HOLDS_RAD = 2.0;         // angle of view over which a coat of roughness 1 looks alike
 const float EDGE = 0.49;             // from the middle of a shadow's edge to its end, of the sun
@@ -70,9 +70,8 @@ in vec2 second_uv;
 #ifdef COLOR_0_LOC
 centroid in vec4 vertex_color;
 #endif
-#ifdef LIGHT_MAP
-centroid in vec2 place_px;
-uniform vec2 light_corner_px;        // of its rectangle in the light map
+#ifdef TANGENT_LOC
+centroid in vec2 place_px;           // in the mesh's chart
 #endif
 
 #ifdef GLASS
@@ -98,10 +97,6 @@ vec2 uv_of(int layer) {
 //!include sun_shadow.glsl
 //!include facets.glsl
 //!include sky_reflection.glsl
-
-#ifdef MIRROR
-//!include mirror.glsl
-#endif
 
 #ifdef SUN_FACTOR
 //!include sun_factor.glsl
@@ -247,12 +242,9 @@ void main() {
     through *= below_sheen;
     more *= below_sheen;
 #endif
-#ifdef SURFACE_LIGHT
-    Reached found = surface_light(face, smooth_n, n, behind);
+#ifdef IRRADIANCE
+    Reached found = surface_light(face, smooth_n, n, behind, occlusion);
     vec4 reached = found.light;
-#ifndef LIGHT_MAP
-    reached *= occlusion;  // of folds that are too fine for the light's own texels or probes
-#endif
     vec3 diffuse = reached.rgb * through;
 #else
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
@@ -306,7 +298,7 @@ void main() {
     mirror_n = bent_normal(n, view, roughness);
 #endif
     vec3 to_image = reflect(-view, mirror_n);
-#ifdef SURFACE_LIGHT
+#ifdef IRRADIANCE
     if (coat_f90 + metallic > 0.0) {
         SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
         vec3 far_light = once * far.direct + at_grazing * far.grazing;
@@ -321,12 +313,12 @@ void main() {
         vec2 seen = of_sky * brighter;
         vec3 mirrored = once * (seen.x * far.direct + things.x * around);
         mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
-#ifdef VIEW_LIGHT
+#ifdef LOBES
         if (found.mirrors) {
 #ifdef HAS_NORMAL_TEX
-            // Points know no normal map: what it tilts changes as the sky's image does.
-            float nv_of_points = max(dot(smooth_n, view), 1e-4);
-            SkyImage even = sky_image(reflect(-view, smooth_n), smooth_n, nv_of_points, roughness);
+            // They know no normal map: what it tilts changes as the sky's image does.
+            float even_nv = max(dot(smooth_n, view), 1e-4);
+            SkyImage even = sky_image(reflect(-view, smooth_n), smooth_n, even_nv, roughness);
             found.direct *= mix(vec3(1.0), ratio(far.direct, even.direct, MOST_TILTED), of_sky.x);
             found.grazing *= mix(vec3(1.0), ratio(far.grazing, even.grazing, MOST_TILTED), of_sky.y);
 #endif
@@ -350,7 +342,7 @@ void main() {
     holds_rad = min(HOLDS_RAD * roughness * roughness * roughness / max(share_of_coat, 1e-3), 1.0);
 #endif
 #ifdef SHEEN
-#ifdef SURFACE_LIGHT
+#ifdef IRRADIANCE
     vec3 on_sheen = reached.rgb;
 #else
     vec3 on_sheen = sky_irradiance(n) * occlusion;
@@ -368,7 +360,7 @@ void main() {
 #ifdef CLEARCOAT
     radiance = under_clearcoat(
         radiance, clearcoat, smooth_n, view, highlights,
-#ifdef SURFACE_LIGHT
+#ifdef IRRADIANCE
         reached.a * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
             + max(reached.rgb - reached.a * open_irradiance(smooth_n), 0.0) / PI
 #else
@@ -381,7 +373,7 @@ void main() {
 #endif
 #ifdef THROUGH_AIR
     float metres = length(eye_to_sample), lit_air = 1.0;
-#ifdef SURFACE_LIGHT
+#ifdef IRRADIANCE
     lit_air = light_in_air(reached.a, metres);
 #endif
     radiance = through_air(radiance, -view, metres, lit_air);

@@ -16,8 +16,8 @@ layout(location = TEXCOORD_1_LOC) in vec2 texcoord_1;
 #ifdef COLOR_0_LOC
 layout(location = COLOR_0_LOC) in vec4 color_0;
 #endif
-#ifdef LIGHT_MAP
-layout(location = TANGENT_LOC) in vec4 map_place;  // texels from the corner of its rectangle
+#ifdef TANGENT_LOC
+layout(location = TANGENT_LOC) in vec4 map_place;  // in its chart
 #endif
 
 uniform mat4 clip_from_model;
@@ -45,7 +45,7 @@ out vec2 second_uv;
 #ifdef COLOR_0_LOC
 centroid out vec4 vertex_color;
 #endif
-#ifdef LIGHT_MAP
+#ifdef TANGENT_LOC
 centroid out vec2 place_px;
 #endif
 
@@ -71,7 +71,7 @@ void main() {
 #ifdef COLOR_0_LOC
     vertex_color = color_0;
 #endif
-#ifdef LIGHT_MAP
+#ifdef TANGENT_LOC
     place_px = map_place.xy;
 #endif
 }

@@ -43,7 +43,7 @@ SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
     return SkyImage(reflected_sky(about, roughness), reflected_sky(cut, narrower));
 }
 
-#ifdef SURFACE_LIGHT
+#ifdef IRRADIANCE
 // Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
 // shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_surface_light.py).
 vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {

@@ -49,7 +49,7 @@ class MovingPictures:
                 passes.sky.draw(targets.size, view, shot.light, shot.disc, True, shot.defines.sky)
             with passes.measure("copy and meter"):
                 radiance = self._reprojection.keep(targets, shot)
-            if blended or passes.parts.are_seen:
+            if blended or passes.parts.are_drawn:
                 targets.draw_over()
                 with passes.measure("parts over the sky"):
                     passes.parts.draw_over_sky(targets.size, view)

@@ -1,9 +1,10 @@
 // The surroundings of a glossy part as a cube map seen from its middle: radiance weighed by
-// alpha, the share that is neither sky nor open ground. render/reflection_probes.py uploads it.
+// alpha, the share that is neither sky nor open ground. reflection_probes.py uploads it.
 
-layout(binding = 16) uniform samplerCube mirror;
-layout(binding = 17) uniform samplerCube mirror_nearness;  // one over distances, 1/m
-uniform vec3 mirror_eye_m;                                 // the eye, from the middle
+//!sampler samplerCube mirror
+// One over distances, 1/m.
+//!sampler samplerCube mirror_nearness
+uniform vec3 mirror_eye_m;  // the eye, from the middle
 
 const int MIRROR_STEPS = 4;
 const float MIRROR_FARTHEST = 4.0;  // ground reaches beyond the scene

@@ -8,6 +8,7 @@ from stateful_backend import opened
 
 from vrut_lite.array import Array
 from vrut_lite.geometry.reflection import reflectance
+from vrut_lite.messages.light_map import LightMapLaid
 from vrut_lite.messages.view_light import ViewLightChanged
 
 pytestmark = pytest.mark.gl
@@ -25,7 +26,8 @@ def backend(gl_backend, tmp_path):
     scene = opened(square(tmp_path, surface(0.0, 1.0)))
     layout = laid(scene, ((1, 2),))
     texels = even(layout, 1.0, 0.0)
-    backend.change(scene=scene, light_map=layout, surface_light=lit(layout, texels))
+    backend.change(scene=scene)
+    backend.hear(layout, lit(layout, texels))
     backend.by_map = look(backend, *ABOVE).radiance.astype(float)
     return backend
 
@@ -41,7 +43,7 @@ def of_view(backend, irradiance, plane=LEVEL, edge_px=4, mirrored=None):
     if mirrored is not None:
         lobes[..., :3], lobes[..., 3] = np.reshape(mirrored, (2, 1, 1, 1)) / 2.0, 1.0
     message = ViewLightChanged(
-        layout_key=backend.state.light_map.layout_key,
+        layout_key=backend.state.shown(LightMapLaid).layout_key,
         camera=backend.state.camera,
         size_px=(SIZE, SIZE),
         edge_px=edge_px,
@@ -54,7 +56,7 @@ def of_view(backend, irradiance, plane=LEVEL, edge_px=4, mirrored=None):
     )
     message.check()
     message.check_arrays()
-    backend.change(view_light=message)
+    backend.hear(message)
 
 
 def test_surfaces_have_the_light_of_points_on_them(backend):
@@ -106,7 +108,7 @@ def test_coats_and_metals_mirror_what_points_tell(backend, tmp_path, metallic, m
     material |= {"normalTexture": {"index": 0}} if mapped else {}
     backend.change(scene=opened(square(tmp_path, material, [flat] if mapped else [])))
     layout = laid(backend.state.scene, ((1, 2),))
-    backend.change(light_map=layout, surface_light=lit(layout, even(layout, 0.0, 0.0)))
+    backend.hear(layout, lit(layout, even(layout, 0.0, 0.0)))
     slanted = ((0.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.3)
     look(backend, *slanted)
     found = []
@@ -153,7 +155,8 @@ def test_what_is_cut_out_is_even_in_a_finished_still(gl_backend, tmp_path):
     wires = {"pbrMetallicRoughness": pbr, "alphaMode": "MASK", "doubleSided": True}
     scene = opened(square(tmp_path, wires, [texels], corners=CORNERS * 16.0))
     layout = laid(scene, ((1, 2),))
-    backend.change(scene=scene, light_map=layout, surface_light=lit(layout, even(layout, 1.0, 0.0)))
+    backend.change(scene=scene)
+    backend.hear(layout, lit(layout, even(layout, 1.0, 0.0)))
     above = ((0.0, 16.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(0.25))
     look(backend, *above)
     of_view(backend, np.ones((12, 12)))

@@ -24,7 +24,8 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.ground_disc import GroundDisc
-from vrut_lite.messages.light_map import GroundChart
+from vrut_lite.messages.light_map import GroundChart, LightMapLaid, SurfaceLightChanged
+from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.render.still_picture import FEWER_SHIFTS_PX
 from vrut_lite.scene.scene_state import FrameSkips
 
@@ -52,7 +53,8 @@ def show(backend, path, texels=None, ground=None, probes=None, values=None, corn
     scene = opened(path, ground)
     layout = laid(scene, corners, CHART if ground else None, probes)
     made = (texels or even)(layout)
-    backend.change(scene=scene, light_map=layout, surface_light=lit(layout, made, values))
+    backend.change(scene=scene)
+    backend.hear(layout, lit(layout, made, values))
     return layout, made
 
 
@@ -145,7 +147,7 @@ def test_the_ground_goes_over_into_open_ground_without_an_edge(backend, tmp_path
     view = ((0.0, 20.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(0.5))
     show(backend, path, lambda layout: even(layout, np.pi / 2), GROUND)
     row = look(backend, *view).radiance[SIZE // 2, :, 0].astype(float)
-    backend.change(light_map=None, surface_light=None)
+    backend.forget(LightMapLaid, SurfaceLightChanged)
     bare = look(backend, *view).radiance[SIZE // 2, :, 0]
     away_m = np.abs(20.0 * 0.5 * ((np.arange(SIZE) + 0.5) / SIZE * 2.0 - 1.0))
     np.testing.assert_allclose(row[away_m < 5.5], 0.25, rtol=1e-3)
@@ -163,14 +165,14 @@ def test_without_light_the_picture_is_that_of_the_open_sky_to_the_byte(backend, 
     light(backend, np.ones((6, 16, 16, 3)), **sun)
     plain = look(backend, *view).radiance
     layout = laid(scene, ((1, 2),), CHART, PROBES)
-    backend.change(light_map=layout)
+    backend.hear(layout)
     np.testing.assert_array_equal(look(backend, *view).radiance, plain)
     values = np.ones((5, 4, 5, 6, 4))
-    backend.change(surface_light=lit(layout, even(layout, 1.0, 0.5), values))
+    backend.hear(lit(layout, even(layout, 1.0, 0.5), values))
     assert np.abs(look(backend, *view).radiance - plain).max() > 0.05
-    backend.change(surface_light=None)
+    backend.forget(SurfaceLightChanged)
     np.testing.assert_array_equal(look(backend, *view).radiance, plain)
-    backend.change(light_map=None)
+    backend.forget(LightMapLaid)
     np.testing.assert_array_equal(look(backend, *view).radiance, plain)
 
 
@@ -180,7 +182,7 @@ def test_a_new_hour_uploads_its_light_alone(backend, tmp_path):
     look(backend, *ABOVE)
     for light_of_hour, uploads in ((lit(layout, even(layout, 1.0)), 1), (None, 0)):
         before = backend.counters.done["upload"]
-        backend.change(surface_light=light_of_hour or backend.state.surface_light)
+        backend.hear(light_of_hour or backend.state.shown(SurfaceLightChanged))
         look(backend, *ABOVE)
         assert backend.counters.done["upload"] - before == uploads
 
@@ -190,10 +192,11 @@ def test_light_is_scaled_by_its_message(backend, tmp_path):
     scene = opened(matte(tmp_path, 0.5), GROUND)
     layout = laid(scene, ((1, 2),), CHART)
     eye = ((3.0, 1.0, 0.0), (3.0, 0.0, 1e-3), 0.3)
-    backend.change(scene=scene, light_map=layout)
+    backend.change(scene=scene)
+    backend.hear(layout)
     for irradiance, scale in ((1e-7, 2.0**-30), (3e5, 2.0**10)):
         texels = even(layout, irradiance, 1.0)
-        backend.change(surface_light=lit(layout, texels, scale=scale))
+        backend.hear(lit(layout, texels, scale=scale))
         found = look(backend, *eye).radiance[SIZE // 2, SIZE // 2]
         np.testing.assert_allclose(found, 0.5 * irradiance / np.pi, rtol=1e-3)
 
@@ -264,7 +267,8 @@ def test_gloss_mirrors_the_sky_only_where_it_is_seen(backend, tmp_path, towards,
     # Half of the sky, in the mean of the hemisphere: a line along x, past 0 and 1.
     sky = np.array([3.0 * towards, 0.0, 0.0, 0.5])
     seen = lit(layout, even(layout, 0.5 * np.pi, 0.5), sky=sky)
-    backend.change(scene=scene, light_map=layout, surface_light=seen)
+    backend.change(scene=scene)
+    backend.hear(layout, seen)
     aslant = look(backend, (-1.0, 1.0, 0.0), (0.0, 0.0, 0.0), 2 * np.arctan(0.1))
     np.testing.assert_allclose(aslant.radiance[SIZE // 2, SIZE // 2], expected, atol=0.02)
 
@@ -296,7 +300,8 @@ def test_a_coat_sees_of_the_sky_what_its_lobe_does(backend, tmp_path, roughness,
     layout, shown = laid(scene, ((1, 2),)), {}
     for slope, share in ((0.0, 1.0), (0.5, 0.5), (-0.5, 0.5)):
         seen = lit(layout, even(layout, share * np.pi, share), sky=np.array([slope, 0, 0, share]))
-        backend.change(scene=scene, light_map=layout, surface_light=seen)
+        backend.change(scene=scene)
+        backend.hear(layout, seen)
         aslant = look(backend, (-1.0, height_m, 0.0), (0.0, 0.0, 0.0), 2 * np.arctan(0.02))
         shown[slope] = aslant.radiance[SIZE // 2, SIZE // 2, 1]
     ahead, _ = mean_of_lobe(height_m / np.hypot(1.0, height_m), roughness)
@@ -346,9 +351,9 @@ def test_air_in_a_room_without_windows_does_not_glow(backend, tmp_path, share, g
     show(backend, matte(tmp_path, 0.0), lambda layout: even(layout, 0.0, share))
     dark = look(backend, *ABOVE).radiance
     assert dark.max() == 0.0
-    backend.show(air_of(volume_of(1e-2, 8.0)))
+    backend.hear(air_of(volume_of(1e-2, 8.0)))
     glow = look(backend, *ABOVE).radiance
-    backend.change(light_map=None, surface_light=None)
+    backend.forget(LightMapLaid, SurfaceLightChanged)
     in_open_air = look(backend, *ABOVE).radiance
     assert in_open_air.min() > 0.01
     np.testing.assert_allclose(glow, in_open_air if glows else dark, rtol=1e-5)
@@ -457,3 +462,24 @@ def test_the_light_meter_reads_the_map(backend, tmp_path):
     # In the air, and on open ground.
     for place in ((0.0, 5.0, 0.0), (60.0, 0.0, 0.0)):
         assert lux(backend, place, (0, 1, 0)) == pytest.approx(np.pi * 683.0, rel=1e-3)
+
+
+def test_moving_pictures_take_over_light_that_changes_with_the_hour_alone(backend, tmp_path):
+    """A finer round of rays or another layout is seen at once; with a sun that moves by a fifth of
+    a degree other light comes by and by."""
+
+    def sun_at(x):
+        sun = {"sun_direction": (x, 1.0, 0.0), "sun_irradiance": (9.0,) * 3}
+        light(backend, np.ones((6, 16, 16, 3)), **sun)
+
+    sun_at(0.0)
+    layout, _ = show(backend, matte(tmp_path, 0.5))
+    before = backend.state
+    np.testing.assert_array_equal(change_of_light(before, backend.state), np.ones(3))
+    backend.hear(lit(layout, even(layout, 2.0)))
+    assert change_of_light(before, backend.state) is None
+    sun_at(0.004)
+    np.testing.assert_allclose(change_of_light(before, backend.state), np.ones(3))
+    finer = laid(backend.state.scene, ((1, 2),), key="finer")
+    backend.hear(finer, lit(finer, even(finer, 2.0)))
+    assert change_of_light(before, backend.state) is None

@@ -47,7 +47,8 @@ def show(backend, path, cube, part=0, corners=((1, 2),), scale=1.0, room_m=(HALF
             message.check()
             message.check_arrays()
         assert changed.fits(layout)
-    backend.change(scene=scene, light_map=layout, surface_light=changed)
+    backend.change(scene=scene)
+    backend.hear(layout, changed)
     return look(backend, *ABOVE).radiance
 
 

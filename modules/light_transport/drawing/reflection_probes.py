@@ -5,18 +5,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.light_map import ReflectionProbes, SurfaceLightChanged
-from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 
-# As mirror.glsl binds them.
-_LIGHT_UNIT, _NEARNESS_UNIT = 16, 17
+SAMPLERS = ("mirror", "mirror_nearness")
 
 
 class MirrorCubes:
     """The cubes of one hour's light; used on the GL thread only."""
 
-    def __init__(self, context: Any):
-        self._context = context
+    def __init__(self, gl: PartGl):
+        self._gl, self._context = gl, gl.context
         self._mirrors: ReflectionProbes | None = None
         self._light: SurfaceLightChanged | None = None
         # By number: radiance and nearness, with their light and layout.
@@ -53,18 +52,20 @@ class MirrorCubes:
             radiance.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
             self._radiance_is_of[number] = self._light
 
-    def bind(self, number: int, eye_m: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bind a part's cubes, which are uploaded; the eye (3,) as seen from their middle."""
+    def bind(self, number: int) -> None:
+        """Bind a part's cubes, which are uploaded."""
+        for sampler, cube in zip(SAMPLERS, self._textures[number], strict=True):
+            cube.use(location=self._gl.unit(sampler))
+
+    def from_middle_m(self, number: int, eye_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The eye (3,) as seen from the middle of a part's cubes."""
         assert self._mirrors is not None
-        radiance, nearness_cube = self._textures[number]
-        radiance.use(location=_LIGHT_UNIT)
-        nearness_cube.use(location=_NEARNESS_UNIT)
         return np.asarray(eye_m - self._mirrors.centre_m.values[number])
 
     def release(self) -> None:
         """Free the GL objects."""
         if self._textures:
-            bind_permanent_framebuffer(self._context)
+            self._gl.leave_framebuffers()
         for cubes in self._textures.values():
             for cube in cubes:
                 cube.release()

@@ -1,18 +1,21 @@
-"""The scene manager and the light map: it asks for one, and takes what belongs to its scene."""
+"""What of the light map is shown: what the scene manager demands, and what belongs together."""
 
 import msgspec
 import numpy as np
 import pytest
 import trimesh
+from light_transport.drawing.mapped_scene import FewerRaysLight, layout_in, mapped_scene
 
 from vrut_lite.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION
 from vrut_lite.kernel.messages import EnableModule, RestartModule, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 
@@ -73,6 +76,13 @@ def lit(layout):
     )  # fmt: skip
 
 
+def known(state):
+    """The layout and the light that are shown."""
+    heard = state.parts.get("light_transport", {})
+    lit_scene = mapped_scene(heard)
+    return layout_in(heard), None if lit_scene is None else lit_scene.light
+
+
 def test_light_on_surfaces_is_asked_for_where_there_are_surfaces(stage):
     """Without a scene nobody is to bake anything."""
     kernel, _, _, load = stage
@@ -86,7 +96,7 @@ def test_where_no_backend_draws_a_light_map_none_is_baked(stage, tmp_path):
     """A path tracer finds the light between surfaces by itself."""
     load_file = LoadScene(path=str(tmp_path / "1.glb"))
     kernel = Kernel()
-    kernel.add_module(SceneManager, light_map=False)
+    kernel.add_module(SceneManager, lights_surfaces=False)
     kernel.inject(load_file)
     kernel.pump_until_idle()
     assert kernel.wanted(CloudsChanged) is not None
@@ -98,11 +108,11 @@ def test_map_and_light_of_the_open_scene_are_kept(stage):
     _, _, post, load = stage
     layout = laid(load(0))
     state = post(layout)
-    assert (state.light_map, state.surface_light) == (layout, None)
+    assert known(state) == (layout, None)
     for light in (lit(layout), msgspec.structs.replace(lit(layout), rays=2)):
         state = post(light)
-        assert state.light_map is layout
-        assert state.surface_light is light
+        assert known(state)[0] is layout
+        assert known(state)[1] is light
 
 
 def test_light_of_another_scene_or_layout_is_dropped(stage):
@@ -110,13 +120,42 @@ def test_light_of_another_scene_or_layout_is_dropped(stage):
     _, _, post, load = stage
     scene = load(0)
     layout = laid(scene)
-    assert post(laid(scene, parts=2)).light_map is None
-    assert post(msgspec.structs.replace(layout, content_key="other")).light_map is None
+    assert known(post(laid(scene, parts=2)))[0] is None
+    assert known(post(msgspec.structs.replace(layout, content_key="other")))[0] is None
     state = post(layout, lit(laid(scene, "later")))
-    assert (state.light_map, state.surface_light) == (layout, None)
-    assert post(lit(layout)).surface_light is not None
+    assert known(state) == (layout, None)
+    assert known(post(lit(layout)))[1] is not None
     # A finer layout: the light of the last one no longer lies where it says.
-    assert post(laid(scene, "finer")).surface_light is None
+    assert known(post(laid(scene, "finer")))[1] is None
+
+
+def test_light_by_fewer_rays_is_kept_for_the_noise_of_its_hour(stage):
+    """The difference of two hours, or of two layouts, is no noise."""
+    _, _, post, load = stage
+    layout = laid(load(0))
+    first, second, later = (
+        msgspec.structs.replace(lit(layout), rays=rays, sky_level=level)
+        for rays, level in ((1, 5.0), (2, 5.0), (4, 6.0))
+    )
+    assert post(layout, first).shown(FewerRaysLight) is None
+    assert post(second).shown(FewerRaysLight).light is first
+    assert post(later).shown(FewerRaysLight) is None
+    assert post(first).shown(FewerRaysLight) is None
+
+
+def test_light_of_a_view_is_kept_until_other_light_comes(stage):
+    """Rays of its points are of one hour and one map."""
+    _, _, post, load = stage
+    layout = laid(load(0))
+    view = StillAsked(camera=MoveCamera(eye_m=(0, 1, 2), target_m=(0, 1, 0)), size_px=(8, 8))
+
+    def points(key):
+        return ViewLightChanged.without_points(view, key, 1, "test")
+
+    assert post(layout, lit(layout), points("other")).shown(ViewLightChanged) is None
+    asked = points(layout.layout_key)
+    assert post(asked).shown(ViewLightChanged) is asked
+    assert post(lit(layout)).shown(ViewLightChanged) is None
 
 
 def test_another_scene_drops_the_light_and_the_same_again_keeps_it(stage):
@@ -126,9 +165,9 @@ def test_another_scene_drops_the_light_and_the_same_again_keeps_it(stage):
     light = lit(layout)
     post(layout, light)
     load(0)
-    assert view.state.surface_light is light
+    assert known(view.state)[1] is light
     load(1)
-    assert (view.state.light_map, view.state.surface_light) == (None, None)
+    assert known(view.state) == (None, None)
 
 
 def test_a_restarted_manager_shows_the_same_light(stage):
@@ -139,7 +178,7 @@ def test_a_restarted_manager_shows_the_same_light(stage):
     post(layout, light)
     kernel.inject(RestartModule(module="scene"))
     kernel.pump_until_idle()
-    assert view.state.surface_light is light
+    assert known(view.state)[1] is light
 
 
 def test_without_its_holder_the_open_sky_lights_surfaces(stage):
@@ -149,11 +188,11 @@ def test_without_its_holder_the_open_sky_lights_surfaces(stage):
     light = lit(layout)
     post(layout, light)
     enabled(kernel, False)
-    assert (view.state.light_map, view.state.surface_light) == (None, None)
+    assert known(view.state) == (None, None)
     load(0)
-    assert (view.state.light_map, view.state.surface_light) == (None, None)
+    assert known(view.state) == (None, None)
     enabled(kernel, True)
-    assert post(layout, light).surface_light is light
+    assert known(post(layout, light))[1] is light
 
 
 def test_a_holder_that_fails_takes_its_light_along(stage, monkeypatch):
@@ -163,11 +202,11 @@ def test_a_holder_that_fails_takes_its_light_along(stage, monkeypatch):
     post(layout, lit(layout))
     monkeypatch.setattr(Transport, "given", (None,))
     for _ in range(FAULTS_UNTIL_SUSPENSION):
-        assert view.state.surface_light is not None
+        assert known(view.state)[1] is not None
         kernel.inject(Tick(elapsed_s=0.1))
         kernel.pump_until_idle()
     assert kernel.last_fault("transport").suspended
-    assert (view.state.light_map, view.state.surface_light) == (None, None)
+    assert known(view.state) == (None, None)
 
 
 def enabled(kernel, enabled):

@@ -1,24 +1,21 @@
-// Light on a surface without the direct sun: RGB irradiance in W m^-2, and in alpha the share of
-// the open sky that arrives. render/surface_light.py uploads it.
+// Light on surfaces by the light map: texels (LIGHT_MAP), probes (LIGHT_PROBES), or the chart of the
+// ground (GROUND_LIGHT). surface_light.py uploads it.
 
-layout(binding = 5) uniform sampler2D light_map;
-layout(binding = 6) uniform sampler3D light_probes;  // its layers: six faces, each all of z
-layout(binding = 7) uniform sampler2D open_sky;      // open_irradiance.py's table
-layout(binding = 32) uniform sampler2D visible_sky;  // b and a of the share a + b . d that is seen
+//!sampler sampler2D light_map
+// Its layers: six faces, each all of z.
+//!sampler sampler3D light_probes
+// The table of open_irradiance.py.
+//!sampler sampler2D open_sky
+// `Reached.sky`.
+//!sampler sampler2D visible_sky
 //!include surface_light_block.glsl
 
-const float FEWEST_THINGS = 0.05;  // share of all directions below which things are too few to tell
+#ifdef LIGHT_MAP
+uniform vec2 light_corner_px;    // of the surface's rectangle in the light map
+#endif
+const float MOST_BEHIND = 10.0;  // times the light of the front, on the back of a sheet
 const float OPEN_AIR = 0.5;      // share of the sky at a surface from which the air before it gets all
 const float GROUND_FADE = 0.7;  // of the half width, where the map goes over into open ground
-
-// Light, and towards where the sky is seen from there: b and a of the share a + b . d. Where points
-// of the view tell, also what both parts of Schlick's term mirror.
-struct Reached {
-    vec4 light;
-    vec4 sky;
-    bool mirrors;
-    vec3 direct, grazing;
-};
 
 Reached by_map(vec4 light, vec4 sky) {
     return Reached(light, sky, false, vec3(0.0), vec3(0.0));
@@ -56,9 +53,10 @@ Reached ground_light(vec3 point) {
 #endif
 
 #ifdef VIEW_LIGHT
+#define LOBES
 // Points that the picture shows: their light, their triangles' planes from the eye, and what coats
 // mirror there, by both parts of Schlick's term.
-layout(binding = 31) uniform sampler3D view_points;
+//!sampler sampler3D view_points
 const float SAME_PLANE = 2e-3;  // of the distance from the eye
 const float SAME_FACING = 0.97;
 const float FEW_POINTS = 0.1;     // share of a fragment that the four points about it have
@@ -137,11 +135,53 @@ float light_in_air(float share_of_sky, float metres) {
     return mix(smoothstep(0.0, OPEN_AIR, share_of_sky), 1.0, far);
 }
 
-vec3 ratio(vec3 wanted, vec3 had, float most) {
-    return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
-}
-
 // Ratio of the open sky's irradiance on planes with two normals.
 vec3 tilted(vec3 n, vec3 from, float most) {
     return ratio(open_irradiance(n), open_irradiance(from), most);
 }
+
+// Light of a surface with this normal, and with its normal map's normal.
+Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+#if defined(GROUND_LIGHT)
+    return ground_light(eye_to_point);
+#elif defined(LIGHT_MAP)
+#ifdef TWO_SIDED
+    // The map has the light of the front alone.
+    if (behind) {
+#ifdef LIGHT_PROBES
+        if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
+#endif
+        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face)).light;
+        front.rgb *= tilted(n, -smooth_n, MOST_BEHIND);
+        return by_map(front, vec4(0.0, 0.0, 0.0, front.a));
+    }
+#endif
+    Reached front = map_light(light_corner_px + place_px * centroid_factor(face));
+#ifdef HAS_NORMAL_TEX
+    front.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+#endif
+    return front;
+#else
+    return probe_light(eye_to_point, n);
+#endif
+}
+
+// The same, finer where points of the view are known.
+Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind, float occlusion) {
+    Reached found = light_of_scene(face, smooth_n, n, behind);
+#ifdef VIEW_LIGHT
+    if (add_points_of_view(point_in_triangle(face), face, found)) {
+#ifdef HAS_NORMAL_TEX
+        found.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+#endif
+    }
+#endif
+#ifndef LIGHT_MAP
+    found.light *= occlusion;  // of folds that are too fine for probes or the ground's texels
+#endif
+    return found;
+}
+
+#ifdef MIRROR
+//!include mirror.glsl
+#endif

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from light_map_stage import fetched
+from light_transport.drawing.open_irradiance import NODES, open_irradiance
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, irradiance_coefficients
-from vrut_lite.render.open_irradiance import NODES, open_irradiance
 
 
 def looked_up(table, n):
