@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from light_transport.surfaces.surfaces import surfaces_of
-from render.term_stage import material
 from scene_stage import square
+from term_stage import material
 
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.thin_film import film_reflectance

@@ -7,9 +7,9 @@ from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
-from render.term_stage import ALBEDO, F0, GROUND, material
 from scene_stage import CORNERS, ORDER, look, square
 from stateful_backend import StatefulBackend, opened
+from term_stage import ALBEDO, F0, GROUND, material
 
 mitsuba_or_skip()
 SIZE = (4, 4)

@@ -1,4 +1,4 @@
-"""The scene manager: opens scenes, demands light and air, and owns the `SceneState`."""
+"""The scene manager: opens scenes, demands light and what parts hear, and owns the `SceneState`."""
 
 from dataclasses import replace
 from types import MappingProxyType
@@ -176,7 +176,7 @@ class SceneManager(Module):
             normal, offset_m = section or (None, 0.0)
             self.link.post(SectionChanged(normal=normal, offset_m=offset_m))
 
-    # --- its light and its air ----------------------------------------------------------
+    # --- its light and its parts --------------------------------------------------------
 
     @handles(BackgroundChanged)
     def on_background(self, message: BackgroundChanged) -> None:

@@ -1,4 +1,4 @@
-// What a surface does to light that comes from one direction: the sun's, or a lamp's.
+// What a surface does to light that comes from one direction: the sun's, or an extra light's.
 
 // A surface as it is seen. `more` is what bounces between facets add; `through` the share of light
 // that comes from the paint out through the coat, over the share of even light that goes in.

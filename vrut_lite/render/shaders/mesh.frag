@@ -336,7 +336,7 @@ void main() {
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
-    // A wide lobe turns slowly past what it mirrors, and evens out all but sun and lamps.
+    // A wide lobe turns slowly past what it mirrors, and evens out all but sun and extra lights.
     vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT + GLINTS_COUNT * glints;
     float share_of_coat = dot(of_coat, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-30);
     holds_rad = min(HOLDS_RAD * roughness * roughness * roughness / max(share_of_coat, 1e-3), 1.0);
