@@ -6,6 +6,7 @@ from clouds.model.cloud_transport import transport_tables
 
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.frame_part import all_parts, heard_with
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite_lab.cloud_accuracy import ordinates_of
 
@@ -89,4 +90,4 @@ def slab_irradiance(layer, sun):
 
 def clouded(*layers):
     """The part of a `SceneState` that shows these layers."""
-    return {"parts": {CloudsChanged: CloudsChanged(layers=layers, source="test")}}
+    return {"parts": heard_with(all_parts(), CloudsChanged(layers=layers, source="test"))}

@@ -26,7 +26,7 @@ class StatefulBackend:
         is_relit = not LIGHT.isdisjoint(parts) and "sky_light" not in parts
         if is_relit and LIGHT.isdisjoint(self.state.missing):
             self.state = self.state.under_clear_sky()
-        if "scene" in parts:
+        if not {"scene", "parts"}.isdisjoint(parts) and self.state.scene is not None:
             self.hear(self.state.scene)
 
     def hear(self, *messages):

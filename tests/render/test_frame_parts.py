@@ -101,7 +101,7 @@ def glowing(gl_owner, box_file, tmp_path, install):
 @pytest.mark.parametrize("still", [True, False])
 def test_a_part_adds_to_the_sky_alone(glowing, still):
     """Above the horizon its radiance, below it and on the box nothing; in motion as at rest."""
-    glowing.show(GlowShown(glow=(3.0, 2.0, 1.0)))
+    glowing.hear(GlowShown(glow=(3.0, 2.0, 1.0)))
     up = look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0), still=still).radiance
     np.testing.assert_allclose(up, np.broadcast_to([3.0, 2.0, 1.0], up.shape), rtol=1e-6)
     box = look(glowing, (0.0, 1.0, 2.0), (0.0, 1.0, 0.0), still=still).radiance
@@ -111,7 +111,7 @@ def test_a_part_adds_to_the_sky_alone(glowing, still):
 @pytest.mark.gl
 def test_parts_stay_whole_while_the_camera_turns(glowing):
     """Moving pictures reuse the sky of the last one at another depth; each pixel keeps the glow."""
-    glowing.show(GlowShown(glow=(3.0, 2.0, 1.0)))
+    glowing.hear(GlowShown(glow=(3.0, 2.0, 1.0)))
     for turn in range(4):
         target = (0.02 * turn, 9.0, 0.0)
         seen = look(glowing, (0.0, 1.0, 9.0), target, still=False).radiance
@@ -122,7 +122,7 @@ def test_parts_stay_whole_while_the_camera_turns(glowing):
 def test_a_part_that_raises_is_left_out_and_named_once(glowing, caplog):
     """The other part and the picture stay."""
     for glow in (1.0, 2.0):
-        glowing.show(GlowShown(glow=(glow,) * 3))
+        glowing.hear(GlowShown(glow=(glow,) * 3))
         assert look(glowing, (0.0, 1.0, 9.0), (0.0, 9.0, 0.0)).radiance.max() == glow
     assert [record.getMessage() for record in caplog.records] == [
         "the frame part Broken is left out of pictures: ZeroDivisionError: no glow"
