@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import msgspec
 
-from vrut_lite.frame_part import all_parts, heard_with, heard_without
+from vrut_lite.installed_parts import all_parts, heard_with, heard_without
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.packing import packed
 from vrut_lite.scene.scene_state import SceneState

@@ -68,9 +68,11 @@ BELOW = {
         "pictures",
         "place_time",
         "frame_part",
+        "installed_parts",
     },
     "message_codec": {"kernel"},
     "frame_part": {"kernel", "messages"},
+    "installed_parts": {"kernel", "messages", "frame_part"},
     "render": {
         "kernel",
         "geometry",
@@ -80,6 +82,7 @@ BELOW = {
         "scene",
         "pictures",
         "frame_part",
+        "installed_parts",
     },
     "testing": {"kernel", "geometry", "messages", "sky", "recording", "discovery"},
 }

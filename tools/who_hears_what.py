@@ -16,7 +16,7 @@ from pathlib import Path
 
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.discovery import discover
-from vrut_lite.frame_part import frame_parts
+from vrut_lite.installed_parts import frame_parts
 from vrut_lite.kernel.messages import (
     KERNEL_MESSAGES,
     ChooseSlot,

@@ -7,21 +7,14 @@ picture: `prepare`, solid surfaces and the sky, `draw_over_sky`, `draw_over_soli
 light through. Nobody else knows of it.
 """
 
-import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.errors import UserError
-from vrut_lite.foreign_errors import sentence_of
-from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera
@@ -31,18 +24,12 @@ from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.uniform_block import UniformBlock
 
-GROUP = "vrut_lite.frame_parts"
-# GLSL of parts: `//!include NAME.glsl` brings that of the installed part.
-GLSL_HOOKS = ("sun_factor", "irradiance", "extra_lights", "through_air")
 # What a part shows: its latest messages, by type.
 Heard = Mapping[type[Derived], Derived]
-# That of each part that is switched on, by its name.
-PartsHeard = Mapping[str, Heard]
 Size = tuple[int, int]
 D = TypeVar("D", bound=Derived)
 # Stands for the number of a part of the scene.
 GROUND = -1
-_log = logging.getLogger(__name__)
 
 
 # Whether no surface stands in a unit direction (3,) from a point, up to a distance in m.
@@ -379,8 +366,8 @@ class FramePart:
         `hour_moved`: sun and sky have changed a little with the hour, else they are the same.
         """
         if cls.sun_factor or cls.extra_lights:
-            return _are_same(before, now)
-        return cls.through_air is None or hour_moved or _are_same(before, now)
+            return are_same(before, now)
+        return cls.through_air is None or hour_moved or are_same(before, now)
 
     def show(self, heard: Heard) -> None:
         """Draw these from the next picture on; called when one of them changes."""
@@ -443,36 +430,6 @@ class FramePart:
         """Free the GL objects that the part made by itself."""
 
 
-@cache
-def frame_parts() -> dict[str, type[FramePart]]:
-    """Parts by the names of their entry points; a part that fails to load is left out, warned."""
-    found: dict[str, type[FramePart]] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        try:
-            part = point.load()
-            if not (isinstance(part, type) and issubclass(part, FramePart)):
-                raise UserError("it names no subclass of FramePart")
-            for hook in GLSL_HOOKS:
-                if getattr(part, hook) and (other := part_with(hook, found)):
-                    raise UserError(f"the frame part {other} has the hook {hook} already")
-            found[point.name] = part
-        except BaseException as error:
-            pass_interrupt(error)
-            _log.warning("the frame part %s failed to load: %s", point.name, sentence_of(error))
-    return found
-
-
-def part_with(hook: str, parts: Mapping[str, type[FramePart]]) -> str:
-    """Name of the part that has the GLSL of a hook, or an empty text."""
-    return next((name for name, part in parts.items() if getattr(part, hook)), "")
-
-
-def heard_by_parts() -> tuple[type[Derived], ...]:
-    """Types of all messages that parts hear, but for the scene, which the manager posts."""
-    kinds = dict.fromkeys(kind for part in frame_parts().values() for kind in part.hears)
-    return tuple(kind for kind in kinds if kind is not SceneOpened)
-
-
 def latest(heard: Heard, kind: type[D]) -> D | None:
     """The latest message of a type that is heard, or None."""
     message = heard.get(kind)
@@ -480,99 +437,6 @@ def latest(heard: Heard, kind: type[D]) -> D | None:
     return message
 
 
-def all_parts() -> PartsHeard:
-    """All installed parts, switched on, before they hear anything."""
-    return MappingProxyType(dict.fromkeys(frame_parts(), MappingProxyType({})))
-
-
-def heard_with(parts: PartsHeard, message: Derived) -> PartsHeard:
-    """The parts after a message that arrives; the same object if none shows it."""
-    changed: dict[str, Heard] = {}
-    for name, heard in parts.items():
-        part = frame_parts()[name]
-        if type(message) in part.hears:
-            after = part.hear(heard, message)
-            if not _are_same(heard, after):
-                changed[name] = MappingProxyType(dict(after))
-    return MappingProxyType({**parts, **changed}) if changed else parts
-
-
-def heard_without(parts: PartsHeard, is_dropped: Callable[[type[Derived]], bool]) -> PartsHeard:
-    """The parts without messages of some types; the same object if none has such a message."""
-    if not any(is_dropped(kind) for heard in parts.values() for kind in heard):
-        return parts
-    return MappingProxyType(
-        {
-            name: MappingProxyType({k: heard[k] for k in heard if not is_dropped(k)})
-            for name, heard in parts.items()
-        }
-    )
-
-
-def changed_kinds(before: PartsHeard, now: PartsHeard) -> set[type[Derived]]:
-    """Types of messages that parts show otherwise than before."""
-    none: Heard = {}
-    return {
-        kind
-        for name in before.keys() | now.keys()
-        for old, new in [(before.get(name, none), now.get(name, none))]
-        for kind in old.keys() | new.keys()
-        if old.get(kind) is not new.get(kind)
-    }
-
-
-def shown_by_parts(parts: PartsHeard, kind: type[D]) -> D | None:
-    """The latest message of a type that parts hear, or None."""
-    found = (latest(heard, kind) for heard in parts.values())
-    return next((message for message in found if message is not None), None)
-
-
-def part_reach_m(parts: PartsHeard, camera: MoveCamera) -> float:
-    """Distance from the eye up to which parts draw things in the air."""
-    reach_m = (part.reach_m(heard, camera) for part, heard in _on(parts))
-    return max(reach_m, default=0.0)
-
-
-def sun_share(parts: PartsHeard, point_m: Vector, direction: Vector) -> float:
-    """Share of the sun in a direction that parts let reach a point."""
-    share = 1.0
-    for part, heard in _on(parts):
-        share *= part.sun_share(heard, point_m, direction)
-    return share
-
-
-def extra_irradiance(
-    parts: PartsHeard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
-) -> FloatArray:
-    """Irradiance (3,), W m^-2, of all parts' lights on a plane."""
-    total = np.zeros(3)
-    for part, heard in _on(parts):
-        total += part.extra_irradiance(heard, point_m, normal, is_free)
-    return total
-
-
-def irradiance_at(parts: PartsHeard, hit: Hit, sky: AmbientChanged) -> FloatArray | None:
-    """Irradiance (3,) that a part gives a surface, or None: the open sky lights it."""
-    found = (part.irradiance_at(heard, hit, sky) for part, heard in _on(parts))
-    return next((irradiance for irradiance in found if irradiance is not None), None)
-
-
-def finishes_still(parts: PartsHeard, camera: MoveCamera, size_px: Size) -> bool:
-    """Whether a part has the light of a finished still from here."""
-    return any(part.finishes(heard, camera, size_px) for part, heard in _on(parts))
-
-
-def may_reuse_surfaces(before: PartsHeard, now: PartsHeard, hour_moved: bool) -> bool:
-    """Whether all parts let moving pictures take over surfaces that were drawn before."""
-    return all(
-        part.may_reuse(before.get(name, {}), now.get(name, {}), hour_moved)
-        for name, part in frame_parts().items()
-    )
-
-
-def _on(parts: PartsHeard) -> list[tuple[type[FramePart], Heard]]:
-    return [(frame_parts()[name], heard) for name, heard in parts.items()]
-
-
-def _are_same(before: Heard, now: Heard) -> bool:
+def are_same(before: Heard, now: Heard) -> bool:
+    """Whether a part heard the very same messages."""
     return before.keys() == now.keys() and all(before[kind] is now[kind] for kind in now)

@@ -9,7 +9,7 @@ from box_stage import uniform_sky
 from scene_stage import light, look
 from stateful_backend import StatefulBackend, opened
 
-from vrut_lite import frame_part
+from vrut_lite import installed_parts
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.frame_part import FramePart
 from vrut_lite.host import Host
@@ -63,7 +63,7 @@ class Broken(FramePart):
         raise ZeroDivisionError("no glow")
 
 
-CACHES = (frame_part.frame_parts, part_blocks, part_units, shader_source)
+CACHES = (installed_parts.frame_parts, part_blocks, part_units, shader_source)
 
 
 @pytest.fixture
@@ -72,10 +72,10 @@ def install(monkeypatch):
 
     def put(**parts):
         points = [
-            EntryPoint(name, f"{__name__}:{part.__name__}", frame_part.GROUP)
+            EntryPoint(name, f"{__name__}:{part.__name__}", installed_parts.GROUP)
             for name, part in parts.items()
         ]
-        monkeypatch.setattr(frame_part, "entry_points", lambda group: points)
+        monkeypatch.setattr(installed_parts, "entry_points", lambda group: points)
         for cached in CACHES:
             cached.cache_clear()
 
@@ -201,7 +201,7 @@ def test_a_part_lights_surfaces_in_place_of_the_sky(lit_box, caplog):
     """Twice the irradiance is twice as bright, for picture and light meter; where the part gives
     no more, the open sky lights them. A second part that lights surfaces is left out."""
     under_sky, sky_lux = on_box(lit_box)
-    assert list(frame_part.frame_parts()) == ["A"]
+    assert list(installed_parts.frame_parts()) == ["A"]
     shown = []
     for glow in (1.0, 2.0):
         lit_box.hear(GlowShown(glow=(glow, glow, glow)))
@@ -268,11 +268,11 @@ def test_a_part_gets_no_unit_that_the_driver_lacks(install, gl_owner, box_file, 
     assert "needs unit 1039" in caplog.text
 
 
-@pytest.mark.parametrize("hook", frame_part.GLSL_HOOKS)
+@pytest.mark.parametrize("hook", installed_parts.GLSL_HOOKS)
 def test_the_second_part_with_a_hook_is_left_out(install, monkeypatch, caplog, hook):
     """Shaders include the GLSL of one: two functions of a name would not compile."""
     for part in (Glow, Broken):
         monkeypatch.setattr(part, hook, Path("any.glsl"))
     install(Broken=Broken, Glow=Glow)
-    assert list(frame_part.frame_parts()) == ["Broken"]
+    assert list(installed_parts.frame_parts()) == ["Broken"]
     assert f"Glow failed to load: the frame part Broken has the hook {hook} already" in caplog.text

@@ -8,9 +8,9 @@ from scene_stage import light, look
 from stateful_backend import opened
 
 from vrut_lite.array import Array
-from vrut_lite.frame_part import all_parts
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
 from vrut_lite.geometry.sun_disc import points_radiance
+from vrut_lite.installed_parts import all_parts
 from vrut_lite.messages.night import THROUGH_PLACES, MoonDiscChanged, StarsChanged
 from vrut_lite.sky.moon_disc import moon_samples
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from vrut_lite.frame_part import may_reuse_surfaces
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.installed_parts import may_reuse_surfaces
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.scene_state import SceneState
 

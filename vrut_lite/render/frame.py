@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.frame_part import MeshChart, PartFrame, PartShadow, PartsHeard
+from vrut_lite.frame_part import MeshChart, PartFrame, PartShadow
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
+from vrut_lite.installed_parts import PartsHeard
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.night import MoonDiscChanged
 from vrut_lite.messages.sky import ViewShader, mean_level

@@ -16,14 +16,12 @@ from vrut_lite.frame_part import (
     Heard,
     MeshChart,
     PartFrame,
-    PartsHeard,
     PartTarget,
     PartView,
     PlacedSurface,
     Size,
-    frame_parts,
-    part_with,
 )
+from vrut_lite.installed_parts import PartsHeard, frame_parts, part_with
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer

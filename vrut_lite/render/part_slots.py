@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from vrut_lite.frame_part import frame_parts
+from vrut_lite.installed_parts import frame_parts
 from vrut_lite.uniform_block import UniformBlock
 
 # After those of the renderer's own blocks and textures.

@@ -10,13 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
-from vrut_lite.frame_part import (
-    Hit,
-    PartsHeard,
-    extra_irradiance,
-    irradiance_at,
-    sun_share,
-)
+from vrut_lite.frame_part import Hit
+from vrut_lite.installed_parts import PartsHeard, extra_irradiance, irradiance_at, sun_share
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.messages.gpu_texture import GpuTexture

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from vrut_lite.frame_part import GLSL_HOOKS, frame_parts, part_with
+from vrut_lite.installed_parts import GLSL_HOOKS, frame_parts, part_with
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.uniform_blocks import BLOCK_FILES
 

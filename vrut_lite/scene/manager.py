@@ -7,9 +7,8 @@ from typing import Any
 import msgspec
 
 from vrut_lite import __version__
-from vrut_lite.frame_part import (
-    FramePart,
-    Heard,
+from vrut_lite.frame_part import FramePart, Heard
+from vrut_lite.installed_parts import (
     PartsHeard,
     frame_parts,
     heard_by_parts,

@@ -5,7 +5,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Literal, Self, TypeVar
 
-from vrut_lite.frame_part import PartsHeard, finishes_still, shown_by_parts
+from vrut_lite.installed_parts import PartsHeard, finishes_still, shown_by_parts
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.camera import MoveCamera, frame_bounds
 from vrut_lite.messages.picture import SetExposure

@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.frame_part import heard_with
+from vrut_lite.installed_parts import heard_with
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.numeric_types import FloatArray

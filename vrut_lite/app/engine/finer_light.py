@@ -1,6 +1,6 @@
 """Demand for light by rays of the window's own picture, once that is finished."""
 
-from vrut_lite.frame_part import changed_kinds
+from vrut_lite.installed_parts import changed_kinds
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Derived
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
