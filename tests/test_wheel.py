@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PACKAGES = {
     "vrut_lite": ROOT / "vrut_lite",
-    **{path.parent.name: path.parent for path in sorted((ROOT / "modules").glob("*/module.py"))},
+    **{path.parent.name: path.parent for path in sorted((ROOT / "modules").glob("*/__init__.py"))},
 }
 
 

@@ -5,15 +5,15 @@ A panel is a QWidget of the group `vrut_lite.panels`, called with the window's `
 * `Session`: `send`, `listen`, `last`, `ask`, `look_up`; `ask` calls a question with the `Stage`, on
   the engine's thread.
 * Widgets as the window has them: `Chooser`, `aligned_form`, `faint_label`, `panel_column`,
-  `make_timer`, the colours of `theme`.
-* Pictures: `FittedPicture` and `rgb_image` show one; `display_picture` and `white_balance_matrix`
-  make display values of radiance; `file_title` and `write_picture` save it.
+  `make_timer`.
+* Pictures: `FittedPicture` shows one, `Legend` its false colours; `display_picture` and
+  `white_balance_matrix` make display values of radiance; `file_title` and `write_picture` save it.
 """
 
-from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.fitted_picture import FittedPicture
+from vrut_lite.app.legend import Legend
 from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.widgets import (
     Chooser,
@@ -21,7 +21,6 @@ from vrut_lite.app.widgets import (
     faint_label,
     make_timer,
     panel_column,
-    rgb_image,
 )
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.image_files import write_picture
@@ -30,6 +29,7 @@ from vrut_lite.pictures.white_balance import white_balance_matrix
 __all__ = [
     "Chooser",
     "FittedPicture",
+    "Legend",
     "Session",
     "Stage",
     "aligned_form",
@@ -38,8 +38,6 @@ __all__ = [
     "file_title",
     "make_timer",
     "panel_column",
-    "rgb_image",
-    "theme",
     "white_balance_matrix",
     "write_picture",
 ]

@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from light_transport.bake import Bake
 from light_transport.hour.illumination import Illumination
 from light_transport.jobs import first_rays
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
-from light_transport.tolerance import Quality, quality_for
+from light_transport.tolerance import TransportQuality, quality_for
+from light_transport.transport import SceneTransport
 
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
@@ -57,34 +57,34 @@ class GrowthCosts(NamedTuple):
     most_mb: float
 
 
-def costs_of(path: str, quality: Quality) -> GrowthCosts:
+def costs_of(path: str, quality: TransportQuality) -> GrowthCosts:
     """Bake a scene."""
     scene = packed(load_scene(path))
     begin = time.process_time()
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, None, quality.texels)
-    bake = Bake(surfaces, layout, 1, quality.patch_texels, quality.bounces_left)
+    transport = SceneTransport(surfaces, layout, 1, quality.patch_texels, quality.bounces_left)
     laid = time.process_time()
-    bake.add_rays(min(first_rays(bake.rows), quality.rays))
-    bake.light(_HOUR)
+    transport.add_rays(min(first_rays(transport.rows), quality.rays))
+    transport.light(_HOUR)
     first = time.process_time()
-    while bake.rays < quality.rays:
-        bake.add_rays(min(bake.rays, quality.rays - bake.rays))
-    bake.light(_HOUR)
+    while transport.rays < quality.rays:
+        transport.add_rays(min(transport.rays, quality.rays - transport.rays))
+    transport.light(_HOUR)
     baked = time.process_time()
     hours = []
     for _ in range(3):
         start = time.process_time()
-        bake.light(_HOUR)
+        transport.light(_HOUR)
         hours.append(time.process_time() - start)
     return GrowthCosts(
         scene.triangles,
-        len(bake.texels.pixel),
+        len(transport.texels.pixel),
         laid - begin,
         first - begin,
         baked - begin,
         min(hours),
-        bake.memory_bytes / 1e6,
+        transport.memory_bytes / 1e6,
         resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3,
     )
 

@@ -7,16 +7,11 @@ hour is then a few sparse products: daylight coefficients (Tregenza and Waters 1
 from importlib import import_module
 from typing import Any
 
-# Taken from their files when they are asked for: a start imports no compiler.
-_FOUND_IN = {
-    "annual": "light_transport.daylight_numbers.annual",
-    "daylight_factor": "light_transport.daylight_numbers.now",
-    "numbers_now": "light_transport.daylight_numbers.numbers_now",
-    "work_of": "light_transport.daylight_numbers.work",
-}
+# Names that scripts of earlier versions import from here.
+_OF_DAYLIGHT_NUMBERS = ("annual", "daylight_factor", "numbers_now", "work_of")
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _FOUND_IN:
+    if name not in _OF_DAYLIGHT_NUMBERS:
         raise AttributeError(f"light_transport has no {name}")
-    return getattr(import_module(_FOUND_IN[name]), name)
+    return getattr(import_module("daylight_numbers"), name)

@@ -12,8 +12,8 @@ from vrut_lite.njit import SUMS_IN_ORDER, njit, register_jitable
 _SMOOTH = 0.985
 
 kernel = njit(cache=True, nogil=True, error_model="numpy")
-# For what is called for each ray. These make no arrays, and count no references to those that they
-# get: counting took ten times as long as finding where a ray begins.
+# Kernels that are called for each ray. They make no arrays and count no references to their
+# arguments: counting took ten times as long as finding where a ray begins.
 _WITHOUT_COUNTS: dict[str, Any] = {"_nrt": False}
 hot: Any = njit(
     cache=True, nogil=True, error_model="numpy", fastmath=SUMS_IN_ORDER, **_WITHOUT_COUNTS

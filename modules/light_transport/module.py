@@ -2,31 +2,18 @@
 
 It listens to the opened scene and its light. It works only while a module demands
 `SurfaceLightChanged`. A scene is laid out and baked in background jobs, in rounds of rays that
-double; each hour is a job of its own, beside the rounds, by the rays that are there. What takes
-long to lay out is lit by probes until the first rays of its map are there.
+double; each hour is a job beside the rounds, by the present rays. A scene that takes long to lay
+out is lit by probes until the first rays of its map are traced.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from light_transport.jobs import (
-    Laid,
-    LaidProbes,
-    Plan,
-    Prepared,
-    Round,
-    Unwritten,
-    laid_out,
-    laid_probes,
-    lit,
-    view_lit,
-    with_rays,
-)
 from light_transport.messages import NAME, BakeGrown, no_light_map
 from light_transport.settings import LightTransportSettings
-from light_transport.tolerance import Quality, quality_for
-from light_transport.unseen_hours import looks_like
+from light_transport.tolerance import TransportQuality, TransportSizes, looks_like, quality_for
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.lazy import lazy
 from vrut_lite.messages.light_map import SLOT, LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import SkyRadianceChanged
@@ -34,12 +21,23 @@ from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
 from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 
+if TYPE_CHECKING:
+    from light_transport.jobs import (
+        Laid,
+        LaidProbes,
+        PreparedSurfaces,
+        TransportRound,
+        Unwritten,
+    )
+
+# Imported at the first job: rays take a tenth of a second to import.
+_jobs = lazy("light_transport.jobs")
 PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
 # Charts of more triangles take longer than half a second.
 _MANY_TRIANGLES = 30_000
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
-# A finished still has so many points with rays of their own as the map has texels, times this.
+# Points of a finished still with rays of their own, as a share of the map's texels.
 _POINTS_A_TEXEL = 2.0 / 3.0
 
 
@@ -54,15 +52,15 @@ class _Asked(NamedTuple):
 class LightTransport(Module):
     """Posts `LightMapLaid` once a scene and `SurfaceLightChanged` after each round and hour.
 
-    A scene of many triangles has two layouts: one of probes alone, and its map's, which is told
+    A scene of many triangles has two layouts: one of probes alone, and its map's, which is posted
     with the map's first light. A demand that names a number of rays makes light wait for so many.
 
     Switched off, it posts a layout of no scene, and the frame is lit by the open sky.
 
     With a demand for it, it lights each view of a finished still by `ViewLightChanged`.
 
-    The counters count "probes", "layout", "round", "hour" and "view", and skips: what is unwanted
-    or switched off, an hour that looks like the one before, one that a newer overtook, a view of a
+    The counters count "probes", "layout", "round", "hour" and "view", and skips: unwanted or
+    switched off, an hour that looks like the one before, one that a newer overtook, a view of a
     scene with lamps.
     """
 
@@ -83,12 +81,12 @@ class LightTransport(Module):
         super().__init__(link, settings)
         self._works = False
         # The inputs of the layout, and its result.
-        self._planned: Plan | None = None
+        self._sizes_laid: TransportSizes | None = None
         self._probes: LaidProbes | None = None
         self._laid: Laid | None = None
-        self._round: Round | None = None
+        self._round: TransportRound | None = None
         # The layout that was posted last.
-        self._told: LightMapLaid | None = None
+        self._posted: LightMapLaid | None = None
         self._asked: _Asked | None = None
         self._hours_under_way = 0
 
@@ -108,7 +106,7 @@ class LightTransport(Module):
         self._light_view()
 
     def settings_changed(self, name: str) -> None:
-        """Switch on or off, or begin anew in other sizes."""
+        """Switch on or off, or begin again in other sizes."""
         if name == "on":
             self._consider()
         else:
@@ -131,30 +129,30 @@ class LightTransport(Module):
         self._works = works
         self.link.demand(SkyRadianceChanged, SKY_SIZE if works else 0)
         self.link.demand(SkyLightChanged, None if works else 0)
-        if not works and self._told is not None:
+        if not works and self._posted is not None:
             self.link.post(no_light_map())
         self._begin()
 
     def _sizes_changed(self) -> None:
-        """Begin anew where the layout is another, else trace the rays that are missing."""
-        if self._laid is None or self._plan != self._planned:
+        """Begin again where the layout is another, else trace the missing rays."""
+        if self._laid is None or self._sizes != self._sizes_laid:
             self._begin()
         else:
             self._next_round()
 
     @property
-    def _plan(self) -> Plan:
+    def _sizes(self) -> TransportSizes:
         quality, texel_m = self._quality, self.settings.texel_m
         texels = quality.texels if texel_m is None else 0
-        return Plan(texel_m, texels, quality.patch_texels, quality.bounces_left)
+        return TransportSizes(texel_m, texels, quality.patch_texels, quality.bounces_left)
 
     @property
-    def _quality(self) -> Quality:
+    def _quality(self) -> TransportQuality:
         return quality_for(tolerance_of(self.link), self.settings.quality)
 
     @property
     def _least_rays(self) -> int:
-        """Of light that somebody looks at."""
+        """Minimum rays of light that is shown."""
         wanted = self.link.wanted(SurfaceLightChanged)
         named = None if wanted is None else wanted.size
         return min(named or 0, self._quality.rays)
@@ -165,7 +163,7 @@ class LightTransport(Module):
         """Drop the present layout and all jobs, and lay out the scene."""
         for job in (PROBES, LAYOUT, RAYS, HOUR, VIEW):
             self.link.cancel_job(job)
-        self._planned = self._probes = self._laid = self._round = self._told = None
+        self._sizes_laid = self._probes = self._laid = self._round = self._posted = None
         self._asked = None
         self._hours_under_way = 0
         scene = self.link.last(SceneOpened)
@@ -174,9 +172,9 @@ class LightTransport(Module):
         elif scene is not None and not scene.triangles and scene.ground is None:
             self.counters.skip("light map: a scene without surfaces")
         elif scene is not None:
-            self._planned = self._plan
+            self._sizes_laid = self._sizes
             if scene.triangles > _MANY_TRIANGLES and not self._least_rays:
-                self.link.start_job(PROBES, laid_probes, scene, role="awaited")
+                self.link.start_job(PROBES, _jobs.laid_probes, scene, role="awaited")
             else:
                 self._lay_out(scene, None)
 
@@ -201,24 +199,24 @@ class LightTransport(Module):
         else:
             self._take_hour(result.value)
 
-    def _take_probes(self, probes: LaidProbes) -> None:
+    def _take_probes(self, probes: "LaidProbes") -> None:
         scene = self.link.last(SceneOpened)
         if probes.round is None:
             self.counters.skip("probes: all lie inside bodies")
         else:
             self._probes, self._round = probes, probes.round
-            self._tell(probes.message)
+            self._post_layout(probes.message)
             self.counters.did("probes")
             self._light()
         if scene is not None:
             self._lay_out(scene, probes.prepared)
 
-    def _lay_out(self, scene: SceneOpened, prepared: "Unwritten[Prepared] | None") -> None:
+    def _lay_out(self, scene: SceneOpened, prepared: "Unwritten[PreparedSurfaces] | None") -> None:
         rays, of_still = self._quality.rays, self._least_rays > 0
-        asked = scene, self._planned, rays, prepared, of_still
-        self.link.start_job(LAYOUT, laid_out, *asked, role="awaited")
+        asked = scene, self._sizes_laid, rays, prepared, of_still
+        self.link.start_job(LAYOUT, _jobs.laid_out, *asked, role="awaited")
 
-    def _take_layout(self, laid: Laid) -> None:
+    def _take_layout(self, laid: "Laid") -> None:
         self._laid = laid
         # It holds the whole scene.
         self._probes = None
@@ -231,14 +229,14 @@ class LightTransport(Module):
         # The light of probes, or of the open sky, stands until that of the map is there: a frame
         # takes as long to learn of a layout as of its light.
         if self._laid is not None and light.layout_key == self._laid.message.layout_key:
-            self._tell(self._laid.message)
+            self._post_layout(self._laid.message)
         self.link.post(light)
         self.counters.did("hour")
         self._light_view()
 
-    def _tell(self, laid: LightMapLaid) -> None:
-        if laid is not self._told:
-            self._told = laid
+    def _post_layout(self, laid: LightMapLaid) -> None:
+        if laid is not self._posted:
+            self._posted = laid
             self.link.post(laid)
 
     def _next_round(self) -> None:
@@ -250,10 +248,10 @@ class LightTransport(Module):
         count = min(count, self._quality.rays - done.rays)
         if count > 0:
             wanted, of_still = self._quality.rays, self._least_rays > 0
-            asked = done.bake, count, wanted, of_still
-            self.link.start_job(RAYS, with_rays, *asked, role="refines")
+            asked = done.transport, count, wanted, of_still
+            self.link.start_job(RAYS, _jobs.with_rays, *asked, role="refines")
 
-    def _take_round(self, done: Round) -> None:
+    def _take_round(self, done: "TransportRound") -> None:
         assert self._laid is not None
         self._round = done
         self.counters.did("round")
@@ -296,8 +294,8 @@ class LightTransport(Module):
         else:
             self._hours_under_way += 1
         of_still = self._least_rays > 0
-        asked = self._round.bake, layout_key, hour, of_still
-        self.link.start_job(HOUR, lit, *asked, role="awaited")
+        asked = self._round.transport, layout_key, hour, of_still
+        self.link.start_job(HOUR, _jobs.lit, *asked, role="awaited")
 
     def _light_view(self) -> None:
         """Light the points that a finished still shows, by the last rays, if somebody wants it."""
@@ -315,8 +313,10 @@ class LightTransport(Module):
             self.counters.skip("view: lamps light the map by themselves")
             return
         key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)
-        bake, hour = self._round.bake, self._asked.hour
-        self.link.start_job(VIEW, view_lit, bake, key, hour, asked, points, role="refines")
+        transport, hour = self._round.transport, self._asked.hour
+        self.link.start_job(
+            VIEW, _jobs.view_lit, transport, key, hour, asked, points, role="refines"
+        )
 
     def _present_hour(self) -> SkyLightChanged | None:
         light = self.link.last(SkyLightChanged)

@@ -16,16 +16,23 @@ from light_transport.false_colours import (
     error_picture,
     light_picture,
 )
-from light_transport.legend import Legend
 from light_transport.messages import NAME, BakeGrown
 from light_transport.module import HOUR, LAYOUT, RAYS
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.panel_kit import Chooser, FittedPicture, Session, Stage, faint_label, panel_column
+from vrut_lite.panel_kit import (
+    Chooser,
+    FittedPicture,
+    Legend,
+    Session,
+    Stage,
+    faint_label,
+    panel_column,
+)
 
 _NOTHING = "No light map: the scene is lit by the open sky."
 _LIGHT, _SIZE, _ERROR = "Light", "Texel size", "Error"
-# What is shown, and how a value is written.
+# Meaning of each picture, and the format of its values.
 _MEANINGS = {
     _LIGHT: ("illuminance without the sun's or moon's own", lambda lx: f"{lx:.3g} lx"),
     _SIZE: ("edge of the texels", lambda edge_m: f"{edge_m:.3g} m"),
@@ -33,7 +40,7 @@ _MEANINGS = {
 }
 
 
-class Shown(NamedTuple):
+class ShownLightMap(NamedTuple):
     """A picture of the map, the seconds that the jobs behind it took, and the last two lights of
     one hour, by many rays and by fewer."""
 
@@ -52,7 +59,7 @@ class LightMapPanel(QWidget):
     def __init__(self, session: Session):
         super().__init__()
         self._session = session
-        self.shown: Shown | None = None
+        self.shown: ShownLightMap | None = None
         self._grown: BakeGrown | None = None
         self._light: SurfaceLightChanged | None = None
         # The latest light that more rays made of the same hour, and that of fewer.
@@ -82,7 +89,7 @@ class LightMapPanel(QWidget):
         self._grown = message
 
     def _was_laid(self, message: LightMapLaid) -> None:
-        # The first rays are there before their layout is told.
+        # The first rays are traced before their layout is posted.
         if self._grown is not None and self._grown.layout_key != message.layout_key:
             self._grown = None
         self._light = self._pair = None
@@ -97,7 +104,7 @@ class LightMapPanel(QWidget):
             question = partial(_shown, self.kind.currentText(), self._light, self._pair)
             self._session.ask(question, self._show)
 
-    def _show(self, shown: Shown) -> None:
+    def _show(self, shown: ShownLightMap) -> None:
         self.shown, self._pair = shown, shown.pair
         grown, light, picture = self._grown, self._light, shown.picture
         self.progress.setRange(0, grown.rays_wanted if grown is not None else 1)
@@ -129,7 +136,7 @@ def _shown(
     light: SurfaceLightChanged | None,
     pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None,
     stage: Stage,
-) -> Shown:
+) -> ShownLightMap:
     """On the engine's thread; the scene's state knows two lights of one hour, if any does."""
     kernel, state = stage.kernel, stage.state
     present, fewer = state.shown(SurfaceLightChanged), state.shown(FewerRaysLight)
@@ -144,7 +151,7 @@ def _shown(
             picture = density_picture(laid, scene)
     elif kind == _ERROR and pair is not None:
         picture = error_picture(*pair)
-    return Shown(picture, *_seconds(stage), pair)
+    return ShownLightMap(picture, *_seconds(stage), pair)
 
 
 def _seconds(stage: Stage) -> tuple[float, float]:

@@ -1,15 +1,12 @@
 """A still's light, its layout and that one's cut texels kept on disk: the same bytes, sooner."""
 
-import light_transport.bake
-import light_transport.cached_cuts
-import light_transport.hour.view_light
-import light_transport.layout.layout
 import numpy as np
 import pytest
 from boxes import box, floor, quads
 from light_stage import COARSE, LightStage, Look, Shine, Show, box_file, lights
-from light_transport.bake import Bake
-from light_transport.cached_cuts import kept_cut_texels
+from light_transport import transport, transport_files
+from light_transport.transport import SceneTransport
+from light_transport.transport_files import cached_split_texels
 
 from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, JobResult
 from vrut_lite.messages.light_map import SurfaceLightChanged
@@ -37,10 +34,10 @@ def made(monkeypatch):
 
         monkeypatch.setattr(module, name, noted)
 
-    note(light_transport.bake, "hour_light")
-    note(light_transport.hour.view_light, "view_light")
-    note(light_transport.cached_cuts, "cut_texels")
-    note(light_transport.layout.layout, "lay_out")
+    note(transport, "hour_light")
+    note(transport, "view_light")
+    note(transport_files, "split_texels")
+    note(transport, "lay_out")
     return names
 
 
@@ -73,7 +70,7 @@ def test_a_still_made_again_computes_no_light(scene, made):
     """Another session finds the layout and both lights of the first, and says the same, to the
     byte: layout, rounds of rays and light."""
     first = [message for message in told(scene) if not isinstance(message, JobResult)]
-    assert sorted(made) == ["cut_texels", "hour_light", "lay_out", "view_light"]
+    assert sorted(made) == ["hour_light", "lay_out", "split_texels", "view_light"]
     made.clear()
     again = [message for message in told(scene) if not isinstance(message, JobResult)]
     assert again == first
@@ -105,18 +102,18 @@ def test_damaged_files_are_made_again(scene, made, tmp_path):
         path.write_bytes(path.read_bytes()[:-100])
     made.clear()
     assert still_of(scene) == first
-    assert sorted(made) == ["cut_texels", "hour_light", "lay_out", "view_light"]
+    assert sorted(made) == ["hour_light", "lay_out", "split_texels", "view_light"]
 
 
 def test_cut_texels_are_the_same_read_as_found(made):
     """All arrays of a bake; texels of another size are cut anew."""
     scene = quads(*box((0, -0.5, 0), (1, 0.5, 1)), floor(-2, 3, -2, 3), texels=16)
     finer = quads(*box((0, -0.5, 0), (1, 0.5, 1)), floor(-2, 3, -2, 3), texels=24)
-    found, read = (Bake(*scene, cut=kept_cut_texels) for _ in range(2))
-    assert made == ["cut_texels"]
+    found, read = (SceneTransport(*scene, cut=cached_split_texels) for _ in range(2))
+    assert made == ["split_texels"]
     assert len(found.texels.cell_row)
     for one, other in zip(found.arrays, read.arrays, strict=True):
         assert one.dtype == other.dtype
         np.testing.assert_array_equal(one, other)
-    Bake(*finer, cut=kept_cut_texels)
-    assert made == ["cut_texels"] * 2
+    SceneTransport(*finer, cut=cached_split_texels)
+    assert made == ["split_texels"] * 2

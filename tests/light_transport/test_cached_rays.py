@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file, lights
-from light_transport.bake import Bake
-from light_transport.cached_rays import add_kept_rays
+from light_transport.transport import SceneTransport
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 
@@ -26,13 +25,13 @@ def light_of(*inputs):
 @pytest.fixture
 def traced(monkeypatch):
     """How many rays of each texel were traced, round by round."""
-    counts, add_rays = [], Bake.add_rays
+    counts, add_rays = [], SceneTransport.add_rays
 
     def noted(self, count, *arguments):
         counts.append(count)
         return add_rays(self, count, *arguments)
 
-    monkeypatch.setattr(Bake, "add_rays", noted)
+    monkeypatch.setattr(SceneTransport, "add_rays", noted)
     return counts
 
 
@@ -68,18 +67,15 @@ def test_rays_after_another_first_round_have_other_patches(traced):
     now = hour(2.0, irradiance=50.0, key=(0.5, 0.6, 0.3))
 
     def light_after(add, *rounds):
-        bake = Bake(*scene)
+        transport = SceneTransport(*scene)
         for count in rounds:
-            assert add(bake, count)
-        return bake.light(now).texels
+            add(transport, count)
+        return transport.light(now).texels
 
-    def add_or_read(bake, count):
-        return add_kept_rays(bake, count, lambda: False)
-
-    light_after(add_or_read, 16, 48)
-    kept = light_after(add_or_read, 48, 16)
+    light_after(SceneTransport.add_cached_rays, 16, 48)
+    kept = light_after(SceneTransport.add_cached_rays, 48, 16)
     assert traced == [16, 48, 48, 16]
-    np.testing.assert_array_equal(kept, light_after(Bake.add_rays, 48, 16))
+    np.testing.assert_array_equal(kept, light_after(SceneTransport.add_rays, 48, 16))
 
 
 def test_rays_of_two_rounds_may_be_traced_at_once():
@@ -87,10 +83,10 @@ def test_rays_of_two_rounds_may_be_traced_at_once():
     scene = quads(*box((0, -0.5, 0), (1, 0.5, 1)), floor(-2, 3, -2, 3), texels=16)
     tables = []
     for rounds in ((16, 16, 32), (16, 48)):
-        bake = Bake(*scene)
+        transport = SceneTransport(*scene)
         for count in rounds:
-            bake.add_rays(count)
-        tables.append(bake.table)
+            transport.add_rays(count)
+        tables.append(transport.table)
     for by_rounds, at_once in zip(*tables, strict=True):
         np.testing.assert_array_equal(by_rounds, at_once)
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from light_transport.bake import Bake
 from light_transport.giving_up import always
-from light_transport.hour import rays_by_noise
-from light_transport.hour.free_points import light_at
-from light_transport.hour.view_light import view_light
-from light_transport.hour.view_smoothing import PointGrid, smoothed
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.transport import SceneTransport
+from light_transport.view import point_light
+from light_transport.view.point_light import light_at
+from light_transport.view.view_light import view_light
+from light_transport.view.view_smoothing import PointGrid, smoothed
 from mesh_scenes import grid, opened
 
 from vrut_lite.messages.camera import MoveCamera
@@ -28,17 +28,19 @@ def test_the_dark_foot_of_a_box_does_not_spread(high_m):
     back) and is not too bright in the mean."""
     sides = box((-0.2, 0.0, -0.2), (0.2, high_m, 0.2))
     ground = floor(-0.8, 0.8, -0.8, 0.8)
-    bake = Bake(*quads(ground, *sides, texels=16, reflectance=0.0))
-    bake.add_rays(256)
-    light, texels = bake.light(hour(1.0)), bake.texels
-    places_m = texels.place * bake.surfaces.radius_m + bake.surfaces.centre_m
+    transport = SceneTransport(*quads(ground, *sides, texels=16, reflectance=0.0))
+    transport.add_rays(256)
+    light, texels = transport.light(hour(1.0)), transport.texels
+    places_m = texels.place * transport.surfaces.radius_m + transport.surfaces.centre_m
     beside = np.abs(places_m[:, [0, 2]]).max(axis=1) - 0.2
     foot = (places_m[:, 1] < 1e-3) & (texels.normal[:, 1] > 0.9)
     foot &= (beside > 0.0) & (beside < 1.01 * TEXEL_M)
     assert foot.sum() == 20
     column, row = texels.pixel[foot].T
     lifted = places_m[foot] + [0.0, 1e-4, 0.0]
-    true = light_at(bake, lifted, texels.normal[foot], hour(1.0), 4096).irradiance_rgb[:, 1]
+    true = light_at(
+        transport, lifted, texels.normal[foot], transport.light(hour(1.0)), 4096
+    ).irradiance_rgb[:, 1]
     error = light.texels[row, column, 1] / true - 1.0
     print(f"\nbox of {high_m} m: {np.sqrt(np.mean(error**2)):.1%} rms, {error.mean():+.1%}")
     assert np.sqrt(np.mean(error**2)) < 0.027
@@ -50,13 +52,15 @@ def test_corners_of_rooms_get_twice_as_many_rays_and_bodies_no_more():
     smoothing takes little noise. In how many rounds rays come does not matter."""
     body = box((0.4, -0.1, 0.4), (0.9, 0.3, 0.9))
     scene = quads(*box((-1, 0, -1), (1, 2, 1), inwards=True), *body, texels=24)
-    bake, rounds = Bake(*scene), Bake(*scene)
-    bake.add_rays(64)
+    transport, rounds = SceneTransport(*scene), SceneTransport(*scene)
+    transport.add_rays(64)
     for count in (8, 8, 8, 40):
         rounds.add_rays(count)
     for column in ("traced", "valid", "nearness", "free"):
-        np.testing.assert_array_equal(getattr(rounds.table, column), getattr(bake.table, column))
-    traced, texels = bake.table.traced[: len(bake.texels.pixel)], bake.texels
+        np.testing.assert_array_equal(
+            getattr(rounds.table, column), getattr(transport.table, column)
+        )
+    traced, texels = transport.table.traced[: len(transport.texels.pixel)], transport.texels
     place = texels.place * scene[0].radius_m + scene[0].centre_m
     aside = np.sort(1.0 - np.abs(place - [0.0, 1.0, 0.0]), axis=1)
     on_room = texels.triangle < 12
@@ -73,14 +77,16 @@ def test_look_ups_beside_a_wall_that_cuts_texels_find_the_light_there(across):
     of it, look-ups take a texel's light for its middle's. Within a texel of the wall they err by
     less than 2 % rms (2.3 to 3.1 % if texels showed the means of their rays)."""
     wall = box((across, 0.0, -0.8), (across + 0.4, 0.5, 0.8))
-    bake = Bake(*quads(floor(-0.8, 0.8, -0.8, 0.8), *wall, texels=16, reflectance=0.0))
-    bake.add_rays(1024)
+    transport = SceneTransport(
+        *quads(floor(-0.8, 0.8, -0.8, 0.8), *wall, texels=16, reflectance=0.0)
+    )
+    transport.add_rays(1024)
     x, z = np.meshgrid(across - np.linspace(0.005, 0.1, 20), np.linspace(-0.4, 0.4, 20))
     places_m = np.stack([x, np.full(x.shape, 1e-4), z], axis=-1).reshape(-1, 3)
     up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
-    true = light_at(bake, places_m, up, hour(1.0), 1024).irradiance_rgb[:, 1]
+    true = light_at(transport, places_m, up, transport.light(hour(1.0)), 1024).irradiance_rgb[:, 1]
     at_px = np.stack([(places_m[:, 0] + 0.8), (0.8 - places_m[:, 2])], axis=1) / TEXEL_M
-    error = looked_up(bake.light(hour(1.0)).texels[..., 1], at_px) / true - 1.0
+    error = looked_up(transport.light(hour(1.0)).texels[..., 1], at_px) / true - 1.0
     print(f"\nwall {across} m into a texel: {np.sqrt(np.mean(error**2)):.1%} rms")
     assert np.sqrt(np.mean(error**2)) < 0.02
 
@@ -105,8 +111,8 @@ def test_light_around_a_column_does_not_spread():
     surfaces = surfaces_of(scene)
     surfaces = replace(surfaces, reflectance_rgb=np.zeros_like(surfaces.reflectance_rgb))
     layout = lay_out(scene, surfaces, 0.08)
-    bake = Bake(surfaces, layout)
-    bake.add_rays(256)
+    transport = SceneTransport(surfaces, layout)
+    transport.add_rays(256)
     rng = np.random.default_rng(0)
     triangle = np.repeat(np.arange(len(surfaces.part) - len(facets), len(surfaces.part)), 20)
     weights = rng.dirichlet(np.ones(3), len(triangle))
@@ -116,8 +122,10 @@ def test_light_around_a_column_does_not_spread():
     )
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     places_m += surfaces.centre_m + 1e-3 * normal
-    true = light_at(bake, places_m, normal, hour(1.0), 1024).irradiance_rgb[:, 1]
-    error = (looked_up(bake.light(hour(1.0)).texels[..., 1], at_px) - true) / true.mean()
+    true = light_at(transport, places_m, normal, transport.light(hour(1.0)), 1024).irradiance_rgb[
+        :, 1
+    ]
+    error = (looked_up(transport.light(hour(1.0)).texels[..., 1], at_px) - true) / true.mean()
     print(f"\ncolumn: {np.sqrt(np.mean(error**2)):.1%} rms")
     assert np.sqrt(np.mean(error**2)) < 0.07
 
@@ -155,28 +163,30 @@ def test_corners_of_a_still_have_no_teeth(monkeypatch):
         [[2, 1, 0.5], [2, 1, 2], [2, 2, 2], [2, 2, 0.5]],
     ]
     surfaces, layout = quads(*walls, *[quad[::-1] for quad in frame], reflectance=0.3)
-    bake = Bake(surfaces, layout)
-    bake.add_rays(64)
+    transport = SceneTransport(surfaces, layout)
+    transport.add_rays(64)
     light = hour(1.0)
     camera = MoveCamera(
         eye_m=(1.5, 1.5, 0.0), target_m=(-2.0, 0.5, -0.5), vertical_field_of_view_rad=1.2
     )
     traced = []
 
-    def counted(bake, places_m, *rest, **named):
+    def counted(transport, places_m, *rest, **named):
         traced.append(len(places_m))
-        return light_at(bake, places_m, *rest, **named)
+        return light_at(transport, places_m, *rest, **named)
 
     def drawn(rays):
         traced.clear()
-        return view_light(bake, light, camera, (72, 48), 1, rays, 1, always)
+        return view_light(
+            transport, light, transport.light(light), camera, (72, 48), 1, rays, 1, always
+        )
 
-    monkeypatch.setattr(rays_by_noise, "light_at", counted)
+    monkeypatch.setattr(point_light, "light_at", counted)
     found = drawn(64)
     assert len(traced) == 3
     assert traced[2] <= traced[0] / 16
     true = drawn(4096)
-    monkeypatch.setattr(rays_by_noise, "_MOST_AGAIN", 0.0)
+    monkeypatch.setattr(point_light, "_MOST_AGAIN", 0.0)
     before = drawn(64)
     normal = true.plane[..., :3]
     bent = (normal[:, 1:] * normal[:, :-1]).sum(axis=-1) < 0.5
@@ -200,20 +210,23 @@ def test_a_floor_in_two_pieces_is_one_floor():
     by less than half of the step between pieces of separate surfaces."""
     pieces = floor(-0.8, 0.0, -0.8, 0.8), floor(0.0, 0.8, -0.7, 0.9)
     wall = [[0.8, 0, -0.8], [0.8, 0, 0.8], [0.8, 1, 0.8], [0.8, 1, -0.8]]
-    bake = Bake(*quads(*pieces, wall, texels=16, reflectance=0.2))
-    bake.add_rays(16)
-    pairs = bake.seams
-    places = bake.texels.place * bake.surfaces.radius_m
+    transport = SceneTransport(*quads(*pieces, wall, texels=16, reflectance=0.2))
+    transport.add_rays(16)
+    pairs = transport.seams
+    places = transport.texels.place * transport.surfaces.radius_m
     assert len(pairs) >= 15
     assert np.abs(np.diff(places[pairs], axis=1)).max() < 0.12
 
     def jump():
-        light, (column, row) = bake.light(hour(1.0)).texels[..., 1], bake.texels.pixel[pairs].T
+        light, (column, row) = (
+            transport.light(hour(1.0)).texels[..., 1],
+            transport.texels.pixel[pairs].T,
+        )
         return np.sqrt(np.mean(np.diff(light[row, column], axis=0) ** 2))
 
     together = jump()
-    bake.seams = pairs[:0]
-    bake._finished = bake._light = None
+    transport.seams = pairs[:0]
+    transport._cache = transport._light = None
     assert together < 0.5 * jump()
 
 
@@ -221,8 +234,8 @@ def test_pieces_of_a_floor_are_apart_where_a_wall_stands_between_them():
     """Light of one side must not get to the other below it, however thin it is."""
     pieces = floor(-0.8, 0.0, -0.8, 0.8), floor(0.0, 0.8, -0.8, 0.8)
     thin = box((-0.004, 0.0, -0.8), (0.004, 1.0, 0.8))
-    assert len(Bake(*quads(*pieces, texels=16)).seams) > 0
-    assert len(Bake(*quads(*pieces, *thin, texels=16)).seams) == 0
+    assert len(SceneTransport(*quads(*pieces, texels=16)).seams) > 0
+    assert len(SceneTransport(*quads(*pieces, *thin, texels=16)).seams) == 0
 
 
 def test_a_strip_that_is_narrower_than_points_lie_apart_has_no_teeth():

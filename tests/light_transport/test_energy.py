@@ -8,16 +8,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from light_transport.bake import Bake
+from light_transport.giving_up import unless
+from light_transport.transport import SceneTransport
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, irradiance_coefficients
 
 
 def baked(scene, rays=64):
-    bake = Bake(*scene)
-    assert bake.add_rays(rays)
-    return bake
+    transport = SceneTransport(*scene)
+    transport.add_rays(rays)
+    return transport
 
 
 def _off(found, expected):
@@ -124,9 +126,12 @@ def test_what_is_sent_is_absorbed(albedo):
 
 def test_light_is_linear_in_sky_and_key_light():
     """The light of both together is that of the one and of the other."""
-    bake = baked(quads(*box((0, 0, 0), (1, 1, 1)), floor(-2, 3, -2, 3), reflectance=0.6))
-    sky, sun = bake.light(hour(2.0)), bake.light(hour(irradiance=50.0, key=(0.5, 0.6, 0.3)))
-    both = bake.light(hour(2.0, irradiance=50.0, key=(0.5, 0.6, 0.3)))
+    transport = baked(quads(*box((0, 0, 0), (1, 1, 1)), floor(-2, 3, -2, 3), reflectance=0.6))
+    sky, sun = (
+        transport.light(hour(2.0)),
+        transport.light(hour(irradiance=50.0, key=(0.5, 0.6, 0.3))),
+    )
+    both = transport.light(hour(2.0, irradiance=50.0, key=(0.5, 0.6, 0.3)))
     np.testing.assert_allclose(
         both.texels[..., :3], sky.texels[..., :3] + sun.texels[..., :3], rtol=3e-3, atol=1e-3
     )
@@ -155,13 +160,13 @@ def test_a_wall_of_two_texels_lets_no_light_into_a_dark_room():
     # Without the inner box's own floor, which would lie in the ground's plane.
     quads_of_room = [*outer, *(side for k, side in enumerate(inner) if k != 3)]
     scene = quads(ground, *quads_of_room, texels=texels, reflectance=0.8)
-    bake = baked(scene, 128)
-    light = bake.light(hour(5.0, irradiance=100.0, key=(0.4, 0.7, 0.2)))
+    transport = baked(scene, 128)
+    light = transport.light(hour(5.0, irradiance=100.0, key=(0.4, 0.7, 0.2)))
     found = on_quad(light, 0, texels)[..., :3]
-    place = bake.texels.place * scene[0].radius_m + scene[0].centre_m
-    on_floor = bake.texels.triangle < 2
+    place = transport.texels.place * scene[0].radius_m + scene[0].centre_m
+    on_floor = transport.texels.triangle < 2
     inside = (np.abs(place[:, [0, 2]]) < room / 2).all(axis=1) & on_floor
-    column, row = bake.texels.pixel[inside].T
+    column, row = transport.texels.pixel[inside].T
     outdoors = np.median(found)
     assert inside.sum() > 30
     assert found[row, column].max() < 1e-3 * outdoors
@@ -202,25 +207,25 @@ def test_a_body_is_dark_inside_however_it_is_marked(double_sided):
     """Rays that begin inside a box end at its back and do not count, whatever the file says."""
     body = box((0, -0.5, 0), (1, 0.5, 1))
     scene = quads(*body, floor(-2, 3, -2, 3), texels=24, double_sided=double_sided)
-    bake = baked(scene)
-    place = bake.texels.place * scene[0].radius_m + scene[0].centre_m
-    on_floor = bake.texels.triangle >= 12
+    transport = baked(scene)
+    place = transport.texels.place * scene[0].radius_m + scene[0].centre_m
+    on_floor = transport.texels.triangle >= 12
     deep = on_floor & (np.abs(place[:, [0, 2]] - 0.5) < 0.3).all(axis=1)
     assert deep.any()
-    assert (bake.table.valid[: len(place)][deep] == 0).all()
+    assert (transport.table.valid[: len(place)][deep] == 0).all()
     # They show the light of the nearest place outside.
-    assert (bake.light(hour(1.0)).texels[..., 0][bake.texels.row_of >= 0] > 0.1).all()
+    assert (transport.light(hour(1.0)).texels[..., 0][transport.texels.row_of >= 0] > 0.1).all()
 
 
 def test_rays_do_not_depend_on_rounds_or_threads():
     """64 rays at once by one thread and 24 and 40 by three: the same table, the same light."""
     scene = quads(*box((0, 0, 0), (1, 1, 1)), floor(-2, 3, -2, 3), texels=20)
-    one, three = Bake(*scene), Bake(*scene, threads=3)
+    one, three = SceneTransport(*scene), SceneTransport(*scene, threads=3)
     one.add_rays(64)
     three.add_rays(64)
     now = hour(2.0, irradiance=50.0, key=(0.5, 0.6, 0.3))
     np.testing.assert_array_equal(one.light(now).texels, three.light(now).texels)
-    rounds = Bake(*scene)
+    rounds = SceneTransport(*scene)
     rounds.add_rays(24)
     rounds.add_rays(40)
     np.testing.assert_array_equal(rounds.table.valid, one.table.valid)
@@ -228,8 +233,9 @@ def test_rays_do_not_depend_on_rounds_or_threads():
 
 def test_a_cancelled_round_changes_nothing():
     """Who cancels keeps the light that was there."""
-    bake = baked(quads(floor(0, 1, 0, 1)))
-    before = bake.table
-    assert not bake.add_rays(64, lambda: True)
-    assert bake.table is before
-    assert bake.rays == 64
+    transport = baked(quads(floor(0, 1, 0, 1)))
+    before = transport.table
+    with pytest.raises(GivenUp):
+        transport.add_rays(64, unless(lambda: True))
+    assert transport.table is before
+    assert transport.rays == 64

@@ -1,7 +1,7 @@
 """Light as halves: the same numbers as numpy's."""
 
 import numpy as np
-from light_transport.halves import halves, largest
+from light_transport.hour.halves import halves, largest
 
 
 def test_halves_are_the_nearest_ones_at_every_size():

@@ -2,9 +2,9 @@
 
 import numpy as np
 from boxes import box, floor, hour, quads
-from light_transport.bake import Bake
-from light_transport.hour.key_lattice import FARTHEST, direction_of, directions_around
-from light_transport.lighting import key_shares
+from light_transport.hour.key_light import FARTHEST, direction_of, directions_around
+from light_transport.hour.relighting import key_shares
+from light_transport.transport import SceneTransport
 
 
 def test_any_direction_lies_between_three_fixed_ones_near_it():
@@ -44,14 +44,14 @@ def test_light_does_not_step_while_a_shadow_passes_small_patches():
     quarter of all that it changes. Rays towards the sun itself bring nine tenths at once.
     """
     roof = box((-1.0, 0.5, -1.0), (0.0, 0.6, 1.0))
-    bake = Bake(*quads(floor(-1, 1, -1, 1), *roof, texels=2), patch_texels=1.0)
-    bake.add_rays(256)
-    below = bake.texels.normal[:, 1] < -0.5
-    row, column = bake.texels.pixel[below][:, ::-1].T
+    transport = SceneTransport(*quads(floor(-1, 1, -1, 1), *roof, texels=2), patch_texels=1.0)
+    transport.add_rays(256)
+    below = transport.texels.normal[:, 1] < -0.5
+    row, column = transport.texels.pixel[below][:, ::-1].T
     seen = []
     for turn in np.radians(np.arange(40.0, 70.0, 0.25)):
         now = hour(key=(np.sin(turn), np.cos(turn), 0.0), irradiance=100.0)
-        seen.append(bake.light(now).texels[row, column, 1].astype(float))
+        seen.append(transport.light(now).texels[row, column, 1].astype(float))
     steps = np.abs(np.diff(seen, axis=0)).max(axis=0)
     changes = np.ptp(seen, axis=0)
     assert changes.max() > 5.0
@@ -62,29 +62,29 @@ def test_kept_shadows_change_no_light():
     """An hour after others, to which the clock came back, has the light, to the bit, that it has
     alone."""
     scene = quads(floor(-2, 2, -2, 2), *box((-0.5, 0, -0.5), (0.5, 1, 0.5)))
-    bake, fresh = Bake(*scene), Bake(*scene)
-    bake.add_rays(64)
+    transport, fresh = SceneTransport(*scene), SceneTransport(*scene)
+    transport.add_rays(64)
     fresh.add_rays(64)
     forth = np.arange(10.0, 16.0, 0.5)
     for turn in np.radians([*forth, 30.0, *forth[::-1], 10.5]):
         now = hour(1.0, key=(np.sin(turn), np.cos(turn), 0.3), irradiance=50.0)
-        light = bake.light(now).texels
+        light = transport.light(now).texels
     np.testing.assert_array_equal(light, fresh.light(now).texels)
 
 
 def test_grazing_light_is_not_lost_at_the_surface_itself():
     """Some of the fixed directions around a sun on the horizon lie behind a wall that it grazes."""
     wall = [[0, 0, 1], [0, 0, -1], [0, 2, -1], [0, 2, 1]]
-    bake = Bake(*quads(floor(-1, 1, -1, 1, y=-0.5), wall))
-    bake.add_rays(64)
+    transport = SceneTransport(*quads(floor(-1, 1, -1, 1, y=-0.5), wall))
+    transport.add_rays(64)
     for x, y in ((0.02, 0.5), (0.5, 0.02)):
         now = hour(key=(x, y, 0.3), irradiance=1.0)
         direction = np.asarray(now.key_direction)
-        share = key_shares(bake, bake.finished, now)
-        asked = bake.finished.key_shadows.rays.ray < 8
-        cosine = bake.receivers.geometry.faces[bake.texels.triangle] @ direction
+        share = key_shares(transport, transport.cache, now)
+        asked = transport.cache.key_shadows.rays.ray < 8
+        cosine = transport.receivers.geometry.faces[transport.texels.triangle] @ direction
         facing = asked & (cosine > 0.0)
         # The wall hides some of the floor.
-        facing &= bake.texels.normal[:, 1] < 0.5
+        facing &= transport.texels.normal[:, 1] < 0.5
         assert facing.any()
         np.testing.assert_allclose(share[facing], cosine[facing], rtol=1e-4)

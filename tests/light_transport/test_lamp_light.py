@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
 from lamp_maker import lamps_of, spot_table
-from light_transport.bake import Bake
 from light_transport.hour.lamp_light import _share, lamps_in_radii
+from light_transport.transport import SceneTransport
 
 from vrut_lite.messages.lamps import MOST_DRAWN
 
 
 def lit(scene, *lamps, rays=64):
     """The light that lamps alone make, those that the frame draws itself left out."""
-    bake = Bake(*scene)
-    bake.lamps = lamps_of(*lamps)
-    assert bake.add_rays(rays)
-    return bake.light(hour()).texels[..., :3]
+    transport = SceneTransport(*scene)
+    transport.lamps = lamps_of(*lamps)
+    transport.add_rays(rays)
+    return transport.light(hour()).texels[..., :3]
 
 
 def on_quad(texels, number, count=8):

@@ -6,9 +6,9 @@
 import numpy as np
 import pytest
 from boxes import hour
-from light_transport.bake import Bake
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.transport import SceneTransport
 from long_parameters import mostly_long
 from mesh_scenes import box, opened
 
@@ -56,9 +56,9 @@ def test_a_shut_room_is_dark_in_the_mean(texels_thick):
     surfaces = surfaces_of(scene)
     surfaces.reflectance_rgb[:] = 0.8
     layout = lay_out(scene, surfaces, TEXEL_M)
-    bake = Bake(surfaces, layout)
-    bake.add_rays(128)
-    light = bake.light(hour(5.0, irradiance=100.0, key=(0.4, 0.7, 0.2))).texels[..., 1]
+    transport = SceneTransport(surfaces, layout)
+    transport.add_rays(128)
+    light = transport.light(hour(5.0, irradiance=100.0, key=(0.4, 0.7, 0.2))).texels[..., 1]
     weights, found = looked_up(layout, light, np.random.default_rng(0))
     places = np.einsum("fnk,fkc->fnc", weights, surfaces.corners_m) + surfaces.centre_m
     inwards = np.einsum("fnc,fc->fn", [0.0, 0.5 * HIGH_M, 0.0] - places, surfaces.face_normals())

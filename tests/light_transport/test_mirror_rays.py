@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 from boxes import box, floor, hour, quads
-from light_transport.bake import Bake
 from light_transport.rays import mirror_rays
-from light_transport.rays.mirror_parts import MirrorParts, mirror_parts
+from light_transport.rays.mirror_rays import MirrorParts, mirror_parts
 from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.transport import SceneTransport
 from trimesh.visual.material import PBRMaterial
 
 from vrut_lite.geometry.cube_map import FACES
@@ -20,9 +20,9 @@ from vrut_lite.scene.packing import packed
 NOBODY = 99
 
 
-def parts(bake, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0)):
+def parts(transport, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0)):
     """One part that is seen from a place in metres."""
-    surfaces = bake.surfaces
+    surfaces = transport.surfaces
     place = (np.array([centre], float) - surfaces.centre_m) / surfaces.radius_m
     return MirrorParts(
         np.array([part], np.int32),
@@ -35,14 +35,14 @@ def parts(bake, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0))
 
 def seen(scene, now, part, centre, rays=64, **more):
     """The cube (6, e, e, 4) of a part, and the bake that it is of."""
-    bake = Bake(*scene)
+    transport = SceneTransport(*scene)
     # No part of the scene: one point serves for it.
     nobody = patch.object(mirror_rays, "_share_from_middle", return_value=1.0)
     with nobody if part == NOBODY else nullcontext():
-        bake.add_mirrors(parts(bake, part, centre, **more))
-    bake.add_rays(rays)
-    light = bake.light(now)
-    return light.mirrors[0].astype(float), bake, light
+        transport.add_mirrors(parts(transport, part, centre, **more))
+    transport.add_rays(rays)
+    light = transport.light(now)
+    return light.mirrors[0].astype(float), transport, light
 
 
 def walls_of_a_room(ball=True):
@@ -78,10 +78,10 @@ def test_a_mirror_in_a_furnace_disappears():
 def test_open_sky_and_ground_are_left_to_the_frame():
     """Above the floor alpha is 0 and no light; below it is 1, at the floor's distance."""
     scene = quads(floor(-9, 9, -9, 9), reflectance=0.5)
-    cube, bake, _ = seen(scene, hour(2.0), NOBODY, (0, 3, 0))
+    cube, transport, _ = seen(scene, hour(2.0), NOBODY, (0, 3, 0))
     assert (cube[2] == 0.0).all()
     np.testing.assert_array_equal(cube[3, ..., 3], 1.0)
-    nearness = bake.mirrors.nearness[0] / bake.surfaces.radius_m
+    nearness = transport.mirrors.nearness[0] / transport.surfaces.radius_m
     edge = nearness.shape[1]
     assert 1.0 / nearness[3, edge // 2, edge // 2] == pytest.approx(3.0, rel=1e-3)
     assert (nearness[2] == 0.0).all()
@@ -98,17 +98,17 @@ def test_the_long_floor_of_a_room_has_a_cube():
     """All of a convex room is seen from its middle, however long it is; and the ground below a
     thin floor, which no eye sees in it, does not count."""
     below = floor(-1, 1, -6, 6, y=-0.1)
-    bake = Bake(*corridor(below))
-    bake.add_mirrors(parts(bake, 0, (0, -0.05, 0), radius=0.9))
-    assert bake.mirrors is not None
+    transport = SceneTransport(*corridor(below))
+    transport.add_mirrors(parts(transport, 0, (0, -0.05, 0), radius=0.9))
+    assert transport.mirrors is not None
 
 
 def test_a_floor_that_goes_round_a_corner_has_none():
     """Behind two walls across, one point sees a third of what the floor does."""
     across = [[[-1, 0, z], [1, 0, z], [1, 2.5, z], [-1, 2.5, z]] for z in (-2.0, 2.0)]
-    bake = Bake(*corridor(*across, *(wall[::-1] for wall in across)))
-    bake.add_mirrors(parts(bake, 0, (0, 0.1, 0), radius=0.9))
-    assert bake.mirrors is None
+    transport = SceneTransport(*corridor(*across, *(wall[::-1] for wall in across)))
+    transport.add_mirrors(parts(transport, 0, (0, 0.1, 0), radius=0.9))
+    assert transport.mirrors is None
 
 
 def test_a_door_to_the_sky_is_as_near_as_its_frame():
@@ -119,11 +119,11 @@ def test_a_door_to_the_sky_is_as_near_as_its_frame():
         [[x0, y0, -3], [x1, y0, -3], [x1, y1, -3], [x0, y1, -3]]
         for x0, x1, y0, y1 in ((-1, -0.4, 0, 2), (0.4, 1, 0, 2), (-0.4, 0.4, 1.6, 2))
     ]
-    bake = Bake(*quads(*sides, *end))
-    bake.add_mirrors(parts(bake, 0, (0, 0.5, 0), radius=0.9))
-    rays, middle = bake.mirrors, bake.mirrors.nearness.shape[-1] // 2
+    transport = SceneTransport(*quads(*sides, *end))
+    transport.add_mirrors(parts(transport, 0, (0, 0.5, 0), radius=0.9))
+    rays, middle = transport.mirrors, transport.mirrors.nearness.shape[-1] // 2
     assert (rays.target[0, 5, middle, middle] == mirror_rays.SKY).all()
-    distance = 1.0 / (rays.nearness[0, 5, middle, middle] / bake.surfaces.radius_m)
+    distance = 1.0 / (rays.nearness[0, 5, middle, middle] / transport.surfaces.radius_m)
     assert distance == pytest.approx(3.0, rel=0.05)
 
 
@@ -135,16 +135,16 @@ def test_cubes_agree_with_a_sum_in_double_precision():
     )
     scene[0].emitted_rgb[:2] = 1.5
     now = hour(2.0, irradiance=30.0, key=(0.1, 1.0, 0.05))
-    cube, bake, light = seen(scene, now, NOBODY, (2.5, 0.5, 0.0), rays=128)
-    rays, texels = bake.mirrors, bake.texels
+    cube, transport, light = seen(scene, now, NOBODY, (2.5, 0.5, 0.0), rays=128)
+    rays, texels = transport.mirrors, transport.texels
     assert (rays.row < len(texels.pixel)).all()
     column, row = texels.pixel[rays.row].T
     irradiance = light.texels[row, column, :3].astype(float)
-    surfaces = bake.surfaces
+    surfaces = transport.surfaces
     triangle = texels.triangle[rays.row]
     # Texels in the shadow's middle and far from it: its edge depends on where in a texel one asks.
     place = (texels.place[rays.row] * surfaces.radius_m + surfaces.centre_m).astype(float)
-    cosine = np.clip(bake.receivers.geometry.faces[triangle] @ now.key_direction, 0.0, None)
+    cosine = np.clip(transport.receivers.geometry.faces[triangle] @ now.key_direction, 0.0, None)
     at_level = place[:, [0, 2]] - np.array([0.1, 0.05]) * (place[:, 1:2] - 1.0)
     from_shadow = np.abs(at_level).max(axis=1) - 1.0
     below = place[:, 1] < 1.0
@@ -167,9 +167,9 @@ def test_light_does_not_depend_on_mirrors():
     scene = quads(*walls_of_a_room(), reflectance=0.5, emitted=1.0)
     now = hour(1.0, irradiance=9.0)
     _, _, beside = seen(scene, now, 6, (1, 1, 1))
-    bake = Bake(*scene)
-    bake.add_rays(64)
-    alone = bake.light(now)
+    transport = SceneTransport(*scene)
+    transport.add_rays(64)
+    alone = transport.light(now)
     assert alone.mirrors is None
     np.testing.assert_array_equal(alone.texels, beside.texels)
 

@@ -6,12 +6,12 @@ Closed rooms stand in the sun on a floor that goes on outdoors. Little light get
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from light_transport.bake import Bake
-from light_transport.hour.free_points import light_at
 from light_transport.layout.layout import lay_out
+from light_transport.rays.map_texels import CELLS, PLACES, has_place
 from light_transport.rays.ray_table import columns_and_rays
-from light_transport.surfaces.map_texels import CELLS, PLACES, has_place
 from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.transport import SceneTransport
+from light_transport.view.point_light import light_at
 from mesh_scenes import box as mesh_box
 from mesh_scenes import opened
 
@@ -42,9 +42,9 @@ def sheet_room():
     return walls
 
 
-def rows_inside(bake, scene):
+def rows_inside(transport, scene):
     """Rows that lie in the room and face it: of the floor, and of walls."""
-    surfaces, texels = scene[0], bake.texels
+    surfaces, texels = scene[0], transport.texels
     place = texels.place.astype(float) * surfaces.radius_m + surfaces.centre_m
     towards = np.array([0.0, 0.5 * HIGH_M, 0.0]) - place
     faces = np.einsum("ni,ni->n", texels.normal, towards) > 0.0
@@ -54,12 +54,14 @@ def rows_inside(bake, scene):
     return faces & (np.abs(place) < edge).all(axis=1) & (~on_floor | inner)
 
 
-def arrives(bake):
+def arrives(transport):
     """What rays bring to each row (N,), of one colour."""
-    light = bake.column_light(SUN)[:, 1]
-    column, rays = columns_and_rays(bake.table.entry)
-    sums = np.add.reduceat(np.append(light[column] * rays, 0.0), bake.table.start[:-1])
-    return np.where(np.diff(bake.table.start) > 0, sums / np.maximum(bake.table.valid, 1), 0.0)
+    light = transport.column_light(SUN)[:, 1]
+    column, rays = columns_and_rays(transport.table.entry)
+    sums = np.add.reduceat(np.append(light[column] * rays, 0.0), transport.table.start[:-1])
+    return np.where(
+        np.diff(transport.table.start) > 0, sums / np.maximum(transport.table.valid, 1), 0.0
+    )
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.11, 0.26, 0.37])
@@ -72,11 +74,11 @@ def test_a_room_of_thin_walls_is_dark_in_the_mean(thick_m, share, shift):
     ground = floor(-4.0 + shift, 4.0 + shift, -4.0 + 0.7 * shift, 4.0 + 0.7 * shift)
     walls = sheet_room() if thick_m is None else room_of(thick_m)
     scene = quads(ground, *walls, texels=TEXELS, reflectance=0.8, double_sided=thick_m is None)
-    bake = Bake(*scene, patch_texels=3.0)
-    bake.add_rays(64)
-    inside, light = rows_inside(bake, scene), arrives(bake)
+    transport = SceneTransport(*scene, patch_texels=3.0)
+    transport.add_rays(64)
+    inside, light = rows_inside(transport, scene), arrives(transport)
     assert inside.sum() > 100
-    found = light[: len(inside)][inside & bake.good[: len(inside)]].mean()
+    found = light[: len(inside)][inside & transport.good[: len(inside)]].mean()
     assert found < share * np.median(light[: TEXELS**2])
 
 
@@ -87,7 +89,7 @@ def test_cells_lie_on_one_side_of_what_cuts_their_texel():
     at = 0.3 * TEXEL_M
     sheet = [[-3.0, 0.0, at], [3.0, 0.0, at], [3.0, 2.0, at], [-3.0, 2.0, at]]
     scene = quads(ground, sheet, texels=TEXELS, double_sided=True)
-    texels = Bake(*scene).texels
+    texels = SceneTransport(*scene).texels
     place = texels.place.astype(float) * scene[0].radius_m + scene[0].centre_m
     on_floor = np.flatnonzero((texels.triangle < 2) & (texels.side > 0.0))
     row = on_floor[(np.abs(place[on_floor, 0]) < 2.4)]
@@ -117,7 +119,7 @@ def test_rays_begin_evenly_in_what_a_chart_covers_of_its_border_texels():
     scene = opened(mesh_box((1.03, 0.58, 0.71)))
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, 0.1)
-    texels = Bake(surfaces, layout).texels
+    texels = SceneTransport(surfaces, layout).texels
     places = np.array(list(np.ndindex(PLACES, PLACES)))[:, ::-1]
     partly = 0
     for i in np.flatnonzero(texels.side > 0.0):
@@ -143,16 +145,18 @@ def test_what_sticks_out_of_a_wall_is_lit_as_outdoors():
             sides = box((-0.1, y, z - 0.3), (out_m, y + 0.4, z + 0.3))
             ledges += [side for k, side in enumerate(sides) if k != 1]
     scene = quads(floor(-8.0, 8.0, -8.0, 8.0), *house, *ledges, texels=1)
-    bake = Bake(*scene)
-    bake.add_rays(64)
-    texels, surfaces = bake.texels, scene[0]
+    transport = SceneTransport(*scene)
+    transport.add_rays(64)
+    texels, surfaces = transport.texels, scene[0]
     beside = np.abs(texels.normal[:, 0]) < 0.1
     rows = np.flatnonzero((surfaces.part[texels.triangle] > len(house)) & beside)
     assert len(rows) == 4 * 12
     place_m = texels.place[rows].astype(float) * surfaces.radius_m + surfaces.centre_m
     place_m[:, 0] = 0.5 * out_m
     even = hour(1.0)
-    there = light_at(bake, place_m, texels.normal[rows].astype(float), even, rays=512)
+    there = light_at(
+        transport, place_m, texels.normal[rows].astype(float), transport.light(even), rays=512
+    )
     column, line = texels.pixel[rows].T
-    light = bake.light(even).texels[line, column, 1]
+    light = transport.light(even).texels[line, column, 1]
     assert light == pytest.approx(there.irradiance_rgb[:, 1], rel=0.15)

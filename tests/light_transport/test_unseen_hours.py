@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from light_messages import light_messages
 from light_transport.messages import no_light_map
-from light_transport.tolerance import RUNGS, quality_for
-from light_transport.unseen_hours import looks_like
+from light_transport.tolerance import RUNGS, looks_like, quality_for
 
 from vrut_lite.array import Array
 from vrut_lite.messages.sky import SkyRadianceChanged

@@ -4,28 +4,28 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from light_transport.layout import facing_groups, overlaps, rectangle_packing, welding
-from light_transport.layout.projection import projected
+from light_transport.layout import facing_groups, overlaps, rectangle_packing, seams
+from light_transport.layout.unwrapping import projected
 from mesh_scenes import box, grid, sphere
 
 
 def test_corners_at_one_place_are_one():
     """The first of each; minus zero is zero."""
     points = np.array([[1.0, 2, 3], [0.0, 0, 0], [1, 2, 3], [-0.0, 0, -0.0], [1, 2, 3.0000001]])
-    assert welding.welded(points).tolist() == [0, 1, 0, 1, 4]
+    assert seams.welded(points).tolist() == [0, 1, 0, 1, 4]
 
 
 def test_a_closed_box_has_a_triangle_across_each_edge():
     """Symmetric, with both ends in common; an edge of three triangles has none."""
     corners = np.array(box()[1], np.int32)
-    opposite = welding.opposite_edges(corners)
+    opposite = seams.opposite_edges(corners)
     assert (opposite >= 0).all()
     across = opposite.reshape(-1)
     np.testing.assert_array_equal(across[across], np.arange(36))
     begin, end = corners.reshape(-1), np.roll(corners, -1, axis=1).reshape(-1)
     np.testing.assert_array_equal(begin, end[across])
     fan = np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]], np.int32)
-    assert (welding.opposite_edges(fan) == welding.NO_EDGE).all()
+    assert (seams.opposite_edges(fan) == seams.NO_EDGE).all()
 
 
 @given(
@@ -82,7 +82,7 @@ def test_work_grows_with_the_number_of_triangles_and_no_faster():
         for points, triangles, *_ in (few, many):
             triangles = np.asarray(triangles, np.int32)
             corners = points[triangles]
-            opposite = welding.opposite_edges(welding.welded(points)[triangles])
+            opposite = seams.opposite_edges(seams.welded(points)[triangles])
             across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             length = np.linalg.norm(across, axis=1)
             normals = across / np.maximum(length, 1e-12)[:, None]
@@ -92,8 +92,8 @@ def test_work_grows_with_the_number_of_triangles_and_no_faster():
             places, edges = points.view(np.uint64), triangles.astype(np.int64)
             smooth = (normals.copy(), 0.5 * length, opposite, shading)
             work.append([
-                reads(welding._firsts_of_rows, places, welding._SCATTER),
-                reads(welding._match_edges, edges, np.full_like(triangles, -1)),
+                reads(seams._firsts_of_rows, places, seams._SCATTER),
+                reads(seams._match_edges, edges, np.full_like(triangles, -1)),
                 reads(facing_groups._smooth_surfaces, *smooth),
                 reads(facing_groups.connected, groups.of, groups.of, opposite),
                 reads(overlaps.layers, groups.of, uv, heights, sizes, opposite),

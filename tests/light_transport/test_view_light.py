@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Look, Shine, Show, box_file
-from light_transport.bake import Bake
 from light_transport.giving_up import always
-from light_transport.hour import rays_by_noise
-from light_transport.hour.free_points import light_at
-from light_transport.hour.view_light import view_light
-from light_transport.hour.view_smoothing import PointGrid, smoothed
+from light_transport.transport import SceneTransport
+from light_transport.view import point_light
+from light_transport.view.point_light import light_at
+from light_transport.view.view_light import view_light
+from light_transport.view.view_smoothing import PointGrid, smoothed
 
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.messages.camera import MoveCamera
@@ -81,11 +81,11 @@ def test_another_view_and_another_hour_have_light_of_their_own(stage):
 
 def test_a_sheet_without_a_back_hides_the_sky_of_what_is_below():
     """Below its edge half of the sky is hidden, below its middle all, as it hides the sun."""
-    bake = Bake(*quads(floor(-2, 2, -2, 2), floor(-1, 0, -1, 1, y=0.01)))
-    bake.add_rays(32)
+    transport = SceneTransport(*quads(floor(-2, 2, -2, 2), floor(-1, 0, -1, 1, y=0.01)))
+    transport.add_rays(32)
     places = np.array([[-0.5, 1e-4, 0.0], [0.0, 1e-4, 0.0], [0.5, 1e-4, 0.0]])
     up = np.tile([0.0, 1.0, 0.0], (3, 1))
-    found = light_at(bake, places, up, hour(1.0), rays=512)
+    found = light_at(transport, places, up, transport.light(hour(1.0)), rays=512)
     assert found.irradiance_rgb[:, 1] / np.pi == pytest.approx([0.0, 0.5, 1.0], abs=0.02)
     assert found.free[0] < 0.02
     assert found.free[2] == 1.0
@@ -94,24 +94,27 @@ def test_a_sheet_without_a_back_hides_the_sky_of_what_is_below():
 def test_rays_are_spared_where_their_noise_is_not_seen(monkeypatch):
     """A box on a floor under an even sky: a third of the rays for what is even, the others below
     the box's walls; light is that of all rays everywhere."""
-    bake = Bake(*quads(*box((-1, 0, -1), (1, 2, 1)), floor(-9, 9, -9, 9)))
-    bake.add_rays(32)
+    transport = SceneTransport(*quads(*box((-1, 0, -1), (1, 2, 1)), floor(-9, 9, -9, 9)))
+    transport.add_rays(32)
     camera = MoveCamera(
         eye_m=(0.0, 6.0, 8.0), target_m=(0.0, 0.0, 0.0), vertical_field_of_view_rad=0.8
     )
     traced = []
 
-    def light_of(bake, places_m, *rest, **named):
+    def light_of(transport, places_m, *rest, **named):
         traced.append(len(places_m))
-        return light_at(bake, places_m, *rest, **named)
+        return light_at(transport, places_m, *rest, **named)
 
     def drawn():
         traced.clear()
-        return view_light(bake, hour(1.0), camera, (64, 48), 1, 192, 1, always).light
+        now = hour(1.0)
+        return view_light(
+            transport, now, transport.light(now), camera, (64, 48), 1, 192, 1, always
+        ).light
 
-    monkeypatch.setattr(rays_by_noise, "light_at", light_of)
+    monkeypatch.setattr(point_light, "light_at", light_of)
     fast, counted = drawn(), list(traced)
-    monkeypatch.setattr(rays_by_noise, "UNSEEN_NOISE", 0.0)
+    monkeypatch.setattr(point_light, "UNSEEN_NOISE", 0.0)
     full = drawn()
     assert counted[0] == traced[0] == traced[1]
     assert 0 < counted[1] < 0.5 * counted[0]

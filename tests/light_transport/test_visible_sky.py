@@ -2,14 +2,14 @@
 
 import numpy as np
 from boxes import floor, hour, quads
-from light_transport.bake import Bake
+from light_transport.transport import SceneTransport
 
 
 def seen_from(scene, rays=512, texels=8):
     """b and a (texels, texels, 4) of the first quad."""
-    bake = Bake(*scene)
-    assert bake.add_rays(rays)
-    return bake.light(hour(1.0)).visible_sky.values[:texels].astype(float)
+    transport = SceneTransport(*scene)
+    transport.add_rays(rays)
+    return transport.light(hour(1.0)).visible_sky.values[:texels].astype(float)
 
 
 def test_an_open_floor_sees_the_sky_everywhere():
@@ -39,6 +39,6 @@ def test_ground_beyond_the_map_is_below_the_horizon():
 
 def test_what_is_seen_of_the_sky_does_not_depend_on_the_hour():
     """One array for all hours of a round: the frame uploads it once."""
-    bake = Bake(*quads(floor(0, 1, 0, 1)))
-    assert bake.add_rays(16)
-    assert bake.light(hour(1.0)).visible_sky is bake.light(hour(2.0)).visible_sky
+    transport = SceneTransport(*quads(floor(0, 1, 0, 1)))
+    transport.add_rays(16)
+    assert transport.light(hour(1.0)).visible_sky is transport.light(hour(2.0)).visible_sky

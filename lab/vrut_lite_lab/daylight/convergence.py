@@ -13,14 +13,13 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from light_transport.bake import Bake
-from light_transport.daylight_numbers.cie_skies import cie_hour
-from light_transport.daylight_numbers.glass import no_glass
-from light_transport.daylight_numbers.now import daylight_factor
-from light_transport.daylight_numbers.opened_scene import OpenedScene
-from light_transport.daylight_numbers.operator import operator_of
-from light_transport.daylight_numbers.sensors import Sensors, free_sensors
-from light_transport.daylight_numbers.work import baked
+from daylight_numbers.glass import no_glass
+from daylight_numbers.now import cie_hour, daylight_factor
+from daylight_numbers.opened_scene import OpenedScene
+from daylight_numbers.operator import operator_of
+from daylight_numbers.sensors import Sensors, free_sensors
+from daylight_numbers.work import traced_transport
+from light_transport.transport import SceneTransport
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from vrut_lite.numeric_types import FloatArray
@@ -39,13 +38,16 @@ def main(picture: str) -> None:
     opened = OpenedScene(Project(scene="scenes/work/indoor.glb"))
     places = GRIDS[0].places_m[::3]
     sensors = free_sensors(places, np.tile([0.0, 1.0, 0.0], (len(places), 1)), "desks")
-    bakes = [baked(opened.scene, _TOLERANCE, share) for share in _TEXELS]
+    bakes = [traced_transport(opened.scene, _TOLERANCE, share) for share in _TEXELS]
     opened.close()
 
     by_rays = [_factors(bakes[-1], sensors, tolerance) for tolerance in _RAYS]
     by_patches = [
-        (len(np.unique(bake.finished.exchange.column)), _factors(bake, sensors, _FINE_RAYS)[1])
-        for bake in bakes
+        (
+            len(np.unique(transport.cache.patch_transfer.column)),
+            _factors(transport, sensors, _FINE_RAYS)[1],
+        )
+        for transport in bakes
     ]
     figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), constrained_layout=True)
     for axes, found, name in (
@@ -76,11 +78,15 @@ def _plain(value: float, _: object) -> str:
     return f"{value:,.0f}" if value > 10.0 else f"{value:.2f}"
 
 
-def _factors(bake: Bake, sensors: Sensors, tolerance: float) -> tuple[float, FloatArray]:
+def _factors(
+    transport: SceneTransport, sensors: Sensors, tolerance: float
+) -> tuple[float, FloatArray]:
     """Rays of a sensor, and daylight factors (P,) under CIE's traditional overcast sky."""
-    glass = no_glass(len(bake.tree.order))
-    operator = operator_of(bake, glass, sensors, tolerance)
-    return operator.rays, daylight_factor(bake, glass, operator, sensors, cie_hour("16", 0.2))[0]
+    glass = no_glass(len(transport.tree.order))
+    operator = operator_of(transport, glass, sensors, tolerance)
+    return operator.rays, daylight_factor(transport, glass, operator, sensors, cie_hour("16", 0.2))[
+        0
+    ]
 
 
 if __name__ == "__main__":

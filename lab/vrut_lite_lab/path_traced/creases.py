@@ -18,14 +18,14 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from light_transport.bake import Bake
-from light_transport.hour.free_points import light_at
 from light_transport.hour.illumination import Illumination
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.rays.ray_starts import OFF
 from light_transport.rays.trace import first_hits
 from light_transport.surfaces.surfaces import GROUND, Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
+from light_transport.transport import SceneTransport
+from light_transport.view.point_light import light_at
 from path_tracer.library import load_mitsuba
 from path_tracer.sky_map import sky_emitter
 from scipy.spatial import cKDTree
@@ -71,12 +71,15 @@ class Points(NamedTuple):
 
 
 def crease_points(
-    bake: Bake, surfaces: Surfaces, layout: Layout, which: Callable[[FloatArray, Bake], BoolArray]
+    transport: SceneTransport,
+    surfaces: Surfaces,
+    layout: Layout,
+    which: Callable[[FloatArray, SceneTransport], BoolArray],
 ) -> Points:
     """Random points at creases, evenly by area: `which` of places (P, 3), world axes."""
     count = _POINTS
     rng = np.random.default_rng(0)
-    texels, radius = bake.texels, surfaces.radius_m
+    texels, radius = transport.texels, surfaces.radius_m
     faces = surfaces.face_normals()
     fronts = int(np.count_nonzero(texels.side > 0.0))
     own = np.flatnonzero(np.isfinite(layout.uv_px).all(axis=(1, 2)))
@@ -95,7 +98,7 @@ def crease_points(
     shading = np.where(length > 1e-6, shading / np.maximum(length, 1e-6), faces[own[drawn]])
     found = Points(place, faces[own[drawn]], shading, uv, look_up)
     share = np.full(_CANDIDATES, area.sum() / _CANDIDATES)
-    ground = _ground_points(bake, rng)
+    ground = _ground_points(transport, rng)
     found = Points(*(np.concatenate(both) for both in zip(found, ground[0], strict=True)))
     share = np.concatenate([share, ground[1] * radius**2])
     column, row = np.floor(found.uv_px).astype(int).T
@@ -104,7 +107,7 @@ def crease_points(
     facing = faces[texels.triangle[:fronts]]
     width = texels.width[np.maximum(texel, 0)] * radius
     off = 10.0 * OFF * radius * found.normal
-    kept = np.flatnonzero((texel >= 0) & which(found.place_m + surfaces.centre_m + off, bake))
+    kept = np.flatnonzero((texel >= 0) & which(found.place_m + surfaces.centre_m + off, transport))
     if len(kept) > 40 * count:
         kept = rng.choice(kept, 40 * count, replace=False, p=share[kept] / share[kept].sum())
         share = np.ones(len(share))
@@ -124,20 +127,20 @@ def crease_points(
     )
 
 
-def in_box(corners_m: FloatArray) -> Callable[[FloatArray, Bake], BoolArray]:
+def in_box(corners_m: FloatArray) -> Callable[[FloatArray, SceneTransport], BoolArray]:
     """Those within a box, by two of its corners (2, 3)."""
     return lambda place_m, _: ((place_m > corners_m[0]) & (place_m < corners_m[1])).all(axis=1)
 
 
-def seen_from(eye_m: Vector) -> Callable[[FloatArray, Bake], BoolArray]:
+def seen_from(eye_m: Vector) -> Callable[[FloatArray, SceneTransport], BoolArray]:
     """Those that an eye sees that turns around."""
 
-    def which(place_m: FloatArray, bake: Bake) -> BoolArray:
-        surfaces = bake.surfaces
+    def which(place_m: FloatArray, transport: SceneTransport) -> BoolArray:
+        surfaces = transport.surfaces
         places = (place_m - surfaces.centre_m) / surfaces.radius_m
         towards = (np.asarray(eye_m) - surfaces.centre_m) / surfaces.radius_m - places
         distance = np.linalg.norm(towards, axis=1)
-        _, free = first_hits(bake.tree, places, towards / distance[:, None])
+        _, free = first_hits(transport.tree, places, towards / distance[:, None])
         return np.asarray(free >= distance)
 
     return which
@@ -162,9 +165,15 @@ def _faces_otherwise(facing: FloatArray, normal: FloatArray) -> bool:
     return bool(np.any((alike > _OTHERWISE[0]) & (alike < _OTHERWISE[1])))
 
 
-def _ground_points(bake: Bake, rng: np.random.Generator) -> tuple[Points, FloatArray]:
+def _ground_points(
+    transport: SceneTransport, rng: np.random.Generator
+) -> tuple[Points, FloatArray]:
     """A point in each texel of the ground's chart, in metres from the centre, and its area."""
-    texels, geometry, radius = bake.texels, bake.receivers.geometry, bake.surfaces.radius_m
+    texels, geometry, radius = (
+        transport.texels,
+        transport.receivers.geometry,
+        transport.surfaces.radius_m,
+    )
     rows = np.flatnonzero(geometry.on_ground[texels.triangle] & (texels.side > 0.0))
     at = texels.pixel[rows] + rng.random((len(rows), 2))
     corner, steps, half, warp = geometry.ground[:2], *geometry.ground[2:5]
@@ -202,33 +211,33 @@ class Found(NamedTuple):
 
 
 def found_in(
-    scene: SceneOpened, hour: Illumination, which: Callable[[FloatArray, Bake], BoolArray]
-) -> tuple[Found, Bake, Surfaces]:
+    scene: SceneOpened, hour: Illumination, which: Callable[[FloatArray, SceneTransport], BoolArray]
+) -> tuple[Found, SceneTransport, Surfaces]:
     """The light of both at crease points of a scene, at the usual quality."""
     quality = quality_for(DEFAULT_TOLERANCE)
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, None, quality.texels)
-    bake = Bake(surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
-    bake.add_rays(quality.rays)
-    fine = Bake(
-        surfaces, lay_out(scene, surfaces, None, 2 * quality.texels), 2, 2.0, 1e-3, bake.tree
+    transport = SceneTransport(surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
+    transport.add_rays(quality.rays)
+    fine = SceneTransport(
+        surfaces, lay_out(scene, surfaces, None, 2 * quality.texels), 2, 2.0, 1e-3, transport.tree
     )
     fine.add_rays(64)
-    points = crease_points(bake, surfaces, layout, which)
+    points = crease_points(transport, surfaces, layout, which)
     # An even chance for points on facets: a hair off the surface, as the map's own rays.
     places_m = points.place_m + OFF * surfaces.radius_m * points.normal
-    true = light_at(fine, places_m, points.shading, hour, _RAYS // 32, 2)
+    true = light_at(fine, places_m, points.shading, fine.light(hour), _RAYS // 32, 2)
     column, line = np.floor(points.uv_px).astype(int).T
-    width_m = bake.texels.width[bake.texels.row_of[line, column]] * surfaces.radius_m
+    width_m = transport.texels.width[transport.texels.row_of[line, column]] * surfaces.radius_m
     seen = (true.free >= _LEAST_FREE) & (true.room_m >= _LEAST_ROOM * width_m)
     seen = np.flatnonzero(seen)[:_POINTS]
     points = Points(*(each[seen] for each in points))
-    true = light_at(fine, places_m[seen], points.shading, hour, _RAYS, 2)
-    by_map = luminance(bake.light(hour).texels[..., :3].astype(float))
+    true = light_at(fine, places_m[seen], points.shading, fine.light(hour), _RAYS, 2)
+    by_map = luminance(transport.light(hour).texels[..., :3].astype(float))
     light = looked_up(by_map, points.look_up_px)
     expected = np.asarray(luminance(true.irradiance_rgb), float)
     mean = float(np.exp(np.mean(np.log(expected + 1e-3 * expected.mean()))))
-    return Found(points, light, expected, _LEAST_OF_MEAN * mean), bake, surfaces
+    return Found(points, light, expected, _LEAST_OF_MEAN * mean), transport, surfaces
 
 
 def by_mitsuba(surfaces: Surfaces, hour: Illumination, points: Points) -> FloatArray:
@@ -291,7 +300,7 @@ def row(
     caption: str,
     scene: SceneOpened,
     hour: Illumination,
-    which: Callable[[FloatArray, Bake], BoolArray],
+    which: Callable[[FloatArray, SceneTransport], BoolArray],
     traced: int,
 ) -> tuple[str, FloatArray]:
     """A line of the table, and the errors."""

@@ -6,12 +6,12 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from light_transport.bake import Bake
-from light_transport.hour.free_points import light_at
 from light_transport.hour.illumination import Illumination
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import quality_for
+from light_transport.transport import SceneTransport
+from light_transport.view.point_light import light_at
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.messages.scene import SceneOpened
@@ -116,33 +116,37 @@ class Baked:
         quality = quality_for(DEFAULT_TOLERANCE)
         self.surfaces: Surfaces = surfaces_of(scene)
         layout = lay_out(scene, self.surfaces, None, quality.texels)
-        self.bake = Bake(self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
-        self.bake.add_rays(quality.rays)
+        self.transport = SceneTransport(
+            self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left
+        )
+        self.transport.add_rays(quality.rays)
 
     def at_points(
         self, places_m: FloatArray, hour: Illumination, effort: RadianceEffort
     ) -> ComparedIrradiance:
         """Upwards at points: by rays of their own, which end on the light map's patches."""
         up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
-        ours = light_at(self.bake, places_m, up, hour, effort.rays).irradiance_rgb
+        ours = light_at(
+            self.transport, places_m, up, self.transport.light(hour), effort.rays
+        ).irradiance_rgb
         return self._compared(ours, places_m, up, hour, effort)
 
     def on_texels(
         self, grid: MeasuredPoints, count: int, hour: Illumination, effort: RadianceEffort
     ) -> ComparedIrradiance:
         """Some texels below a grid that face up, not within bodies, as the frame shows them."""
-        bake, surfaces = self.bake, self.surfaces
-        texels = bake.texels
+        transport, surfaces = self.transport, self.surfaces
+        texels = transport.texels
         normals = texels.normal.astype(float)
         places_m = texels.place * surfaces.radius_m + surfaces.centre_m + _CLEARANCE_M * normals
         x0, z0, x1, z1 = grid.corners_m
         lower, upper = np.array([x0, -np.inf, z0]), np.array([x1, grid.height_m, z1])
         below = ((places_m > lower) & (places_m < upper)).all(axis=1)
-        free = bake.table.valid[: len(places_m)] > _FREE_SHARE * bake.rays
+        free = transport.table.valid[: len(places_m)] > _FREE_SHARE * transport.rays
         found = np.flatnonzero(below & free & (normals[:, 1] > _FACES_UP))
         chosen = np.random.default_rng(0).choice(found, min(count, len(found)), replace=False)
         column, row = texels.pixel[chosen].T
-        light = bake.light(hour).texels[row, column, :3]
+        light = transport.light(hour).texels[row, column, :3]
         return self._compared(light, places_m[chosen], normals[chosen], hour, effort)
 
     def _compared(

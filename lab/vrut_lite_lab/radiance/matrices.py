@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from light_transport.daylight_numbers.sky_cells import cell_directions, node_of_cell
+from daylight_numbers.sky_cells import cell_directions, node_of_cell
 from light_transport.surfaces.surfaces import Surfaces
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance

@@ -12,11 +12,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from light_transport.daylight_numbers.cie_skies import cie_hour
-from light_transport.daylight_numbers.now import hour_at_sensors
-from light_transport.daylight_numbers.opened_scene import OpenedScene
-from light_transport.daylight_numbers.sensors import free_sensors
-from light_transport.daylight_numbers.work import work_of
+from daylight_numbers.now import cie_hour, hour_at_sensors
+from daylight_numbers.opened_scene import OpenedScene
+from daylight_numbers.sensors import free_sensors
+from daylight_numbers.work import work_of
 from light_transport.surfaces.surfaces import surfaces_of
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -54,7 +53,7 @@ def compared(
         opened.close()
     found = {}
     for name, hour in hours.items():
-        ours = hour_at_sensors(work.bake, work.glass, work.operator, sensors, hour).total
+        ours = hour_at_sensors(work.transport, work.glass, work.operator, sensors, hour).total
         whole, _ = both_by_radiance(surfaces, hour, grid.places_m, up, effort, work.glass)
         lux = luminance(whole) * LUMENS_PER_WATT
         found[name] = np.asarray((ours - lux) / lux.mean())

@@ -14,10 +14,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-from light_transport.hour.free_points import light_at
 from light_transport.hour.illumination import Illumination
 from light_transport.rays.trace import MISS, first_hits
 from light_transport.surfaces.surfaces import GROUND
+from light_transport.view.point_light import light_at
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import sample_cube
@@ -42,7 +42,7 @@ _BLACK = 1e-3
 
 def our_picture(baked: Baked, hour: Illumination, camera: MoveCamera, rays: int) -> FloatArray:
     """Radiance (height, width, 3), W m^-2 sr^-1, through the middles of pixels."""
-    surfaces, tree = baked.surfaces, baked.bake.tree
+    surfaces, tree = baked.surfaces, baked.transport.tree
     directions = _directions(camera)
     eye = (np.asarray(camera.eye_m) - surfaces.centre_m) / surfaces.radius_m
     hits, distances = first_hits(tree, np.broadcast_to(eye, directions.shape), directions)
@@ -57,7 +57,9 @@ def our_picture(baked: Baked, hour: Illumination, camera: MoveCamera, rays: int)
     shadow, _ = first_hits(tree, places, np.broadcast_to(towards, places.shape))
     sunlit = np.where(shadow == MISS, np.maximum(normals @ towards, 0.0), 0.0)
     places_m = places * surfaces.radius_m + surfaces.centre_m
-    light = light_at(baked.bake, places_m, normals, hour, rays).irradiance_rgb
+    light = light_at(
+        baked.transport, places_m, normals, baked.transport.light(hour), rays
+    ).irradiance_rgb
     light = light + sunlit[:, None] * np.asarray(hour.key_irradiance_rgb)
     reflectance = surfaces.reflectance_rgb[hit].astype(float)
     reflectance[surfaces.part[hit] == GROUND] = hour.ground_albedo_rgb

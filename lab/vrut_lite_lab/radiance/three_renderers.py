@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from light_transport.hour.free_points import light_at
 from light_transport.hour.illumination import Illumination
+from light_transport.view.point_light import light_at
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
@@ -58,7 +58,8 @@ def compare(baked: Baked, hour: Illumination, places_m: FloatArray) -> list[str]
 
     def ours(seed: int) -> tuple[FloatArray, float]:
         start = time.process_time()
-        found = light_at(baked.bake, places_m, up, hour, _RAYS + 64 * seed).irradiance_rgb
+        lit = baked.transport.light(hour)
+        found = light_at(baked.transport, places_m, up, lit, _RAYS + 64 * seed).irradiance_rgb
         return np.asarray(luminance(found), float), time.process_time() - start
 
     known = 0.5 * (radiance(0)[0] + radiance(1)[0])

@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from light_transport.daylight_numbers.annual import Year, solved_year, year_matrices, year_of
-from light_transport.daylight_numbers.opened_scene import OpenedScene
-from light_transport.daylight_numbers.sensors import free_sensors
-from light_transport.daylight_numbers.work import Work, work_of
-from light_transport.daylight_numbers.year_light import (
+from daylight_numbers.opened_scene import OpenedScene
+from daylight_numbers.sensors import free_sensors
+from daylight_numbers.work import DaylightWork, work_of
+from daylight_numbers.year import Year, solved_year, year_matrices, year_of
+from daylight_numbers.year_light import (
     HOURS,
     YearLight,
     lit_hours,
@@ -83,7 +83,7 @@ class YearHere:
 
     opened: OpenedScene
     surfaces: Surfaces
-    work: Work
+    work: DaylightWork
     light: YearLight
     year: Year
     cpu_s: float
@@ -110,7 +110,7 @@ def year_here(
         hours = lit_hours(opened.place, offset_h)
         hours = hours[np.isin(hours % HOURS, CLOCKS)]
         light = year_light(opened, hours, offset_h, range(len(hours)))
-        year = year_of(year_matrices(work, light, solved_year(work.bake, light)), light)
+        year = year_of(year_matrices(work, light, solved_year(work.transport, light)), light)
         cpu_s = time.process_time() - began
         yield YearHere(opened, surfaces_of(opened.scene), work, light, year, cpu_s)
     finally:

@@ -13,11 +13,11 @@ from math import log
 from typing import Any, NamedTuple
 
 import numpy as np
-from light_transport.bake import Bake
 from light_transport.hour.illumination import Illumination
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
-from light_transport.tolerance import FRONTS, Quality, quality_for
+from light_transport.tolerance import FRONTS, TransportQuality, quality_for
+from light_transport.transport import SceneTransport
 from numpy.typing import NDArray
 
 from vrut_lite.array import Array
@@ -199,16 +199,18 @@ def _laid(room: TrialRoom, texels: int) -> _Laid:
     return _Laid(surfaces, lay_out(scene, surfaces, None, texels))
 
 
-def _baked(laid: _Laid, rays: int, patch_texels: float, left: float = 1e-4) -> Bake:
-    bake = Bake(*laid, threads=_THREADS, patch_texels=patch_texels, bounces_left=left)
-    bake.add_rays(rays)
-    return bake
+def _baked(laid: _Laid, rays: int, patch_texels: float, left: float = 1e-4) -> SceneTransport:
+    transport = SceneTransport(
+        *laid, threads=_THREADS, patch_texels=patch_texels, bounces_left=left
+    )
+    transport.add_rays(rays)
+    return transport
 
 
-def _light_at(laid: _Laid, bake: Bake, room: TrialRoom) -> FloatArray:
+def _light_at(laid: _Laid, transport: SceneTransport, room: TrialRoom) -> FloatArray:
     """Irradiance as luminance (P,) at places that are the same in every layout of a room."""
     uv_px, inside = _places(laid.surfaces, laid.layout, np.array(room.boxes))
-    texels = luminance(bake.light(hour_of(room)).texels[..., :3])
+    texels = luminance(transport.light(hour_of(room)).texels[..., :3])
     at = uv_px - 0.5
     low = np.clip(np.floor(at).astype(int), 0, np.array(texels.shape)[::-1] - 2)
     x, y = (at - low).T
@@ -268,12 +270,12 @@ def _ray_errors(room: TrialRoom, _true: Truth) -> FloatArray:
     The fewer rays are among these: noise itself is larger than the difference, by sqrt(1 - share).
     """
     laid = _laid(room, _SIZE)
-    bake, lights = _baked(laid, RAYS[0], _PATCH), []
+    transport, lights = _baked(laid, RAYS[0], _PATCH), []
     for _ in RAYS:
-        lights.append(_light_at(laid, bake, room))
-        bake.add_rays(bake.rays)
-    lights.append(_light_at(laid, bake, room))
-    left = np.sqrt(1.0 - np.array(RAYS) / bake.rays)
+        lights.append(_light_at(laid, transport, room))
+        transport.add_rays(transport.rays)
+    lights.append(_light_at(laid, transport, room))
+    left = np.sqrt(1.0 - np.array(RAYS) / transport.rays)
     return np.array([[light_error(light, lights[-1]) for light in lights[:-1]]]) / left
 
 
@@ -289,18 +291,18 @@ def _patch_errors(room: TrialRoom, _true: Truth) -> FloatArray:
 def _bounce_errors(room: TrialRoom, _true: Truth) -> FloatArray:
     """Against a hundredth of what the last choice leaves."""
     laid = _laid(room, _SIZE)
-    bake, lights = _baked(laid, _RAYS, _PATCH), []
+    transport, lights = _baked(laid, _RAYS, _PATCH), []
     for one_in in (*BOUNCES, 100 * BOUNCES[-1]):
-        bake.bounces_left = 1.0 / one_in
-        lights.append(_light_at(laid, bake, room))
+        transport.bounces_left = 1.0 / one_in
+        lights.append(_light_at(laid, transport, room))
     return np.array([[light_error(light, lights[-1]) for light in lights[:-1]]])
 
 
-def quality_error(room: TrialRoom, true: Truth, quality: Quality) -> float:
+def quality_error(room: TrialRoom, true: Truth, quality: TransportQuality) -> float:
     """With everything that a tolerance chooses."""
     laid = _laid(room, quality.texels)
-    bake = _baked(laid, quality.rays, quality.patch_texels, quality.bounces_left)
-    return light_error(_light_at(laid, bake, room), true[0])
+    transport = _baked(laid, quality.rays, quality.patch_texels, quality.bounces_left)
+    return light_error(_light_at(laid, transport, room), true[0])
 
 
 def _timed(texels: int, rays: int, patch_texels: float) -> NDArray[Any]:
@@ -310,15 +312,15 @@ def _timed(texels: int, rays: int, patch_texels: float) -> NDArray[Any]:
 
 
 @lru_cache(maxsize=1)
-def _timed_bake() -> tuple[TrialRoom, Bake]:
+def _timed_bake() -> tuple[TrialRoom, SceneTransport]:
     room = _rooms(1, _SEEDS[0])[0]
     return room, _baked(_laid(room, _TIMED_SIZE), _TIMED_RAYS, _PATCH)
 
 
 def _timed_hour(bounces_left: float) -> NDArray[Any]:
-    room, bake = _timed_bake()
-    bake.bounces_left = bounces_left
-    return bake.light(hour_of(room)).texels
+    room, transport = _timed_bake()
+    transport.bounces_left = bounces_left
+    return transport.light(hour_of(room)).texels
 
 
 KNOBS = ToleranceKnobs(

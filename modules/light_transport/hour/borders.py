@@ -1,20 +1,22 @@
 """Light of texels at borders, by which the frame finds the means of their rays.
 
 Rays begin in the part of a texel that surfaces cover and that is seen, the frame takes their mean
-for the light of the texel's middle. At a chart's border and at the foot of what stands across a
+for the light of the texel's middle. At a chart's border and at the foot of a body across a
 texel both are up to half a texel apart. There a texel shows x_i = m_i + (m_i - sum_j w_ij m_j) /
 w_ii instead, the first step of Jacobi's iteration for sum_j w_ij x_j = m_i: m are the means, and w
 the shares that texels have in the frame's look-ups (linear between texels) at the places where rays
 begin.
+
+Texels inside bodies show a neighbour's light, for look-ups at a body's foot mix them in.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot, inlined, kernel
-from light_transport.surfaces.map_texels import ANYWHERE, PLACES, Texels, has_place, place_at
+from light_transport.rays.map_texels import ANYWHERE, NOBODY, PLACES, Texels, has_place, place_at
 from vrut_lite.numeric_types import BoolArray, Float32Array
 
 # Least w_ii: a strip along a chart's border is far from its texel's middle, and extrapolated light
@@ -48,18 +50,18 @@ def borders_of(
     row = np.flatnonzero(there).astype(np.int32)
     near = np.repeat(row[:, None], 9, axis=1)
     weight = np.zeros(near.shape, np.float32)
-    _fill(texels, beside, source, row, near, weight)
+    _fill_borders(texels, beside, source, row, near, weight)
     return Borders(row, near, weight)
 
 
 @inlined
 def _step(beside, row, off, axis):  # type: ignore[no-untyped-def]
-    """The texel beside a row, -1, 0 or 1 along an axis of the map; NOBODY where there is none."""
+    """The texel beside a row, -1, 0 or 1 along an axis of the map, or NOBODY."""
     return row if off == 0 or row < 0 else beside[row, 2 * axis + (off + 1) // 2]
 
 
 @kernel
-def _fill(texels, beside, source, row, near, weight):  # type: ignore[no-untyped-def]
+def _fill_borders(texels, beside, source, row, near, weight):  # type: ignore[no-untyped-def]
     for k in range(len(row)):
         i = row[k]
         column, line = texels.pixel[i, 0], texels.pixel[i, 1]
@@ -104,3 +106,42 @@ def border_light(light, borders, first, last, out):  # type: ignore[no-untyped-d
             mean = light[i, c]
             shown = mean + (mean - found) / own
             out[k, c] = min(max(shown, mean / _MOST_CHANGE), mean * _MOST_CHANGE)
+
+
+def takes_light_of(
+    links: NDArray[np.int32], good: BoolArray, free: Float32Array
+) -> NDArray[np.int32]:
+    """The texel whose light each texel (N,) shows: itself if good, else the nearest good one.
+
+    Of two equally near ones that with more of its rays `free` (N,): under a wall that is two
+    texels thick it is the one that look-ups beside the wall need. NOBODY without a good one.
+    """
+    return cast(NDArray[np.int32], _takes(links, good, free))
+
+
+@kernel
+def _takes(links, good, free):  # type: ignore[no-untyped-def]
+    count = len(links)
+    source = np.full(count, NOBODY, np.int32)
+    for i in range(count):
+        if good[i]:
+            source[i] = i
+    while True:
+        found = source.copy()
+        some = False
+        for i in range(count):
+            if source[i] >= 0:
+                continue
+            best = NOBODY
+            for k in range(links.shape[1]):
+                j = links[i, k]
+                if j < 0 or source[j] < 0:
+                    continue
+                if best < 0 or free[source[j]] > free[best]:
+                    best = source[j]
+            if best >= 0:
+                found[i] = best
+                some = True
+        if not some:
+            return source
+        source = found

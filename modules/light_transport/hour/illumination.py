@@ -38,10 +38,12 @@ class HourLight:
     `visible_sky` (height, width, 4) float16: the share of the sky that is seen from a texel in
     direction d is RGB . d + alpha, kept in [0, 1]. `mirrors` (C, 6, e, e, 4) float32 or None:
     radiance that glossy parts see around them, and the share of a texel that is neither sky nor
-    open ground; it weighs the radiance too.
+    open ground; it weighs the radiance too. `column_light` (C, 4) float32: pi L that a ray brings
+    from each column of the table, and its luminance, 0 for patches.
     """
 
     texels: Float32Array
     probes: Float32Array | None
     visible_sky: Array
-    mirrors: Float32Array | None = None
+    mirrors: Float32Array | None
+    column_light: Float32Array

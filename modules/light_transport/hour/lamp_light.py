@@ -1,4 +1,4 @@
-"""Direct light of the scene's lamps on its surfaces, computed once a bake: lamps do not move."""
+"""Direct light of the scene's lamps on its surfaces, computed once: lamps do not move."""
 
 import math
 from typing import NamedTuple
@@ -20,7 +20,7 @@ _SHARPEST_RAMP = 1e-3
 _REACHED = 1.0 - 1e-4
 
 
-class Lamps(NamedTuple):
+class LampArrays(NamedTuple):
     """Lamps (L) as kernels read them; places in radii from the scene's middle."""
 
     place: FloatArray
@@ -38,10 +38,10 @@ class LampLight(NamedTuple):
     baked: Float32Array
 
 
-def lamps_in_radii(lamps: SceneLamps, surfaces: Surfaces) -> Lamps:
+def lamps_in_radii(lamps: SceneLamps, surfaces: Surfaces) -> LampArrays:
     """The lamps of a scene; intensities are over the square of a radius."""
     radius_m = surfaces.radius_m
-    return Lamps(
+    return LampArrays(
         (lamps.position_m.values - surfaces.centre_m) / radius_m,
         lamps.axes.values,
         lamps.intensity_rgb.values / radius_m**2,

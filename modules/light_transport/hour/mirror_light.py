@@ -5,17 +5,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot
+from light_transport.rays.map_texels import Texels
 from light_transport.rays.mirror_rays import MirrorRays
 from light_transport.rays.ray_table import TRIED
-from light_transport.surfaces.map_texels import Texels
 from vrut_lite.numeric_types import Float32Array
 
 
 def asked_for_key_light(
     seen: NDArray[np.int32], texels: Texels, links: NDArray[np.int32]
 ) -> NDArray[np.integer]:
-    """Texels that the key light of what is `seen` (U,) needs: every second of them, as on a chess
-    board, and those beside the others."""
+    """Texels whose key light is needed by texels in view, `seen` (U,): every second of them, as on
+    a chess board, and those beside the others."""
     even = texels.pixel[seen].sum(axis=1) % 2 == 0
     odd = seen[~even]
     beside = links[odd]

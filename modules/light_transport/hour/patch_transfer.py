@@ -1,4 +1,4 @@
-"""What patches get of each other, and the bounces of an hour between them."""
+"""Shares of light between patches, and the bounces of an hour."""
 
 import math
 from typing import NamedTuple
@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.hour.simd_gather import four_sums
+from light_transport.hour.gather import four_sums
 from light_transport.kernels import hot, inlined, kernel
 from light_transport.rays.patches import Patches
-from light_transport.rays.ray_table import Rows, column_at, rays_at
+from light_transport.rays.ray_table import RayRows, column_at, rays_at
 from light_transport.rays.sky_nodes import NODES
 from vrut_lite.numeric_types import Float32Array, IntArray
 
@@ -36,7 +36,7 @@ class PatchTransfer(NamedTuple):
     share: Float32Array
 
 
-def exchange_of(table: Rows, patches: Patches) -> PatchTransfer:
+def patch_transfer_of(table: RayRows, patches: Patches) -> PatchTransfer:
     """Means of the table's rows over patches."""
     total = len(patches.area)
     most = _most_entries(table, patches, NODES + total + 1)
@@ -115,7 +115,7 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
             if c < columns - 1:
                 partners += 1
                 total += amount[c]
-        # Of many partners an even sample stands for all: neighbours have neighbouring numbers.
+        # An even sample stands for many partners: neighbours have neighbouring numbers.
         portion = total / _MOST_PARTNERS if partners > _MOST_PARTNERS else 0.0
         left = 0.5 * portion
         for k in range(met):

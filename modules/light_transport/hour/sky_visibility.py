@@ -1,29 +1,26 @@
-"""The irradiance of an open sky on surfaces of any orientation, by a table of orientations."""
+"""The open sky on surfaces of any orientation, and the directions in which texels see the sky.
+
+The latter are for reflections in coats; open ground beyond the map counts as sky there. The share
+of the sky that a texel sees in direction d is modelled as a + b . d, by the means of the texel's
+rays: no light is needed to know it.
+"""
 
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from light_transport.kernels import hot
+from light_transport.rays.orientations import middle_normals
+from light_transport.rays.sky_nodes import NODES, node_directions
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-# Cells an edge of an octahedron's square: their middles lie within 1.5 degrees of all they hold.
-_EDGE = 64
-
-
-def orientation_of(normal: Float32Array) -> NDArray[np.int32]:
-    """The cell (N,) of normals (N, 3): Meyer et al. 2010, "On floating-point normal vectors"."""
-    n = normal / np.maximum(np.abs(normal).sum(axis=1, keepdims=True), 1e-9)
-    x, z = n[:, 0], n[:, 2]
-    below = n[:, 1] < 0.0
-    folded_x = np.where(below, (1.0 - np.abs(z)) * np.where(x >= 0.0, 1.0, -1.0), x)
-    folded_z = np.where(below, (1.0 - np.abs(x)) * np.where(z >= 0.0, 1.0, -1.0), z)
-    cells = np.stack([folded_x, folded_z], axis=1) * 0.5 + 0.5
-    column, row = np.clip((cells * _EDGE).astype(np.int32), 0, _EDGE - 1).T
-    return np.asarray(row * _EDGE + column, np.int32)
+# Means of d.n, (d.n)^2 and, t across n, (d.t)^2, over cosine-weighted directions d above n. By them
+# b along n is 18 times the sky's excess there; half of it is taken, for a window is no line, and
+# noise grows as much.
+_UP, _UP_AGAIN, _ACROSS_AGAIN = 2.0 / 3.0, 1.0 / 2.0, 1.0 / 4.0
+_TAKEN = 0.5
 
 
 def open_luminance(open_sky: FloatArray) -> Float32Array:
@@ -51,11 +48,24 @@ def to_shares(light, open_sky, cell):  # type: ignore[no-untyped-def]
 @lru_cache(maxsize=1)
 def _basis() -> FloatArray:
     """Harmonics (cells, 25) at the middles of all cells."""
-    middles = (np.arange(_EDGE) + 0.5) / _EDGE * 2.0 - 1.0
-    z, x = np.meshgrid(middles, middles, indexing="ij")
-    y = 1.0 - np.abs(x) - np.abs(z)
-    fold = np.maximum(-y, 0.0)
-    directions = np.stack(
-        [x - np.where(x >= 0.0, fold, -fold), y, z - np.where(z >= 0.0, fold, -fold)], axis=-1
-    ).reshape(-1, 3)
-    return basis(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+    return basis(middle_normals())
+
+
+def sky_moments(columns: int) -> Float32Array:
+    """The moments (C, 4) of each column: a node's direction and 1, zeros for a patch."""
+    found = np.zeros((columns, 4), np.float32)
+    found[:NODES, :3] = node_directions()
+    found[:NODES, 3] = 1.0
+    return found
+
+
+def visible_sky(moments: Float32Array, normals: Float32Array) -> Float32Array:
+    """b and a (N, 4) of texels with normals (N, 3), by means over rays (N, 4) of `sky_moments`."""
+    share = moments[:, 3]
+    up = np.einsum("ni,ni->n", moments[:, :3], normals)
+    across = moments[:, :3] - up[:, None] * normals
+    b_up = _TAKEN / (_UP_AGAIN - _UP**2) * (up - share * _UP)
+    found = np.empty_like(moments)
+    found[:, :3] = across / _ACROSS_AGAIN + b_up[:, None] * normals
+    found[:, 3] = share - _UP * b_up
+    return found

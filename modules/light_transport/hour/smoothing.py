@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.hour.simd_gather import four_sums
+from light_transport.hour.gather import four_sums
 from light_transport.kernels import hot, kernel
-from light_transport.surfaces.map_texels import Texels
+from light_transport.rays.map_texels import Texels
 from vrut_lite.numeric_types import BoolArray, Float32Array
 
 STEPS = 8
@@ -32,17 +32,17 @@ _ALIKE_POWER = 32
 _SAME_ROOM, _ROOM_POWER = 0.5, 4
 # Rooms of more texels count as so many: where few rays meet anything their mean is noise.
 _ENOUGH_ROOM = 16.0
-# All that steps took is given back where there is room of so many texels, none of it where there is
-# enough: on open walls it would be noise, 1.7 times what is left without it.
+# Room in texels up to which all that steps took is given back; nothing is where there is enough
+# room: on open walls it would raise the noise 1.7 times.
 _LITTLE_ROOM = 8.0
 
 
 class Smoothing(NamedTuple):
     """How much of its neighbours' light each texel (N) takes in a step.
 
-    `weights` (N, 4) float32 of the `links` (N, 4) int32, 0 where there is none; `seam_weights`
-    (K, 2) float32 of both ends of the `seams` (K, 2) int32. `back` (N, 1) float32: share of what
-    all steps took from a texel that is smoothed and given back.
+    `weights` (N, 4) float32 of the `links` (N, 4) int32, 0 without a link; `seam_weights`
+    (K, 2) float32 of both ends of the `seams` (K, 2) int32. `back` (N, 1) float32: share
+    of the light that all steps took from a texel which is smoothed and given back.
     """
 
     links: NDArray[np.int32]

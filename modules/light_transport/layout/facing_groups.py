@@ -1,10 +1,12 @@
 """Smooth surfaces, cut into groups of triangles that face one direction.
 
 A surface whose normals stay within a cone is one group and faces its mean normal: a wall, a slope,
-a landscape. A rounder one is cut along the six directions of a frame of its own, which its most
-frequent normals make, so that a turned box with rounded edges is cut like an upright one.
+a landscape. A rounder one is cut along the six directions of a frame that its most frequent
+normals make, so that a turned box with rounded edges is cut like an upright one. Groups
+that are small for the texels then become part of a neighbour.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,9 +26,15 @@ _COMMON, _LEAST, _STEEP_SHARE = 0.6, 0.2, 0.03
 _UNDECIDED, _YIELD = 0.12, 0.1
 # Cells of the square that normals are counted in, and of the quarter turn about the first.
 _CELLS, _TURNS = 16, 36
+# Area in texels below which a chart has more texels beside its border than within.
+_SMALL_PX2 = 16.0
+# Least cosine between a triangle's normal and its chart's after a merger, which stretches it twice;
+# and that for a group hardly larger than a texel, which it stretches five times.
+_LEAST_MERGED, _LEAST_OF_TINY, _TINY_PX2 = 0.5, 0.2, 2.0
+_ROUNDS = 8
 
 
-class Groups(NamedTuple):
+class FacingGroups(NamedTuple):
     """Connected groups of triangles.
 
     `of` (F,) int32: the group of each triangle; `direction` (G, 3): their facing.
@@ -38,13 +46,13 @@ class Groups(NamedTuple):
 
 def facing_groups(
     normals: FloatArray, areas: FloatArray, opposite: NDArray[np.int32], shading: FloatArray
-) -> Groups:
+) -> FacingGroups:
     """Groups of triangles that face their group's direction within about 70 degrees.
 
     Args:
         normals: (F, 3), unit, of the triangles' planes; zero where one has no area.
         areas: (F,), in any unit.
-        opposite: see `welding.opposite_edges`.
+        opposite: see `seams.opposite_edges`.
         shading: (F, 3, 3), unit normals of the corners.
     """
     # Triangles without an area take a neighbour's normal.
@@ -52,7 +60,7 @@ def facing_groups(
     surface, surfaces = _smooth_surfaces(normals, areas, opposite, shading)
     label, directions = _labels(normals, areas, surface, surfaces, opposite)
     group, first = connected(surface, label, opposite)
-    return Groups(group, mean_directions(normals, areas, group, directions[label[first]]))
+    return FacingGroups(group, mean_directions(normals, areas, group, directions[label[first]]))
 
 
 @kernel
@@ -249,7 +257,7 @@ def _best(normal, directions):  # type: ignore[no-untyped-def]
 def connected(surface, label, opposite):  # type: ignore[no-untyped-def]
     """Numbers (F,) of connected groups of one label in one surface, and the first triangle of each.
 
-    Connected by `opposite` (see `welding.opposite_edges`); `surface` and `label` are (F,) int32.
+    Connected by `opposite` (see `seams.opposite_edges`); `surface` and `label` are (F,) int32.
     """
     count = len(label)
     group = np.full(count, -1, np.int32)
@@ -305,3 +313,89 @@ def mean_directions(normals, areas, group, fallback):  # type: ignore[no-untyped
         if dot(mean[g], mean[g]) < 0.5:
             mean[g, 1] = 1.0
     return mean
+
+
+def merged(
+    groups: FacingGroups,
+    corners_px: FloatArray,
+    normals: FloatArray,
+    areas_px2: FloatArray,
+    opposite: NDArray[np.int32],
+) -> FacingGroups:
+    """The groups, of which small ones have joined those with which they share most of their border.
+
+    Args:
+        groups: connected ones.
+        corners_px: (F, 3, 3), in texels.
+        normals: (F, 3), unit; zero where a triangle has no area.
+        areas_px2: (F,), in texels.
+        opposite: see `seams.opposite_edges`.
+    """
+    group, direction = groups.of.copy(), groups.direction
+    for _ in range(_ROUNDS):
+        into = _best_neighbours(group, direction, corners_px, normals, areas_px2, opposite)
+        if not np.any(into != np.arange(len(into))):
+            break
+        group = into[group]
+        direction = mean_directions(normals, areas_px2, group, direction)
+    used, inverse = np.unique(group, return_inverse=True)
+    return FacingGroups(np.asarray(inverse.reshape(-1), np.int32), direction[used])
+
+
+@kernel
+def _best_neighbours(  # type: ignore[no-untyped-def]
+    group, direction, corners, normals, areas, opposite
+):
+    """For each group the one that it joins, itself if none.
+
+    A group that others join does not move in the same round: `into` needs no second look-up.
+    """
+    groups = len(direction)
+    first = np.zeros(groups + 1, np.int64)
+    area = np.zeros(groups)
+    for f in range(len(group)):
+        first[group[f] + 1] += 1
+        area[group[f]] += areas[f]
+    for g in range(groups):
+        first[g + 1] += first[g]
+    members = np.empty(len(group), np.int32)
+    filled = first.copy()
+    for f in range(len(group)):
+        members[filled[group[f]]] = f
+        filled[group[f]] += 1
+    into = np.arange(groups).astype(np.int32)
+    joined = np.zeros(groups, np.bool_)
+    border = np.zeros(groups)
+    for g in range(groups):
+        if area[g] > _SMALL_PX2 or joined[g]:
+            continue
+        best, longest = g, 0.0
+        for k in range(first[g], first[g + 1]):
+            f = members[k]
+            for e in range(3):
+                other = group[opposite[f, e] // 3] if opposite[f, e] >= 0 else np.int32(g)
+                if other == g:
+                    continue
+                length2 = 0.0
+                for axis in range(3):
+                    length2 += (corners[f, (e + 1) % 3, axis] - corners[f, e, axis]) ** 2
+                border[other] += math.sqrt(length2)
+                # Beside an equal border the larger group wins.
+                if border[other] > longest or best == g:
+                    best, longest = other, border[other]
+        for k in range(first[g], first[g + 1]):
+            for e in range(3):
+                if opposite[members[k], e] >= 0:
+                    border[group[opposite[members[k], e] // 3]] = 0.0
+        if best == g or into[best] != best:
+            continue
+        fits, least = True, _LEAST_OF_TINY if area[g] <= _TINY_PX2 else _LEAST_MERGED
+        for k in range(first[g], first[g + 1]):
+            f = members[k]
+            if dot(normals[f], direction[best]) < least and areas[f] > 0.0:
+                fits = False
+                break
+        if fits:
+            into[g] = best
+            joined[best] = True
+    return into

@@ -42,7 +42,7 @@ class Layout:
         uv_px: (F, 3, 2) float32, places of corners in the map, in texels, texel middles at halves;
             exact multiples of 2^-10. The message has where they are looked up, which in charts of
             one texel's width is its middle. NaN where a triangle has no texels, and for the
-            ground's, whose places `ground_chart` tells.
+            ground's, whose places `ground_chart` gives.
         owner: (height, width) int32, the triangle that a texel's middle lies in, or beside a
             chart the nearest one of it; `texel_owners.UNUSED` elsewhere.
         chart: (F,) int32, the chart of each triangle; -1 where it has no texels, and the ground's.

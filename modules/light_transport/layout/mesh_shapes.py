@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
-from light_transport.layout.facing_groups import Groups, facing_groups
-from light_transport.layout.merging import merged
+from light_transport.layout.facing_groups import FacingGroups, facing_groups, merged
 from light_transport.layout.rectangle_packing import pack
+from light_transport.layout.seams import opposite_edges, welded
 from light_transport.layout.texel_owners import texel_owners
 from light_transport.layout.unwrapping import Charts, unwrapped
-from light_transport.layout.welding import opposite_edges, welded
 from vrut_lite.messages.scene_content import Mesh
 from vrut_lite.numeric_types import FloatArray
 
@@ -24,8 +23,8 @@ _SLIVER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
-    """What does not depend on the size of texels: a stretched mesh and what its triangles face.
+class MeshSurface:
+    """A stretched mesh and the groups of its triangles, independent of the size of texels.
 
     `vertices` (F, 3): the mesh's own; `corners_m` (F, 3, 3), from their lower bound; `normals`
     (F, 3), `areas_m2` (F,), `opposite` (F, 3) and `groups`: see `facing_groups`.
@@ -36,7 +35,7 @@ class Surface:
     normals: FloatArray
     areas_m2: FloatArray
     opposite: NDArray[np.int32]
-    groups: Groups
+    groups: FacingGroups
 
     @property
     def least_texel_m(self) -> float:
@@ -74,7 +73,7 @@ class MeshShape:
         return self.owner.shape[1], self.owner.shape[0]
 
 
-def stretched(mesh: Mesh, stretch: FloatArray) -> Surface:
+def stretched(mesh: Mesh, stretch: FloatArray) -> MeshSurface:
     """The surface of a mesh after a linear map (3, 3)."""
     numbers, inverse = np.unique(mesh.triangles, return_inverse=True)
     vertices = np.asarray(inverse.reshape(-1, 3), np.int32)
@@ -90,17 +89,17 @@ def stretched(mesh: Mesh, stretch: FloatArray) -> Surface:
     )
     opposite = opposite_edges(vertices, welded(points)[vertices])
     groups = facing_groups(normals, areas, opposite, mesh.normals[mesh.triangles])
-    return Surface(mesh.triangles, corners, normals, areas, opposite, groups)
+    return MeshSurface(mesh.triangles, corners, normals, areas, opposite, groups)
 
 
-def charts_of(surface: Surface, texel_m: float) -> Charts:
+def charts_of(surface: MeshSurface, texel_m: float) -> Charts:
     """The charts of a surface for texels of this edge, at least its `least_texel_m`."""
     corners_px, areas_px2 = surface.corners_m / texel_m, surface.areas_m2 / texel_m**2
     groups = merged(surface.groups, corners_px, surface.normals, areas_px2, surface.opposite)
     return unwrapped(groups, corners_px, surface.opposite)
 
 
-def shape_of(surface: Surface, charts: Charts, texel_m: float) -> MeshShape:
+def shape_of(surface: MeshSurface, charts: Charts, texel_m: float) -> MeshShape:
     """Charts, which were made for texels of this edge, in one rectangle."""
     packed = pack(charts.sizes, WIDEST_PX)
     corners = packed.corners[charts.of][:, None]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from light_transport.kernels import inlined, kernel
-from light_transport.layout.nearest_place import REACH_PX, nearest, signed_area
+from light_transport.layout.texel_owners import REACH_PX, nearest, signed_area
 
 # Places beside each other in a chart, whose heights differ by more texels than this and slopes
 # explain, are not beside each other on the surface: light of one would reach the other.
@@ -27,7 +27,7 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
         uv: (F, 3, 2), in texels from the corner of the chart's rectangle.
         heights: (F, 3), in texels above the chart's plane.
         sizes: (C, 2), of the rectangles.
-        opposite: see `welding.opposite_edges`.
+        opposite: see `seams.opposite_edges`.
     """
     count = len(chart)
     first = np.zeros(len(sizes) + 1, np.int64)
@@ -38,10 +38,10 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
         most = max(most, texels_here)
     head = np.full(first[-1], -1, np.int32)
     follows, claimed = np.empty(1024, np.int32), np.empty(1024, np.int32)
-    # Of a claim: whether a triangle covers the middle, the lowest and the highest place.
+    # Claims: whether a triangle covers the middle, its lowest and its highest place.
     covered, lowest, highest = np.empty(1024, np.bool_), np.empty(1024), np.empty(1024)
     claims = 0
-    # Of a triangle: the texels that it meets.
+    # Texels that one triangle meets.
     texels, inside, height = np.empty(most, np.int64), np.empty(most, np.bool_), np.empty(most)
     layer = np.full(count, -1, np.int32)
     newest = np.zeros(len(sizes), np.int32)
@@ -131,7 +131,7 @@ def _meet(corners, heights, size, texels, inside, height):  # type: ignore[no-un
     left, right = max(int(np.floor(low_x - 1.0)), 0), min(int(np.ceil(high_x + 1.0)), size[0])
     top, bottom = max(int(np.floor(low_y - 1.0)), 0), min(int(np.ceil(high_y + 1.0)), size[1])
     area = signed_area(a, b, c[0], c[1])
-    # Of what is no larger than some texels all are taken, at its mean height: that is soon done.
+    # Small triangles take all texels of their bounds, at their mean height, which is fast.
     is_small = (right - left) * (bottom - top) <= _FEW_TEXELS
     mean = (heights[0] + heights[1] + heights[2]) / 3.0
     count = 0

@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.giving_up import CancelCheck
-from light_transport.layout.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
+from light_transport.layout.mesh_shapes import (
+    MeshShape,
+    MeshSurface,
+    charts_of,
+    shape_of,
+    stretched,
+)
 from light_transport.layout.texel_owners import UNUSED
 from light_transport.layout.unwrapping import Charts
 from vrut_lite.messages.light_map import NOT_MAPPED
@@ -64,7 +70,7 @@ class _Kind:
     """A mesh as it stands in `count` places, apart from how it is turned there."""
 
     mesh: int
-    surface: Surface
+    surface: MeshSurface
     area_m2: float
     count: int
 
@@ -76,7 +82,7 @@ class _Each(Protocol):
 def _each(
     threads: int, go_on: CancelCheck, make: Callable[[int], _Made], count: int
 ) -> list[_Made]:
-    """What is made of each number below `count`; `go_on` is asked before each."""
+    """Results for each number below `count`; `go_on` is called before each."""
 
     def asked(number: int) -> _Made:
         go_on()
@@ -90,10 +96,10 @@ class _Cut:
     """The latest charts and shape of a surface.
 
     Texels of finely modelled surfaces keep their size while that of others is sought: cutting them
-    anew in each trial took 9 of the 14 s that a million triangles need.
+    again in each trial took 9 of the 14 s that a million triangles need.
     """
 
-    def __init__(self, surface: Surface):
+    def __init__(self, surface: MeshSurface):
         self.surface = surface
         self._texel_m = 0.0
         self._charts: Charts | None = None
@@ -193,7 +199,7 @@ def _cut(
 def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArray:
     """The edge of a texel on each kind: smaller where a surface has finer triangles.
 
-    A landscape's tiles, and what is round, are as fine in the map as they were modelled, if the
+    A landscape's tiles and round surfaces are as fine in the map as they were modelled, if the
     budget allows. The size of triangles means nothing for surfaces in many pieces.
     """
     count = np.array([kind.count for kind in kinds])

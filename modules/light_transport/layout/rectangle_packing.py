@@ -13,18 +13,18 @@ from light_transport.kernels import kernel
 
 # Widths that are tried, in edges of the square that would just hold all.
 _WIDTHS = (1.03, 0.75, 0.85, 0.95, 1.1, 1.2, 1.35)
-# Of more rectangles the first width will do: small ones fill what large ones leave.
+# Number of rectangles above which only the first width is tried: small ones fill the gaps.
 _MANY = 2000
 
 
-class Packed(NamedTuple):
+class PackedRectangles(NamedTuple):
     """Corners (N, 2) int32 of rectangles, and the width and height that hold them."""
 
     corners: NDArray[np.int32]
     size: tuple[int, int]
 
 
-def pack(sizes: NDArray[np.int32], widest: int) -> Packed:
+def pack(sizes: NDArray[np.int32], widest: int) -> PackedRectangles:
     """Places for rectangles of these sizes (N, 2), none of which overlap.
 
     Args:
@@ -32,7 +32,7 @@ def pack(sizes: NDArray[np.int32], widest: int) -> Packed:
         widest: no place reaches beyond it, unless a rectangle is wider itself.
     """
     if not len(sizes):
-        return Packed(np.empty((0, 2), np.int32), (0, 0))
+        return PackedRectangles(np.empty((0, 2), np.int32), (0, 0))
     edge = math.sqrt(float(np.prod(sizes.astype(np.int64), axis=1).sum()))
     order = np.lexsort((-sizes[:, 0], -sizes[:, 1])).astype(np.int64)
     tried = [
@@ -42,11 +42,11 @@ def pack(sizes: NDArray[np.int32], widest: int) -> Packed:
     return min(tried, key=lambda packed: packed.size[0] * packed.size[1])
 
 
-def _packed(sizes: NDArray[np.int32], order: NDArray[np.int64], width: int) -> Packed:
+def _packed(sizes: NDArray[np.int32], order: NDArray[np.int64], width: int) -> PackedRectangles:
     width = max(width, int(sizes[:, 0].max()))
     corners = _skyline(np.ascontiguousarray(sizes, np.int64), order, width)
     far = (corners + sizes).max(axis=0)
-    return Packed(corners.astype(np.int32), (int(far[0]), int(far[1])))
+    return PackedRectangles(corners.astype(np.int32), (int(far[0]), int(far[1])))
 
 
 @kernel

@@ -1,13 +1,15 @@
-"""Finds the triangle that each texel lies in."""
+"""The triangle that each texel lies in, and the place of a triangle nearest to a texel."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import kernel
-from light_transport.layout.nearest_place import REACH_PX, nearest
+from light_transport.kernels import inlined, kernel
 from vrut_lite.numeric_types import FloatArray
 
 UNUSED = -1
+# A bilinear look-up on a triangle meets texels whose middles lie less than one texel across and one
+# down beside it: 1.42 along the diagonal, and what `unwrapping.MARGIN_PX` adds.
+REACH_PX = 1.51
 
 
 def texel_owners(
@@ -53,3 +55,40 @@ def _owners(uv, chart, corners, sizes, width, height):  # type: ignore[no-untype
                     if distance2 < nearest2[y, x]:
                         nearest2[y, x], owner[y, x] = distance2, f
     return owner
+
+
+@inlined
+def nearest(corners, heights, x, y):  # type: ignore[no-untyped-def]
+    """Square of the distance of (x, y) from a triangle, 0 within, and the nearest place's height.
+
+    `corners` (3, 2), `heights` (3,): of these corners.
+    """
+    area = signed_area(corners[0], corners[1], corners[2, 0], corners[2, 1])
+    inside = area != 0.0
+    least, height, within = np.inf, 0.0, 0.0
+    for e in range(3):
+        a, b = corners[e], corners[(e + 1) % 3]
+        side = signed_area(a, b, x, y)
+        if side * area < 0.0:
+            inside = False
+        within += side * heights[(e + 2) % 3]
+        du, dv = b[0] - a[0], b[1] - a[1]
+        along, length2 = (x - a[0]) * du + (y - a[1]) * dv, du * du + dv * dv
+        share = min(max(along / length2, 0.0), 1.0) if length2 > 0.0 else 0.0
+        across, down = x - a[0] - share * du, y - a[1] - share * dv
+        distance2 = across * across + down * down
+        if distance2 < least:
+            least = distance2
+            height = heights[e] + share * (heights[(e + 1) % 3] - heights[e])
+    if inside:
+        return 0.0, within / area
+    return least, height
+
+
+@inlined
+def signed_area(a, b, x, y):  # type: ignore[no-untyped-def]
+    """Twice the area of the triangle a, b, (x, y).
+
+    Exact for coordinates of `unwrapping.STEPS_PER_PX` and middles of texels.
+    """
+    return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])

@@ -1,27 +1,37 @@
-"""Charts of a mesh: flat pieces of it, no two of whose triangles share a texel."""
+"""Charts of a mesh: flat pieces of it, no two of whose triangles share a texel.
+
+Each group of triangles is projected onto the plane that it faces. Coordinates are whole multiples
+of 2^-10 of a texel: exact in float32 in a map of any size that a GPU takes, so that the triangle of
+a texel's middle is decided without rounding.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import kernel
-from light_transport.layout.facing_groups import Groups, connected
-from light_transport.layout.nearest_place import signed_area
+from light_transport.kernels import cross, dot, kernel
+from light_transport.layout.facing_groups import FacingGroups, connected
 from light_transport.layout.overlaps import layers
-from light_transport.layout.projection import MARGIN_PX, STEPS_PER_PX, projected
+from light_transport.layout.texel_owners import signed_area
 from vrut_lite.numeric_types import FloatArray
 
-# A chart that is narrower than this, in texels, is one texel wide, which is looked up in its
-# middle: strips need no texels beside them. In its texel a strip ends so far from the border.
+# Width in texels below which a chart is one texel wide and is looked up in its middle, so that
+# strips need no texels beside them; distance of a strip from its texel's border.
 _NARROW_PX, _FROM_BORDER_PX = 1.0, 1.0 / 64.0
 # A chart that fills less of its rectangle than this is halved, and its halves again, unless the
 # rectangle is small: rings and frames would leave most of the map empty.
 _HOLLOW, _LARGE_PX2, _HALVINGS = 0.3, 1024.0, 6
+STEPS_PER_PX = 1024.0
+# A look-up this far beside a chart, in texels, still finds the chart's own texels: GPUs round
+# coordinates of a look-up to 1/256 of a texel.
+MARGIN_PX = 1.0 / 16.0
+# Turns that are tried for the smallest rectangle, beside that along the longest border.
+_TURNS = 15
 
 
 class Charts(NamedTuple):
-    """A mesh's charts, each in a rectangle of its own.
+    """A mesh's charts, a rectangle each.
 
     `of` (F,) int32: the chart of each triangle; `uv_px` (F, 3, 2): places of corners, from the
     corner of the chart's rectangle; `look_up_px` (F, 3, 2): where corners are looked up, the same
@@ -37,13 +47,13 @@ class Charts(NamedTuple):
     texels: float
 
 
-def unwrapped(groups: Groups, corners_px: FloatArray, opposite: NDArray[np.int32]) -> Charts:
+def unwrapped(groups: FacingGroups, corners_px: FloatArray, opposite: NDArray[np.int32]) -> Charts:
     """Charts of groups whose triangles face about one direction each.
 
     Args:
         groups: see `facing_groups`.
         corners_px: (F, 3, 3), in texels.
-        opposite: see `welding.opposite_edges`.
+        opposite: see `seams.opposite_edges`.
     """
     chart, direction = groups.of, groups.direction
     uv_px, heights_px, sizes = projected(chart, direction, corners_px, opposite)
@@ -79,7 +89,7 @@ def unwrapped(groups: Groups, corners_px: FloatArray, opposite: NDArray[np.int32
 
 
 def _filled(uv_px: FloatArray, lower_px: FloatArray, upper_px: FloatArray) -> FloatArray:
-    """Places (F, 3, 2) such that what lies between two bounds (F, 1, 2) fills one texel."""
+    """Places (F, 3, 2) scaled so that two bounds (F, 1, 2) are one texel apart."""
     extent_px = upper_px - lower_px
     share = np.divide(
         uv_px - lower_px, extent_px, out=np.full_like(uv_px, 0.5), where=extent_px > 0.0
@@ -131,3 +141,103 @@ def _extents(chart, uv):  # type: ignore[no-untyped-def]
                 upper[chart[f], k] = max(upper[chart[f], k], uv[f, c, k])
         area[chart[f]] += 0.5 * abs(signed_area(uv[f, 0], uv[f, 1], uv[f, 2, 0], uv[f, 2, 1]))
     return lower, upper, area
+
+
+@kernel
+def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-def]
+    """Places (F, 3, 2) of corners in their group's plane, and their heights (F, 3) above it.
+
+    Groups are turned to fill a lying rectangle best; its size (G, 2) comes third.
+
+    Args:
+        group, direction: see `facing_groups.Groups`.
+        corners: (F, 3, 3), in texels.
+        opposite: see `seams.opposite_edges`.
+    """
+    groups = len(direction)
+    axes = np.empty((groups, 2, 3))
+    for g in range(groups):
+        n, u, v = direction[g], axes[g, 0], axes[g, 1]
+        seldom = 0
+        for k in range(3):
+            if abs(n[k]) < abs(n[seldom]):
+                seldom = k
+        for k in range(3):
+            v[k] = 1.0 if k == seldom else 0.0
+        cross(v, n, u)
+        length = np.sqrt(dot(u, u))
+        for k in range(3):
+            u[k] /= length
+        cross(n, u, v)
+    uv, heights = np.empty((len(group), 3, 2)), np.empty((len(group), 3))
+    longest = np.zeros(groups)
+    # The directions that are tried, the first of them along the longest border.
+    turn = np.zeros((groups, 1 + _TURNS, 2))
+    for g in range(groups):
+        turn[g, 0, 0] = 1.0
+        for k in range(1, 1 + _TURNS):
+            turn[g, k, 0] = np.cos(0.5 * np.pi * (k - 1) / _TURNS)
+            turn[g, k, 1] = np.sin(0.5 * np.pi * (k - 1) / _TURNS)
+    for f in range(len(group)):
+        g = group[f]
+        for k in range(3):
+            uv[f, k, 0] = dot(corners[f, k], axes[g, 0])
+            uv[f, k, 1] = dot(corners[f, k], axes[g, 1])
+            heights[f, k] = dot(corners[f, k], direction[g])
+        for e in range(3):
+            if opposite[f, e] < 0 or group[opposite[f, e] // 3] != g:
+                du = uv[f, (e + 1) % 3, 0] - uv[f, e, 0]
+                dv = uv[f, (e + 1) % 3, 1] - uv[f, e, 1]
+                length = np.sqrt(du * du + dv * dv)
+                # Among equal ones the first, whatever the last digit.
+                if length > 1.000001 * longest[g]:
+                    longest[g] = length
+                    turn[g, 0, 0], turn[g, 0, 1] = du / length, dv / length
+    lower = np.full((groups, 1 + _TURNS, 2), np.inf)
+    upper = np.full((groups, 1 + _TURNS, 2), -np.inf)
+    for f in range(len(group)):
+        g = group[f]
+        for c in range(3):
+            for k in range(1 + _TURNS):
+                a, b = turn[g, k, 0], turn[g, k, 1]
+                s, t = a * uv[f, c, 0] + b * uv[f, c, 1], a * uv[f, c, 1] - b * uv[f, c, 0]
+                lower[g, k, 0], lower[g, k, 1] = min(lower[g, k, 0], s), min(lower[g, k, 1], t)
+                upper[g, k, 0], upper[g, k, 1] = max(upper[g, k, 0], s), max(upper[g, k, 1], t)
+    best = np.zeros(groups, np.int64)
+    sizes = np.empty((groups, 2), np.int64)
+    lies = np.empty(groups, np.bool_)
+    for g in range(groups):
+        least = np.inf
+        for k in range(1 + _TURNS):
+            wide, high = upper[g, k, 0] - lower[g, k, 0], upper[g, k, 1] - lower[g, k, 1]
+            area = (wide + 1.0) * (high + 1.0)
+            if area < 0.98 * least:
+                best[g], least = k, area
+        k = best[g]
+        lies[g] = upper[g, k, 0] - lower[g, k, 0] >= upper[g, k, 1] - lower[g, k, 1]
+    for f in range(len(group)):
+        g = group[f]
+        k = best[g]
+        a, b = turn[g, k, 0], turn[g, k, 1]
+        for c in range(3):
+            s = a * uv[f, c, 0] + b * uv[f, c, 1] - lower[g, k, 0]
+            t = a * uv[f, c, 1] - b * uv[f, c, 0] - lower[g, k, 1]
+            if not lies[g]:
+                s, t = upper[g, k, 1] - lower[g, k, 1] - t, s
+            uv[f, c, 0], uv[f, c, 1] = s, t
+    for g in range(groups):
+        k = best[g]
+        wide, high = upper[g, k, 0] - lower[g, k, 0], upper[g, k, 1] - lower[g, k, 1]
+        if not lies[g]:
+            wide, high = high, wide
+        sizes[g, 0] = int(np.ceil(wide + 2.0 * MARGIN_PX)) + 1
+        sizes[g, 1] = int(np.ceil(high + 2.0 * MARGIN_PX)) + 1
+        # Centred in whole texels.
+        lower[g, 0, 0] = 0.5 * (sizes[g, 0] - wide)
+        lower[g, 0, 1] = 0.5 * (sizes[g, 1] - high)
+    for f in range(len(group)):
+        for c in range(3):
+            for k in range(2):
+                at = uv[f, c, k] + lower[group[f], 0, k]
+                uv[f, c, k] = np.round(at * STEPS_PER_PX) / STEPS_PER_PX
+    return uv, heights, sizes

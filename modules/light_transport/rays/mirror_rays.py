@@ -1,7 +1,7 @@
 """The surroundings of glossy parts: cube maps whose texels remember the rows that their rays met.
 
-The rays are traced once a scene, from the middle of a part through the part itself; each hour
-lights the rows that they met (mirror_light.py).
+The smoothest parts get a cube map. Its rays are traced once a scene, from the middle of a part
+through the part itself; each hour lights the rows that they met (mirror_light.py).
 """
 
 from collections.abc import Callable
@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 
 from light_transport.giving_up import CancelCheck, always
 from light_transport.kernels import hot
-from light_transport.rays.mirror_parts import MirrorParts
+from light_transport.rays.groups import NO_GROUP
+from light_transport.rays.map_texels import NOBODY, MapGeometry
 from light_transport.rays.ray_starts import Receivers, scratch
 from light_transport.rays.ray_table import met_row
 from light_transport.rays.trace import MISS, first_hits, nearest_along
 from light_transport.rays.tree import Tree
-from light_transport.surfaces.groups import NO_GROUP
-from light_transport.surfaces.map_texels import NOBODY, MapGeometry
+from light_transport.surfaces.surfaces import Surfaces
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
-from vrut_lite.numeric_types import Float32Array
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.scene_content import Material
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 SKY = -1
 # Edges of cubes; the largest that need no more rays than these.
@@ -32,9 +35,113 @@ _ACROSS = 2
 # A ray that passes more back sides than this counts as lost inside a body.
 _MOST_PASSED = 32
 _STEP = 2e-5
-# Of what random rays from a part meet, its cube must have so much within so much of its distance.
+# Number of random rays from a part, least share of them whose hit the cube shows, and the most by
+# which the hit may lie elsewhere, as a share of its distance.
 _TRIED, _SERVED, _SAME_PLACE = 256, 0.6, 0.05
 _Traced = Callable[[int, Float32Array], tuple[NDArray[np.int32], Float32Array]]
+# Largest roughness of surfaces that show images.
+ROUGHEST = 0.4
+MOST = 16
+# Reflectance of a coat, the mean over the visible half of a ball.
+_COAT = 0.1
+# Distance before flat parts from which they are seen, in halves of their diagonal.
+_BEFORE = 0.1
+_FLAT = 1e-3
+
+
+class MirrorParts(NamedTuple):
+    """The parts (N) that get a cube map, in order of their gloss times area.
+
+    Attributes:
+        part: (N,) int32.
+        centre: (N, 3) float64, from where the cube is seen, counted from the scene's middle.
+        radius: (N,) float64, of the part around its own middle; both in radii of the scene.
+        hollow: (N,) bool, whether the part is seen from within: it then mirrors itself.
+        facing: (N, 3) float64, the unit normal of a part that is flat; else 0.
+    """
+
+    part: NDArray[np.int32]
+    centre: FloatArray
+    radius: FloatArray
+    hollow: BoolArray
+    facing: FloatArray
+
+
+def mirror_parts(scene: SceneOpened, surfaces: Surfaces) -> MirrorParts:
+    """The glossy parts with the most surface, weighed by reflectance and sharpness."""
+    geometry, materials = scene.geometry, scene.materials.all()
+    gloss = np.array([_gloss(material) for material in materials])
+    mesh_gloss = [gloss[geometry.mesh(mesh).material] for mesh in range(geometry.mesh_count)]
+    found: list[tuple[float, int]] = []
+    for part, mesh in enumerate(geometry.part_mesh.values.tolist()):
+        if mesh_gloss[mesh] > 0.0:
+            area = float(np.linalg.norm(_areas(_corners(surfaces, part)), axis=1).sum())
+            found.append((mesh_gloss[mesh] * area, part))
+    found.sort(key=lambda entry: (-entry[0], entry[1]))
+    parts = [part for worth, part in found[:MOST] if worth > 0.0]
+    views = [
+        _view(_corners(surfaces, part), surfaces.normals[_of(surfaces, part)]) for part in parts
+    ]
+    return MirrorParts(
+        np.array(parts, np.int32),
+        np.array([view.centre for view in views]).reshape(-1, 3),
+        np.array([view.radius for view in views]),
+        np.array([view.hollow for view in views], bool),
+        np.array([view.facing for view in views]).reshape(-1, 3),
+    )
+
+
+class _View(NamedTuple):
+    centre: FloatArray
+    radius: float
+    hollow: bool
+    facing: FloatArray
+
+
+def _gloss(material: Material) -> float:
+    """Weight of a surface's reflections: 0 for none, 1 for a white mirror."""
+    roughness = material.roughness
+    both = material.maps.get("metallic_roughness")
+    metallic = material.metallic
+    if both is not None:
+        roughness *= float(both.texels[..., 1].mean()) / 255.0
+        metallic *= float(both.texels[..., 2].mean()) / 255.0
+    if roughness >= ROUGHEST or material.alpha_mode == "BLEND":
+        return 0.0
+    colour = float(luminance(np.asarray(material.base_colour_rgba[:3], float)))
+    return (1.0 - roughness / ROUGHEST) * (metallic * colour + (1.0 - metallic) * _COAT)
+
+
+def _of(surfaces: Surfaces, part: int) -> slice:
+    # The ground's triangles come last, after the parts in order.
+    own = surfaces.part[: np.count_nonzero(surfaces.part >= 0)]
+    return slice(*np.searchsorted(own, [part, part + 1]))
+
+
+def _corners(surfaces: Surfaces, part: int) -> FloatArray:
+    return surfaces.corners_m[_of(surfaces, part)] / surfaces.radius_m
+
+
+def _areas(corners: FloatArray) -> FloatArray:
+    """Area times normal (F, 3) of triangles (F, 3, 3)."""
+    edges = corners[:, 1:] - corners[:, :1]
+    return np.asarray(0.5 * np.cross(edges[:, 0], edges[:, 1]))
+
+
+def _view(corners: FloatArray, normals: NDArray[np.float32]) -> _View:
+    """The point and the direction from which a part's surroundings are seen."""
+    lower, upper = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
+    area = _areas(corners)
+    # On the side of the shading normals, as the frame has it.
+    area[np.einsum("fi,fi->f", area, normals.sum(axis=1, dtype=np.float64)) < 0.0] *= -1.0
+    volume = np.einsum("fi,fi->", corners.mean(axis=1) - centre, area) / 3.0
+    least = _FLAT * radius * float(np.linalg.norm(area, axis=1).sum())
+    facing = np.zeros(3)
+    if abs(volume) <= least:
+        facing = area.sum(axis=0)
+        facing /= max(float(np.linalg.norm(facing)), 1e-30)
+    return _View(centre + _BEFORE * radius * facing, radius, bool(volume < -least), facing)
 
 
 class MirrorRays(NamedTuple):
@@ -45,7 +152,7 @@ class MirrorRays(NamedTuple):
         row: (U,) int32, rows of the table of rays that are seen, in order.
         target: (N, 6, e, e, S) int32, which of these each ray met; SKY for sky and open ground.
         nearness: (N, 6, e, e) float32, 1 / distance in 1 / radius, the mean of rays that met it; of
-            the sky that of what stands around it on the cube's face, 0 where nothing does.
+            the sky that of surfaces around it on the cube's face, 0 without any.
     """
 
     parts: MirrorParts
@@ -130,9 +237,9 @@ def _share_from_middle(
     tree: Tree,
     trace: _Traced,
 ) -> float:
-    """Which share of what a part sees is seen from the middle of its cube too; 0 if it sees none.
+    """Share of a part's surroundings in view from the middle of its cube; 0 without any.
 
-    Random rays begin anywhere on the part; `trace` tells how near what is seen from the middle is.
+    Random rays begin anywhere on the part; `trace` finds the nearest surfaces from the middle.
     """
     own = part_of == parts.part[n]
     corner, edge, other_edge = np.split(geometry.triangle[geometry.leaf[own]], 3, axis=1)

@@ -1,6 +1,6 @@
 """Patches: up to 6 x 6 texels of one part that face one way, on which bounces are counted.
 
-A patch is connected: texels on two sides of what stands on a floor are never one, so that a wall of
+A patch is connected: texels on two sides of a body on a floor are never one, so that a wall of
 two texels lets no light through.
 """
 
@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
+from light_transport.rays.map_texels import NOBODY, edges_of
 from light_transport.rays.ray_starts import Receivers
+from light_transport.rays.row_numbers import row_numbers
 from light_transport.rays.sky_nodes import NODES
-from light_transport.row_numbers import row_numbers
-from light_transport.surfaces.map_texels import NOBODY, edges_of
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 

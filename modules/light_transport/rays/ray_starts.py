@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import inlined
-from light_transport.rays.trace import mixed
-from light_transport.rays.tree import STACK
-from light_transport.surfaces.groups import Groups
-from light_transport.surfaces.map_texels import (
+from light_transport.rays.groups import TriangleGroups
+from light_transport.rays.map_texels import (
     MapGeometry,
     Texels,
     beginning_at,
@@ -24,6 +22,8 @@ from light_transport.surfaces.map_texels import (
     surface_place,
     triangle_at,
 )
+from light_transport.rays.trace import mixed
+from light_transport.rays.tree import STACK
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Powers of the plastic number for directions, and of the root of x^4 = x + 1 for places. One
@@ -48,7 +48,7 @@ class Receivers(NamedTuple):
     geometry: MapGeometry
     texels: Texels
     probes: Probes
-    groups: Groups
+    groups: TriangleGroups
 
 
 class Scratch(NamedTuple):

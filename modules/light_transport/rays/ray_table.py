@@ -1,9 +1,9 @@
 """Where the rays of each row end, as counts that rounds of rays add to.
 
-The first rays of a texel tell how many it gets in all. At creases, where the harmonic mean distance
-of what it sees is short, light varies between neighbouring texels: little of their noise can be
-smoothed. If they see little sky too, they get twice as many rays as others; texels inside
-bodies, none of whose rays count, get no more. All of it is the same for any number of rounds.
+The first rays of a texel decide how many it gets in all. At creases, where the harmonic mean
+distance of surfaces in view is short, light varies between neighbouring texels: little of their
+noise can be smoothed. If they see little sky too, they get twice as many rays as others; texels
+inside bodies, none of whose rays count, get no more. Any number of rounds gives the same rays.
 
 A row's entries are a column and a count in one number. Columns are nodes of the sky and of open
 ground, then the rows that rays met, later replaced by patches.
@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import dot, hot, inlined, kernel
+from light_transport.rays.groups import NO_GROUP
+from light_transport.rays.map_texels import NOBODY, Texels, cell_at, ground_at
 from light_transport.rays.ray_starts import Receivers, aim, begin, scratch, shift
 from light_transport.rays.sky_nodes import NODES, node_of
 from light_transport.rays.trace import MISS, mixed, nearest_along
 from light_transport.rays.tree import Tree
-from light_transport.surfaces.groups import NO_GROUP
-from light_transport.surfaces.map_texels import NOBODY, Texels, cell_at, ground_at
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 _DROPPED, _BACK = -1, -2
@@ -35,14 +35,14 @@ _CREASE_TEXELS, _LITTLE_SKY, _AT_CREASES = 8.0, 0.125, 2
 SMALL_BITS, LARGE_BITS = 14, 24
 
 
-class Rows(NamedTuple):
+class RayRows(NamedTuple):
     """Entries of rows `first` and following.
 
     Attributes:
         first: number of the first row.
         start: (R + 1,) int64, where each row's entries begin.
-        entry: (E,) uint16 or int32, see `columns_and_rays`; what has more rays than an entry can
-            say has several. A row's nodes come before all else.
+        entry: (E,) uint16 or int32, see `columns_and_rays`; a column with more rays than an
+            entry can hold has several. A row's nodes come before all else.
         nodes: (R,) uint16, how many of each row's entries are of nodes.
         traced: (R,) int32, rays that began.
         valid: (R,) int32, rays that count: those that did not begin inside a body.
@@ -60,9 +60,9 @@ class Rows(NamedTuple):
     free: NDArray[np.uint8]
 
 
-def empty_rows(first: int, number: int) -> Rows:
+def empty_rows(first: int, number: int) -> RayRows:
     """Rows without rays."""
-    return Rows(
+    return RayRows(
         first,
         np.zeros(number + 1, np.int64),
         np.empty(0, np.int32),
@@ -74,10 +74,10 @@ def empty_rows(first: int, number: int) -> Rows:
     )
 
 
-def slice_of(rows: Rows, first: int, last: int) -> Rows:
+def slice_of(rows: RayRows, first: int, last: int) -> RayRows:
     """Some of the rows, counted from the first."""
     here = slice(int(rows.start[first]), int(rows.start[last]))
-    return Rows(
+    return RayRows(
         rows.first + first,
         rows.start[first : last + 1] - rows.start[first],
         rows.entry[here],
@@ -89,12 +89,12 @@ def slice_of(rows: Rows, first: int, last: int) -> Rows:
     )
 
 
-def joined(blocks: list[Rows]) -> Rows:
+def joined(blocks: list[RayRows]) -> RayRows:
     """Rows of several blocks that follow each other."""
     sizes = [len(block.entry) for block in blocks]
     offsets = np.concatenate([[0], np.cumsum(sizes)])
     starts = [block.start[:-1] + offset for block, offset in zip(blocks, offsets, strict=False)]
-    return Rows(
+    return RayRows(
         blocks[0].first,
         np.concatenate([*starts, offsets[-1:]]),
         np.concatenate([block.entry for block in blocks]),
@@ -109,12 +109,12 @@ def joined(blocks: list[Rows]) -> Rows:
 def with_rays(
     tree: Tree,
     receivers: Receivers,
-    rows: Rows,
+    rows: RayRows,
     column_of: NDArray[np.int32],
     first: int,
     count: int,
     backs: int = _DROPPED,
-) -> Rows:
+) -> RayRows:
     """These rows with rays `first` to `first + count` added, and those that creases have besides.
 
     `column_of` (NODES + row count,): the column for the node or row that a ray met; `backs`: the
@@ -124,7 +124,7 @@ def with_rays(
     texels = receivers.texels
     own = slice(0, max(len(texels.pixel) - rows.first, 0))
 
-    def added(begin: NDArray[np.int32], end: NDArray[np.int32]) -> Rows:
+    def added(begin: NDArray[np.int32], end: NDArray[np.int32]) -> RayRows:
         targets = np.full((len(begin), int((end - begin).max(initial=0))), _DROPPED, np.int32)
         distances = np.zeros(targets.shape, np.float32)
         _trace(tree, receivers, rows.first, begin, end, scratch(), targets, distances)
@@ -132,7 +132,7 @@ def with_rays(
         columns = int(column_of.max(initial=0)) + 1
         traced = rows._replace(traced=rows.traced + end - begin)
         made = _counted(traced, begin, column_of, targets, distances, columns, _no_entries(columns))
-        return Rows(rows.first, *made)
+        return RayRows(rows.first, *made)
 
     def all_rows(number: int) -> NDArray[np.int32]:
         return np.full(len(rows.valid), number, np.int32)
@@ -148,7 +148,7 @@ def with_rays(
     return added(begin, end)
 
 
-def _last_rays(rows: Rows, texels: Texels, first: int, last: int) -> NDArray[np.int32]:
+def _last_rays(rows: RayRows, texels: Texels, first: int, last: int) -> NDArray[np.int32]:
     """How many rays each of some texels (R,) has when others, that have `first`, have `last`."""
     width = texels.width[rows.first : rows.first + len(rows.valid)]
     crease = rows.traced > first
@@ -160,7 +160,7 @@ def _last_rays(rows: Rows, texels: Texels, first: int, last: int) -> NDArray[np.
     ).astype(np.int32)
 
 
-def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
+def with_columns(rows: RayRows, new_column: NDArray[np.int32]) -> RayRows:
     """These rows with other columns; several may have become one."""
     columns = int(new_column.max(initial=0)) + 1
     column, rays = columns_and_rays(rows.entry)
@@ -170,13 +170,13 @@ def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
     made = _counted(
         named, rows.traced, new_column, nothing, distances, columns, _no_entries(columns)
     )
-    return Rows(rows.first, *made)
+    return RayRows(rows.first, *made)
 
 
 def columns_and_rays(
     entry: NDArray[np.uint16] | NDArray[np.int32],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Of entries (E,) the column of each, and how many rays ended there."""
+    """Column of each entry (E,), and the number of rays that ended there."""
     bits = SMALL_BITS if entry.itemsize == 2 else LARGE_BITS
     wide = entry.astype(np.int32)
     return wide & ((1 << bits) - 1), (wide >> bits) + 1
@@ -244,7 +244,7 @@ def _trace(tree, receivers, first_row, begins, ends, scratch, targets, distances
                     targets[i, s] = _BACK
                 elif height < least:
                     # The back of a sheet that lies on the surface: frames and plinths without a
-                    # back of their own hide what is below them as bodies do.
+                    # back hide surfaces below them as bodies do.
                     targets[i, s] = _DROPPED
 
 

@@ -13,7 +13,7 @@ from llvmlite import ir
 from vrut_lite.njit import intrinsic, types
 
 LANES = 8
-# Triangles reach so far beyond their edges (barycentric): no ray slips between two neighbours.
+# Barycentric margin beyond edges, so that no ray slips between two neighbouring triangles.
 _BEYOND = float(np.float32(2e-6))
 _ONE_AND_BEYOND = float(np.float32(1.0) + np.float32(2e-6))
 _VECTOR = ir.VectorType(ir.FloatType(), LANES)

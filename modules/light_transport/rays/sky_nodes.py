@@ -77,7 +77,7 @@ def node_radiances(sky: NDArray[np.floating], ground_radiance_rgb: ArrayLike) ->
 
 @lru_cache(maxsize=1)
 def node_directions() -> FloatArray:
-    """Unit vectors (NODES, 3) to the middle of what lies in each cell."""
+    """Unit vectors (NODES, 3) to the mean of each cell's directions."""
     directions = texel_directions(_FINE_TEXELS).reshape(-1, 3)
     weight = np.tile(texel_solid_angles(_FINE_TEXELS).ravel(), 6)
     node = _nodes_of(directions)

@@ -13,10 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import dot, hot, inlined
-from light_transport.rays.ray_starts import TURNS, across, evenly
-from light_transport.rays.trace import FAR, MISS, nearest_within
-from light_transport.rays.tree import STACK, Tree
-from light_transport.surfaces.map_texels import (
+from light_transport.rays.map_texels import (
     CELLS,
     NOBODY,
     PLACES,
@@ -28,19 +25,22 @@ from light_transport.surfaces.map_texels import (
     surface_place,
     triangle_at,
 )
+from light_transport.rays.ray_starts import TURNS, across, evenly
+from light_transport.rays.trace import FAR, MISS, nearest_within
+from light_transport.rays.tree import STACK, Tree
 from vrut_lite.numeric_types import Float32Array
 
-# What is between two places is looked for so high above the surface, of a texel's width.
+# Height above the surface, in texels, at which obstacles between two places are found.
 _ABOVE = np.float32(0.05)
-# The most that what stands across may face as the surface does (cosine): bumps do not count.
+# Largest cosine between an obstacle's normal and the surface's: bumps do not count.
 _ACROSS = np.float32(0.9)
-# Corners of texels lie so far inside, in texels.
+# Distance of a texel's corners from its edges, in texels.
 _INSIDE = 1e-3
 # The square of the farthest that a cell looks for a neighbour, in texels.
 _NEAR2 = 4.0
 # Where a point lies: in a body, on the side of its texel's middle, or beyond what cuts the texel.
 _BURIED, _OWN, _BEYOND = 0, 1, 2
-# Whether a texel's middle lies in a body is told by so many rays: so many may meet backs.
+# Number of rays that decide whether a texel's middle lies in a body, and how many may meet backs.
 _TOLD_BY, _MOST_BACKS = 8, 1
 # Cells of a texel from its middle outwards.
 _OUTWARDS = np.argsort(
@@ -53,7 +53,7 @@ _OUTWARDS = np.argsort(
 OverRows = Callable[[int, Callable[[int, int], None]], None]
 
 
-def cut_texels(
+def split_texels(
     tree: Tree,
     geometry: MapGeometry,
     texels: Texels,

@@ -19,7 +19,7 @@ BEAM = 6
 # Least magnitude of a direction's components.
 _TINY = np.float32(1e-12)
 _ONE, _ZERO = np.float32(1.0), np.float32(0.0)
-# Triangles reach so far beyond their edges (barycentric): no ray slips between two neighbours.
+# Barycentric margin beyond edges, so that no ray slips between two neighbouring triangles.
 _BEYOND = np.float32(2e-6)
 
 
@@ -80,7 +80,7 @@ def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignor
 
 @hot
 def nearest_within(tree, ox, oy, oz, dx, dy, dz, far, ray, stack, far_stack):  # type: ignore[no-untyped-def]
-    """`nearest` of what is not as far as `far` of the direction's lengths."""
+    """`nearest` within `far` lengths of the direction."""
     boxes, child, opacity = tree.wide_boxes, tree.wide_child, tree.opacity
     blocks, number = tree.blocks, tree.number
     to_boxes = ox, oy, oz, _inverse(dx), _inverse(dy), _inverse(dz)

@@ -20,7 +20,7 @@ _LEAF = 4
 # Deeper than this, nodes are halved by number: bounds the stack, whatever the triangles are.
 _DEEPEST_BY_AREA = 40
 _DEEPEST = 80
-# Of a search: each of eight boxes may wait, and eight triangles have three numbers each.
+# Size of a search's stack: each of eight boxes may wait, eight triangles have three numbers each.
 STACK = 8 * _DEEPEST
 # A leaf's code keeps its number of triangles in these bits.
 LEAF_BITS = 3

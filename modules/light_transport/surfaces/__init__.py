@@ -1,2 +1,1 @@
-"""A scene for light transport: triangles, their reflectance and emission, and the texels on
-them."""
+"""A scene for light transport: triangles, their reflectance and emission."""

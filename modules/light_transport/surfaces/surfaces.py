@@ -216,7 +216,7 @@ def _map_means(mesh: Mesh, material: Material, name: MapName) -> Float32Array | 
 def _sent_back(
     mesh: Mesh, material: Material, vertex_rgb: Float32Array
 ) -> tuple[SentBack, Float32Array]:
-    """Of paint under its coat, of metal or of glass; and roughness (F,)."""
+    """Diffuse shares of paint under its coat, of metal or of glass; and roughness (F,)."""
     colour = vertex_rgb * np.asarray(material.base_colour_rgba[:3], np.float32)
     texels = _map_means(mesh, material, "base_colour")
     if texels is not None:
@@ -253,7 +253,7 @@ def _opacity(mesh: Mesh, material: Material, vertex_alpha: Float32Array) -> Floa
     if found is not None and found.texels.shape[2] == 4:
         means = triangle_means(found, mesh, decode)
     if means is not None:
-        # Vertices' alpha seldom goes with a cut-out map; it then scales what is left.
+        # Vertices' alpha seldom goes with a cut-out map; it then scales the map's.
         return np.asarray(np.clip(means[:, 0] * vertex_alpha, 0.0, 1.0), np.float32)
     own = alpha * vertex_alpha
     return np.asarray(

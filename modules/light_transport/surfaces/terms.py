@@ -1,9 +1,9 @@
 """Coats and glass of materials, as means over all directions: what a triangle sends back, and how
 much passes straight on.
 
-What light transport keeps of glass: each triangle lets a share of all rays through, whatever their
-colour; tinted panes pass the luminance of their tint. Bodies let rays straight on too, half of
-what they take away at either side.
+Glass is simplified: each triangle lets a share of all rays through, whatever their colour; tinted
+panes pass the luminance of their tint. Bodies let rays straight on too and absorb half at either
+side.
 """
 
 from functools import lru_cache
@@ -20,12 +20,12 @@ from vrut_lite.messages.scene_content import MapName, Material, Mesh
 from vrut_lite.messages.surface_terms import SurfaceTerms
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-# Of any real surface; see grazing() in mesh.frag.
+# Least reflectance of any real surface; see grazing() in mesh.frag.
 _DARKEST_F0 = 0.02
 
 
 class SentBack(NamedTuple):
-    """Shares of diffuse light: sent back (F, 3), of what does not pass, and passing (F,)."""
+    """Shares of diffuse light: reflected (F, 3), of light that does not pass, and passing (F,)."""
 
     reflectance_rgb: Float32Array
     passing: Float32Array
@@ -34,7 +34,8 @@ class SentBack(NamedTuple):
 def sent_back(
     mesh: Mesh, material: Material, colour: FloatArray, roughness: FloatArray, metallic: FloatArray
 ) -> SentBack:
-    """Of paint (F, 3) or metal, where `metallic` (F, 1) is 1, under coats of `roughness` (F, 1)."""
+    """Shares of paint (F, 3) or metal, where `metallic` (F, 1) is 1, under coats of `roughness`
+    (F, 1)."""
     terms = material.terms
     f0 = terms.f0_rgb * _channel_means(mesh, material, "specular", 3)
     tint = triangle_means_of(mesh, material, "specular_colour")
@@ -106,14 +107,14 @@ def mean_metal(roughness: FloatArray, f0_rgb: FloatArray) -> FloatArray:
     constant, linear_in, square_in = (
         np.interp(roughness, steps, coefficient) for coefficient in _metal_coefficients()
     )
-    # What is darker than any real surface does not reflect grazing light either, as in the frame.
+    # Surfaces darker than any real one do not reflect grazing light either, as in the frame.
     is_real = np.clip(f0_rgb.max(axis=1, keepdims=True) / _DARKEST_F0, 0.0, 1.0)
     return np.asarray(is_real * constant + f0_rgb * (linear_in + f0_rgb * square_in))
 
 
 @lru_cache(maxsize=1)
 def _metal_coefficients() -> FloatArray:
-    """Means over the hemisphere (3, roughness) of what metal sends back, by powers of its colour.
+    """Means over the hemisphere (3, roughness) of metal's reflectance, by powers of its colour.
 
     The frame's metal, (f0 a + b)(1 + f0 (1 / (a + b) - 1)) from each direction
     (`reflection.all_bounces`), is a polynomial in f0: grazing light leaves it white.
@@ -135,7 +136,7 @@ def triangle_means_of(mesh: Mesh, material: Material, name: MapName) -> Float32A
 
 
 def _channel_means(mesh: Mesh, material: Material, name: MapName, channel: int) -> FloatArray:
-    """Means (F, 1) of a channel of a map, ones where there is none."""
+    """Means (F, 1) of a channel of a map, ones without a map."""
     found, ones = material.maps.get(name), np.ones((len(mesh.triangles), 1))
     if found is None or found.texels.shape[2] <= channel:
         return ones
@@ -144,7 +145,7 @@ def _channel_means(mesh: Mesh, material: Material, name: MapName, channel: int) 
 
 
 def _one_side(material: Material, colour: FloatArray) -> FloatArray:
-    """What one triangle of glass leaves (F, 3): a pane's tint, or half of a body's."""
+    """Transmittance of one triangle of glass (F, 3): a pane's tint, or half of a body's."""
     terms = material.terms
     if terms.is_pane:
         return np.asarray(colour)

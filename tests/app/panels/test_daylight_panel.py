@@ -4,8 +4,8 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
+from daylight_numbers.panel import DaylightPanel
 from light_stage import box_file
-from light_transport.daylight_panel import DaylightPanel
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 from window_driver import NOON, PATIENCE_MS, HeadlessStage

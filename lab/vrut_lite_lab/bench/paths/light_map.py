@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
-from light_transport.bake import Bake
-from light_transport.hour.free_points import light_at
 from light_transport.hour.illumination import HourLight, Illumination
 from light_transport.jobs import first_rays
 from light_transport.layout.layout import Layout, lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import RUNGS, quality_for
+from light_transport.transport import SceneTransport
+from light_transport.view.point_light import light_at
 
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.messages.scene import SceneOpened
@@ -54,7 +54,7 @@ _FULL, _QUICK = _Truth(120_000, 256, 3.0, 3000, 4096), _Truth(15_000, 64, 4.0, 3
 class Lit(NamedTuple):
     """A bake and the light of each sun (height, width, 4)."""
 
-    bake: Bake
+    transport: SceneTransport
     lights: list[Float32Array]
 
 
@@ -135,52 +135,54 @@ def _prepare(texels: int, rays: int, patch_texels: float, left: float) -> Work:
     surfaces, layout = _scene()[1], _layout(texels)
 
     def work() -> Lit:
-        bake = Bake(surfaces, layout, 1, patch_texels, left)
-        bake.add_rays(rays)
-        return Lit(bake, [bake.light(_hour(each)).texels for each in ELEVATIONS_DEG])
+        transport = SceneTransport(surfaces, layout, 1, patch_texels, left)
+        transport.add_rays(rays)
+        return Lit(transport, [transport.light(_hour(each)).texels for each in ELEVATIONS_DEG])
 
     return work
 
 
 def _errors(quick: bool, lit: Lit) -> dict[str, Errors]:
-    truth, texels = _QUICK if quick else _FULL, lit.bake.texels
-    table = lit.bake.table
+    truth, texels = _QUICK if quick else _FULL, lit.transport.texels
+    table = lit.transport.table
     free = np.flatnonzero((table.valid > 0.9 * table.traced)[: len(texels.pixel)])
-    own = free[lit.bake.surfaces.part[lit.bake.colour_of[free]] >= 0]
+    own = free[lit.transport.surfaces.part[lit.transport.colour_of[free]] >= 0]
     chosen = np.random.default_rng(1).choice(own, min(truth.points, len(own)), replace=False)
-    places_m = texels.place[chosen].astype(float) * lit.bake.surfaces.radius_m
-    places_m += lit.bake.surfaces.centre_m
+    places_m = texels.place[chosen].astype(float) * lit.transport.surfaces.radius_m
+    places_m += lit.transport.surfaces.centre_m
     column, row = texels.pixel[chosen].T
     found = {}
     for light, each in zip(lit.lights, ELEVATIONS_DEG, strict=True):
         normals = texels.normal[chosen].astype(float)
-        bake, rays = _true_bake(truth), truth.point_rays
-        exact = light_at(bake, places_m, normals, _hour(each), rays).irradiance_rgb
+        transport, rays = _true_bake(truth), truth.point_rays
+        exact = light_at(
+            transport, places_m, normals, transport.light(_hour(each)), rays
+        ).irradiance_rgb
         found[f"sun {each:g}°"] = sizes_of(np.abs(light[row, column, :3] - exact) / exact.mean())
     return found
 
 
 @lru_cache(maxsize=1)
-def _true_bake(truth: _Truth) -> Bake:
-    bake = Bake(_scene()[1], _layout(truth.texels), 2, truth.patch_texels, 1e-5)
-    bake.add_rays(truth.rays)
-    return bake
+def _true_bake(truth: _Truth) -> SceneTransport:
+    transport = SceneTransport(_scene()[1], _layout(truth.texels), 2, truth.patch_texels, 1e-5)
+    transport.add_rays(truth.rays)
+    return transport
 
 
 def _steps(texels: int, quick: bool) -> list[BenchPath]:
     """The layout, the first round of rays with its light, and an hour by all rays."""
     rays = _QUICK_TIMED_RAYS if quick else _TIMED_RAYS
 
-    def bake() -> Bake:
-        return Bake(_scene()[1], _layout(texels), 1)
+    def transport() -> SceneTransport:
+        return SceneTransport(_scene()[1], _layout(texels), 1)
 
     def first() -> Lit:
-        made = bake()
+        made = transport()
         made.add_rays(first_rays(made.rows))
         return Lit(made, [made.light(_hour(60.0)).texels])
 
     def hour() -> Work:
-        made = bake()
+        made = transport()
         made.add_rays(rays)
         # The first hour also makes what follows from the rays alone.
         made.light(_hour(60.0))
@@ -207,8 +209,8 @@ def _steps(texels: int, quick: bool) -> list[BenchPath]:
 class HourWork:
     """Computes the light of an hour in each call, and counts the lights that it got anew."""
 
-    def __init__(self, bake: Bake):
-        self._bake = bake
+    def __init__(self, transport: SceneTransport):
+        self._bake = transport
         self._last: HourLight | None = None
         self.done = 0
 

@@ -1,0 +1,163 @@
+"""`vrut-lite daylight`: illuminance, daylight factors and a year at sensors of a scene."""
+
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import click
+
+from daylight_numbers.sensors import SensorGrid, read_sensors
+from vrut_lite.errors import UserError
+from vrut_lite.headless import (
+    FiniteRange,
+    daylight_options,
+    project_of_path,
+    scene_options,
+    tracked,
+    with_options,
+    with_scene_options,
+    worker_options,
+    workers_of,
+)
+from vrut_lite.lazy import lazy
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
+
+# scipy takes a third of a second to import, which --help need not wait for.
+_folder = lazy("daylight_numbers.folder")
+_year_light = lazy("daylight_numbers.year_light")
+
+
+@click.command(name="daylight")
+@daylight_options
+@scene_options
+@click.argument("scenes", nargs=-1, required=True, metavar="SCENE...")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="FOLDER",
+    help="Made if missing; of several scenes each gets a folder in it, by its name.",
+)
+@click.option(
+    "--sensors",
+    metavar="FILE",
+    help="A .csv of points x,y,z[,dx,dy,dz] in metres, in the scene's axes, y up. Default: level "
+    "grids in its rooms, or on open ground where it has none.",
+)
+@click.option(
+    "--grid",
+    "step_m",
+    type=FiniteRange(0.01, 100.0),
+    default=0.5,
+    show_default=True,
+    help="Edge of a grid's cells, in metres; wider where there would be more than 1,000 points.",
+)
+@click.option(
+    "--height",
+    "height_m",
+    type=FiniteRange(0.0, 10.0),
+    default=0.85,
+    show_default=True,
+    help="Of grids above floors, in metres.",
+)
+@click.option(
+    "--cie-sky",
+    type=click.Choice(["16", "1", "5"]),
+    default="16",
+    show_default=True,
+    help="Of the daylight factor: CIE's traditional overcast sky (16), its type 1, or even (5).",
+)
+@click.option(
+    "--ground-albedo",
+    type=FiniteRange(0.0, 1.0),
+    default=0.2,
+    show_default=True,
+    help="Of the ground under a CIE sky.",
+)
+@click.option(
+    "--eyes",
+    metavar="FILE",
+    help="A .csv of eyes x,y,z,dx,dy,dz: where they are and look. Adds glare.",
+)
+@click.option(
+    "--blinds",
+    type=FiniteRange(0.0, 1.0),
+    default=0.05,
+    show_default=True,
+    help="What closed blinds let through, evenly, in a year's sDA.",
+)
+@click.option(
+    "--sun-day",
+    type=click.DateTime(["%m-%d"]),
+    default="03-21",
+    show_default=True,
+    metavar="MM-DD",
+    help="Of EN 17037's hours of sun in a year: 02-01 to 03-21.",
+)
+@click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
+@worker_options
+def daylight(
+    scenes: tuple[str, ...],
+    output: str,
+    sensors: str | None,
+    step_m: float,
+    height_m: float,
+    cie_sky: Any,
+    ground_albedo: float,
+    blinds: float,
+    eyes: str | None,
+    sun_day: datetime,
+    year: bool,
+    jobs: int,
+    dask: str | None,
+    **options: Any,
+) -> None:
+    """Measure the daylight of scenes: lux of an hour, daylight factors, hours of sun, a year.
+
+    FOLDER gets report.html, sensors.csv and sensors.npz with a row for each sensor and an error
+    beside what has one, plans in false colours, and heat maps of the year.
+
+    Example: vrut-lite daylight scenes/work/indoor.glb -o room --at 2026-03-21T12:00
+
+    Example: vrut-lite daylight room.glb -o room --sensors desks.csv --cie-sky 1
+
+    Example: vrut-lite daylight room.glb -o room --year --weather prague.epw
+
+    Example: vrut-lite daylight variants/*.glb -o variants --year --jobs 4
+    """
+    projects = [
+        with_options(with_scene_options(project_of_path(scene), dict(options)), dict(options))
+        for scene in scenes
+    ]
+    looking = read_sensors(eyes) if eyes else None
+    day = sun_day.date().replace(year=_year_light.YEAR)
+    if not (2, 1) <= (day.month, day.day) <= (3, 21):
+        raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
+    folders = _folders(Path(output), scenes)
+    wanted = []
+    for project in projects:
+        told = project.sensors if sensors is None else sensors
+        chosen = read_sensors(told) if told else SensorGrid(height_m, step_m)
+        tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
+        wanted.append(
+            _folder.DaylightRequest(
+                project, chosen, tolerance, cie_sky, ground_albedo, year, blinds, looking, day
+            )
+        )
+    with workers_of(jobs, dask, len(wanted)) as workers:
+        found = (workers.map if workers else map)(_folder.measured, folders, wanted)
+        for lines in tracked(found, "scenes", len(wanted)) if workers else found:
+            click.echo("\n".join(lines))
+
+
+def _folders(output: Path, scenes: tuple[str, ...]) -> list[Path]:
+    """A folder for each scene, made."""
+    folders = [output / Path(scene).stem for scene in scenes] if len(scenes) > 1 else [output]
+    if len(set(folders)) < len(folders):
+        raise UserError("two scenes have one name: measure them into folders of their own")
+    for folder in folders:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    return folders

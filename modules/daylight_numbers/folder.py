@@ -1,0 +1,234 @@
+"""Output of the command: tables, plans, a page, and lines for the terminal."""
+
+import csv
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from light_transport.public import Illumination
+
+from daylight_numbers.eyes import (
+    METHOD,
+    eyes_of,
+    glare_now,
+    hour_table,
+    write_views,
+)
+from daylight_numbers.now import TITLES, CieSky, cie_hour, numbers_now, patch_error
+from daylight_numbers.opened_scene import OpenedScene
+from daylight_numbers.pictures import PictureQuantity, plan_picture
+from daylight_numbers.report import ReportPage, Table, write_report
+from daylight_numbers.sensors import SensorGrid, Sensors
+from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
+from daylight_numbers.work import DaylightWork, work_of
+from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
+from vrut_lite.headless import Project, busy_with, tell_notices, tracked, write_png
+from vrut_lite.numeric_types import FloatArray
+from vrut_lite.write_atomic import atomic_output
+
+_PICTURES = {
+    "illuminance_lx": PictureQuantity("illuminance", "lx"),
+    "daylight_factor_percent": PictureQuantity("daylight factor", "%"),
+    "sun_h": PictureQuantity("hours of sun", "h"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class DaylightRequest:
+    """A request: project, sensors, tolerance, CIE sky; `blinds` is the transmittance of closed
+    blinds."""
+
+    project: Project
+    sensors: Sensors | SensorGrid
+    tolerance: float
+    cie_sky: CieSky
+    ground_albedo: float
+    year: bool
+    blinds: float
+    eyes: Sensors | None
+    sun_day: date
+
+
+def measured(folder: Path, asked: DaylightRequest) -> list[str]:
+    """Open a project's scene, compute and write; lines as of `write_daylight`.
+
+    Raises:
+        UserError: the scene cannot be read, or by `write_daylight`.
+    """
+    with busy_with(f"opening {asked.project.scene}"):
+        opened = OpenedScene(asked.project)
+    try:
+        tell_notices(opened.scene.notices)
+        return write_daylight(folder, opened, asked)
+    finally:
+        opened.close()
+
+
+def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) -> list[str]:
+    """Compute and write; returns a line for each plane.
+
+    Raises:
+        UserError: there are no work planes, sensors lie in walls, or a file cannot be written.
+    """
+    work = work_of(opened.scene, asked.sensors, asked.tolerance, glazing=asked.project.glazing)
+    # Hours of sun move the clock.
+    hour = opened.hour()
+    numbers = _now(work, opened, hour, asked)
+    tables = [_rooms_now(work.sensors, numbers)]
+    pictures: dict[Path, str] = {}
+    for name, quantity in _PICTURES.items():
+        if np.any(work.sensors.cell >= 0) and np.any(numbers[name] > 0.0):
+            path = folder / f"{name}.png"
+            write_png(path, plan_picture(work.sensors, numbers[name], quantity))
+            pictures[path] = f"{quantity.title.capitalize()} ({quantity.unit}), north (-z) up"
+    overcast = cie_hour(asked.cie_sky, asked.ground_albedo)
+    factor = numbers["daylight_factor_percent"]
+    moved = patch_error(
+        opened.scene, work, asked.project.glazing, asked.tolerance, overcast, factor
+    )
+    method = _method(work, asked, moved)
+    eyes = None
+    if asked.eyes is not None:
+        eyes = eyes_of(opened.scene, work, asked.eyes, asked.tolerance)
+        glare = glare_now(eyes, hour)
+        tables.append(hour_table(glare))
+        pictures |= write_views(folder, glare)
+        method.append(METHOD)
+    if asked.year:
+
+        def steps(hours: Iterable[int], count: int) -> Iterable[int]:
+            return tracked(hours, "year", count)
+
+        wanted = YearRequest(asked.blinds, eyes, asked.sun_day)
+        found = year_pages(folder, work, opened, wanted, steps)
+        numbers |= found.columns
+        tables += found.tables
+        pictures |= found.pictures
+        method += found.method
+    write_tables(folder, work.sensors, numbers)
+    where = asked.project
+    weather = f", {Path(where.weather).name}" if where.weather else ""
+    subtitle = (
+        f"{where.at} at {where.place}; sky by {opened.source}{weather}; {len(work.sensors)} sensors"
+    )
+    title = f"Daylight of {Path(where.scene).stem}"
+    write_report(folder / "report.html", ReportPage(title, subtitle, tables, pictures, method))
+    lines = [
+        f"{table.heading}: "
+        + "; ".join(
+            f"{row[0]}: "
+            + ", ".join(
+                f"{name} {cell}" for name, cell in zip(table.columns[1:], row[1:], strict=True)
+            )
+            for row in table.rows
+        )
+        for table in tables
+    ]
+    return [*lines, f"the page is {folder / 'report.html'}"]
+
+
+def _now(
+    work: DaylightWork, opened: OpenedScene, hour: Illumination, asked: DaylightRequest
+) -> Numbers:
+    """Columns (P,) of the present hour, named with their units; errors are standard errors."""
+    now = numbers_now(work, hour, asked.cie_sky, asked.ground_albedo)
+    lux = now.light
+    midnight = asked.project.instant().replace(hour=0, minute=0, second=0, microsecond=0)
+    return {
+        "illuminance_lx": lux.total,
+        "illuminance_error_lx": lux.noise,
+        "of_sun_lx": lux.sun,
+        "of_sky_lx": lux.sky,
+        "of_surfaces_lx": lux.surfaces,
+        "daylight_factor_percent": now.daylight_factor_percent,
+        "daylight_factor_error_percent": now.daylight_factor_error_percent,
+        "sky_view": now.sky_view,
+        "sun_h": sun_hours(work, work.sensors, suns_of_day(opened, midnight)),
+    }
+
+
+def _rooms_now(sensors: Sensors, numbers: Numbers) -> Table:
+    rows = []
+    for plane, name in enumerate(sensors.names):
+        here = sensors.plane == plane
+        lux, factor = numbers["illuminance_lx"][here], numbers["daylight_factor_percent"][here]
+        noise = numbers["illuminance_error_lx"][here]
+        factor_noise = numbers["daylight_factor_error_percent"][here]
+        rows.append(
+            [
+                name,
+                f"{here.sum()}",
+                f"{lux.mean():,.0f} ± {_rms(noise):,.0f}",
+                f"{lux.min():,.0f}",
+                f"{lux.max():,.0f}",
+                f"{factor.mean():.2f} ± {_rms(factor_noise):.2f}",
+                f"{np.median(factor):.2f}",
+                f"{numbers['sky_view'][here].mean():.1%}",
+                f"{numbers['sun_h'][here].mean():.1f}",
+            ]
+        )
+    columns = [
+        "plane", "sensors", "mean lx", "least lx", "most lx", "mean daylight factor %",
+        "median daylight factor %", "sky view", "hours of sun",
+    ]  # fmt: skip
+    return Table("The hour, and an overcast sky", columns, rows)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _method(work: DaylightWork, asked: DaylightRequest, moved: float) -> list[str]:
+    transport = work.transport
+    assert transport.patches is not None
+    step = max(work.sensors.step_m)
+    planes = (
+        f"Sensors stand in cells of {step:.2f} m, facing up."
+        if step > 0.0
+        else "Sensors are those of a file."
+    )
+    return [
+        planes,
+        f"Daylight factor under {TITLES[asked.cie_sky]}, ground albedo {asked.ground_albedo:g}.",
+        f"{work.operator.rays:,.0f} rays from each sensor in two halves; after ± stands a sensor's "
+        "standard error (rms) by the difference of the halves.",
+        f"Bounces between {len(transport.patches.area):,} patches of Lambert's surfaces, "
+        f"{transport.rays} rays from each of {len(transport.texels.pixel):,} texels "
+        "(docs/light.md). "
+        f"Patches twice as wide move daylight factors by {moved:.1%} of their mean, rms.",
+        "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
+        f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
+        "Lamps are off. ReflectionProbes throw no sun. The view out is not computed.",
+    ]
+
+
+def write_tables(folder: Path, sensors: Sensors, numbers: Mapping[str, FloatArray]) -> None:
+    """Write `sensors.csv` and `sensors.npz`; columns (P,) are named with their units.
+
+    Raises:
+        UserError: a file cannot be written.
+    """
+    names = ["plane", "x_m", "y_m", "z_m", "direction_x", "direction_y", "direction_z", *numbers]
+    columns = [
+        [sensors.names[plane] for plane in sensors.plane],
+        *(sensors.places_m.T),
+        *(sensors.normals.T),
+        *numbers.values(),
+    ]
+    with atomic_output(folder / "sensors.csv") as beside, beside.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        for row in zip(*columns, strict=True):
+            writer.writerow([v if isinstance(v, str) else f"{float(v):.6g}" for v in row])
+    with atomic_output(folder / "sensors.npz") as beside, beside.open("wb") as stream:
+        arrays: dict[str, Any] = {
+            "plane": sensors.plane,
+            "plane_names": np.array(sensors.names),
+            "places_m": sensors.places_m,
+            "directions": sensors.normals,
+            **numbers,
+        }
+        np.savez_compressed(stream, **arrays)

@@ -1,0 +1,257 @@
+"""A year at sensors: one matrix over the sky's cells, solved suns for bounces, rays to the sun.
+
+Light of the sky is a product (Tregenza and Waters 1983). Bounces of sunlit surfaces are solved for
+the suns of every few days and interpolated from day to day at the same hour; the sun's own light is
+a ray for each sensor and hour.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from light_transport.public import (
+    GROUND_NODE,
+    NODES,
+    CancelCheck,
+    SceneTransport,
+    always,
+    columns_and_rays,
+)
+from scipy.sparse import csr_matrix
+
+from daylight_numbers.now import sun_shares
+from daylight_numbers.operator import Half
+from daylight_numbers.sky_cells import CELLS, node_of_cell
+from daylight_numbers.work import DaylightWork
+from daylight_numbers.year_light import HOURS, YearLight
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.numeric_types import Float32Array, FloatArray, IntArray
+
+# Suns are solved each so many days; the sun's height at an hour then changes by 3 degrees at most.
+DAYS_BETWEEN = 8
+LUMENS_RGB = np.asarray(luminance(np.eye(3)) * LUMENS_PER_WATT)
+_SENSORS_AT_ONCE = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Year:
+    """Illuminance in lux of the hours (H) of a `YearLight` at sensors (P).
+
+    `total` (P, H) float32 by all light; `sun` (P, H) by the sun straight; `halves` (2, P, H) are
+    `total` by either half of the rays.
+    """
+
+    total: Float32Array
+    sun: Float32Array
+    halves: tuple[Float32Array, Float32Array]
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedYear:
+    """Radiosity of patches (M) in a year, all bounces included, for sensors anywhere.
+
+    `sent_by_cells` (M, GROUND_NODE + 1): irradiance by unit radiance of the sky's cells, straight;
+    `by_sky` (3, M, GROUND_NODE + 1): radiosity by these; `sunlit` (S, M): irradiance straight from
+    solved suns of 1 W m^-2; `by_suns` (3, M, S): radiosity by these; `sun_direction` (S, 3); `near`
+    (H, 2) and `share` (H, 2): which of these stand for an hour's sun.
+    """
+
+    sent_by_cells: FloatArray
+    by_sky: Float32Array
+    sunlit: Float32Array
+    by_suns: Float32Array
+    sun_direction: FloatArray
+    near: IntArray
+    share: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class YearMatrices:
+    """Matrices that depend on scene, place and sensors alone.
+
+    `sky`: of each half (3, P, GROUND_NODE + 1) by radiances; `suns`: of each half (3, P, S) by
+    irradiances of solved suns; `near` and `share`: see `SolvedYear`; `direct` (P, H): lux straight
+    from the sun for each hour, for 1 W m^-2 of each colour.
+    """
+
+    sky: tuple[Float32Array, Float32Array]
+    suns: tuple[Float32Array, Float32Array]
+    near: IntArray
+    share: FloatArray
+    direct: Float32Array
+
+
+def annual(work: DaylightWork, light: YearLight, go_on: CancelCheck = always) -> Year:
+    """A year at sensors.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
+    return year_of(
+        year_matrices(work, light, solved_year(work.transport, light, go_on), go_on), light
+    )
+
+
+def solved_year(
+    transport: SceneTransport, light: YearLight, go_on: CancelCheck = always
+) -> SolvedYear:
+    """Solve bounces of the sky's cells and of some suns.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
+    assert transport.patches is not None
+    reflectance = transport.patches.reflectance_rgb.copy()
+    reflectance[transport.patches.on_ground] = light.ground_albedo_rgb
+    straight = _sent_by_cells(transport)
+    by_sky = _in_threads(transport, list(straight.T), reflectance, go_on)
+    near, share, chosen = _solved_suns(light)
+    with ThreadPoolExecutor(transport.threads) as pool:
+        sunlit = list(pool.map(lambda n: transport.sunlit_patches(light.sun_direction[n]), chosen))
+    by_suns = _in_threads(transport, sunlit, reflectance, go_on)
+    lit = np.array(sunlit, np.float32).reshape(len(chosen), len(reflectance))
+    towards = light.sun_direction[chosen]
+    return SolvedYear(straight, by_sky, lit, by_suns, towards, near, share)
+
+
+def year_matrices(
+    work: DaylightWork, light: YearLight, solved: SolvedYear, go_on: CancelCheck = always
+) -> YearMatrices:
+    """Matrices from solved light to sensors, and their direct sun by rays of each hour.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
+    halves = work.operator.halves
+    sky = tuple(_sky_matrix(half, solved.by_sky) for half in halves)
+    suns = tuple(_brought(half, solved.by_suns) for half in halves)
+    colour = light.sun_irradiance_rgb * LUMENS_RGB
+    direct = np.zeros((len(work.sensors), len(light.hour)), np.float32)
+    for first in range(0, len(work.sensors), _SENSORS_AT_ONCE):
+        go_on()
+        some = np.arange(first, min(first + _SENSORS_AT_ONCE, len(work.sensors)))
+        part = sun_shares(work.transport, work.glass, work.sensors.some(some), light.sun_direction)
+        direct[some] = np.einsum("phc,hc->ph", part, colour)
+    return YearMatrices((sky[0], sky[1]), (suns[0], suns[1]), solved.near, solved.share, direct)
+
+
+def year_of(matrices: YearMatrices, light: YearLight) -> Year:
+    """The year's product."""
+    sky = np.ascontiguousarray(light.sky.transpose(2, 1, 0))
+    sun = (light.sun_irradiance_rgb * LUMENS_RGB).astype(np.float32)
+    halves = []
+    for of_sky, of_suns in zip(matrices.sky, matrices.suns, strict=True):
+        total = matrices.direct.copy()
+        for k in range(3):
+            total += np.float32(LUMENS_RGB[k]) * (of_sky[k] @ sky[k])
+            spread = suns_of_hours(matrices.near, matrices.share, sun[:, k], of_suns.shape[2])
+            total += (spread.T @ of_suns[k].T).T
+        halves.append(total)
+    mean = np.float32(0.5) * (halves[0] + halves[1])
+    return Year(mean, matrices.direct, (halves[0], halves[1]))
+
+
+def suns_of_hours(
+    near: IntArray, share: FloatArray, irradiance: FloatArray | Float32Array, suns: int
+) -> csr_matrix:
+    """Irradiance (S, H) of solved suns that stand for those of hours (H,)."""
+    if not suns:
+        return csr_matrix((0, len(near)), dtype=np.float32)
+    hours = np.repeat(np.arange(len(near)), 2)
+    values = (share * irradiance[:, None]).ravel()
+    return csr_matrix((values, (near.ravel(), hours)), (suns, len(near)), dtype=np.float32)
+
+
+def _sent_by_cells(transport: SceneTransport) -> FloatArray:
+    """Irradiance (M, GROUND_NODE + 1) of patches by unit radiance of cells, and of open ground."""
+    table, patches = transport.table, transport.patches
+    assert patches is not None
+    column, rays = columns_and_rays(table.entry)
+    row = np.repeat(np.arange(len(table.valid)), np.diff(table.start))
+    sky = column < NODES
+    where = np.minimum(column[sky], GROUND_NODE)
+    share = np.pi * rays[sky] / np.maximum(table.valid[row[sky]], 1)
+    rows = csr_matrix((share, (row[sky], where)), (len(table.valid), GROUND_NODE + 1))
+    patch = np.repeat(np.arange(len(patches.area)), np.diff(patches.start))
+    weight = np.where(table.valid[patches.member] > 0, patches.weight, 0.0).astype(float)
+    weight /= np.maximum(np.bincount(patch, weight, len(patches.area)), 1e-12)[patch]
+    means = csr_matrix((weight, (patch, patches.member)), (len(patches.area), len(table.valid)))
+    return np.asarray((means @ rows).toarray())
+
+
+def _in_threads(
+    transport: SceneTransport,
+    direct: Sequence[FloatArray | Float32Array],
+    reflectance: Float32Array,
+    go_on: CancelCheck,
+) -> Float32Array:
+    """Radiosity (3, M, L) of patches by each of some direct irradiances (M,), alike in colour."""
+    nothing = np.zeros_like(reflectance)
+    out = np.zeros((3, len(reflectance), len(direct)), np.float32)
+
+    def solve(n: int) -> None:
+        go_on()
+        light = np.repeat(direct[n].astype(np.float32)[:, None], 3, axis=1)
+        out[:, :, n] = transport.radiosity(light, nothing, reflectance).T
+
+    with ThreadPoolExecutor(transport.threads) as pool:
+        list(pool.map(solve, range(len(direct))))
+    return out
+
+
+def _solved_suns(light: YearLight) -> tuple[IntArray, FloatArray, IntArray]:
+    """For each hour the two solved suns (H, 2) and shares (H, 2), and the hours (S,) of these.
+
+    They stand in the same hour of the day, before and after it; where the sun does not shine yet,
+    or no more, one stands for both.
+    """
+    day, clock = np.divmod(light.hour, HOURS)
+    shines = luminance(light.sun_irradiance_rgb) > 0.0
+    is_above = shines & (light.sun_direction[:, 1] > 0.0)
+    near, share = np.zeros((len(day), 2), np.int64), np.zeros((len(day), 2))
+    chosen: list[int] = []
+    for time in range(HOURS):
+        here = np.flatnonzero((clock == time) & is_above)
+        if not len(here):
+            continue
+        known = here[_every(day[here])]
+        first = len(chosen)
+        chosen += known.tolist()
+        after = np.clip(np.searchsorted(day[known], day[here]), 0, len(known) - 1)
+        before = np.maximum(after - (day[known][after] > day[here]), 0)
+        apart = np.maximum(day[known][after] - day[known][before], 1)
+        part = np.clip((day[here] - day[known][before]) / apart, 0.0, 1.0)
+        near[here] = first + np.stack([before, after], axis=1)
+        share[here] = np.stack([1.0 - part, part], axis=1)
+    return near, share, np.array(chosen, np.int64)
+
+
+def _every(days: IntArray) -> IntArray:
+    """Some of sorted days, at most DAYS_BETWEEN apart, the first and the last among them."""
+    kept, last = [], -DAYS_BETWEEN
+    for n, day in enumerate(days.tolist()):
+        if day - last >= DAYS_BETWEEN or n == len(days) - 1:
+            kept.append(n)
+            last = day
+    return np.array(kept, np.int64)
+
+
+def _sky_matrix(half: Half, by_sky: Float32Array) -> Float32Array:
+    """Irradiance (3, P, GROUND_NODE + 1) by radiances, straight and by all bounces."""
+    nodes = np.append(node_of_cell(), GROUND_NODE)
+    summed = csr_matrix(
+        (np.ones(CELLS + 1), (np.arange(CELLS + 1), nodes)), (CELLS + 1, GROUND_NODE + 1)
+    )
+    count = len(half.seen)
+    straight = [np.asarray((seen @ summed).toarray(), np.float32) for seen in half.seen]
+    brought = _brought(half, by_sky)
+    return np.stack([straight[k % count] + brought[k] for k in range(3)])
+
+
+def _brought(half: Half, sent: Float32Array) -> Float32Array:
+    """Irradiance (3, P, L) by radiosities (3, M, L)."""
+    count = len(half.sent)
+    return np.stack(
+        [np.asarray(half.sent[k % count].astype(np.float32) @ sent[k]) for k in range(3)]
+    )

@@ -1,0 +1,5 @@
+"""Light at the points of a finished still, by rays of their own which end on the map's patches.
+
+In reading order: `view_light` has the steps, `point_light` traces what falls on points,
+`view_reflections` what coats and metals mirror there, `view_smoothing` removes noise.
+"""
