@@ -1,14 +1,11 @@
 """The house's plan, held by its imports: which layer knows which, and what the kernel never says.
 
-Imports are read from the files, also those in functions and those for type checkers alone. What
-does not follow the plan yet stands in house_exceptions.toml. The list only shrinks: a test also
-fails when an exception is not needed any more.
+Imports are read from the files, also those in functions and those for type checkers alone.
 """
 
 import ast
 import re
-import tomllib
-from collections import Counter, defaultdict
+from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
@@ -22,7 +19,6 @@ PACKAGES = {
     "tools": ROOT / "tools",
 }
 PRODUCT = ("vrut_lite", *(name for name in PACKAGES if (ROOT / "modules" / name).is_dir()))
-EXCEPTIONS = tomllib.loads((Path(__file__).parent / "house_exceptions.toml").read_text())
 # 2,400 for the bus, its modules and jobs, and 200 for revisions.
 KERNEL_LINES = 2600
 # Words of daylight, as they stand in names, sentences and comments.
@@ -179,11 +175,6 @@ def part(name):
     return name.split(".")[1] if "." in name else name
 
 
-def excepted(rule):
-    """Pairs (importer, imported) of files that may break a rule."""
-    return {(name, other) for name, others in EXCEPTIONS[rule].items() for other in others}
-
-
 def imports_of(packages):
     """Pairs (importer, imported) of files, the first in one of these packages."""
     return {
@@ -258,15 +249,11 @@ def reaches(graph, start, end):
 def test_no_folders_need_each_other():
     """Of what lies in one folder, files and folders with all in them, none needs what needs it."""
     graph = defaultdict(set)
-    for name, other in imports_of(PACKAGES) - excepted("circles"):
+    for name, other in imports_of(PACKAGES):
         here, there = neighbours(name, other)
         graph[here].add(there)
     circles = [(a, b) for a in sorted(graph) for b in sorted(graph[a]) if reaches(graph, b, a)]
     assert not circles
-    assert excepted("circles") <= imports_of(PACKAGES)
-    for name, other in excepted("circles"):
-        here, there = neighbours(name, other)
-        assert reaches(graph, there, here), f"{name} -> {other} closes no circle any more"
 
 
 def test_a_class_has_its_name_alone():
@@ -277,7 +264,7 @@ def test_a_class_has_its_name_alone():
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 homes[node.name].append(name)
     shared = {name: sorted(places) for name, places in homes.items() if len(places) > 1}
-    assert shared == EXCEPTIONS["class_names"]
+    assert not shared
 
 
 def targets(statement):
@@ -313,9 +300,8 @@ def test_numba_is_imported_in_one_place(package):
 
 
 def test_imports_stand_at_the_top():
-    """A reader sees at once what a file needs; each import in a function is counted here."""
-    found = Counter({name: local_imports(name) for name in files()})
-    assert dict(+found) == EXCEPTIONS["local_imports"]
+    """A reader sees at once what a file needs; what comes late comes by `vrut_lite.lazy`."""
+    assert not [name for name in files() if local_imports(name)]
 
 
 @pytest.mark.parametrize("upper", BELOW)

@@ -12,9 +12,26 @@ from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter, process_time
 
+from vrut_lite.lazy import lazy
 from vrut_lite_lab.checkout import ROOT
 
 _BEGAN_S = perf_counter(), process_time()
+# Imported while the clock runs.
+begin_probe = lazy("vrut_lite.render.gl_environment:begin_probe")
+_numba, _host = lazy("vrut_lite.numba_compiler"), lazy("vrut_lite.host")
+_OF_WINDOW = (
+    QtCore := lazy("PySide6.QtCore"),
+    QTest := lazy("PySide6.QtTest:QTest"),
+    QApplication := lazy("PySide6.QtWidgets:QApplication"),
+    Session := lazy("vrut_lite.app.engine.session:Session"),
+    apply_theme := lazy("vrut_lite.app.theme:apply_theme"),
+    first_place := lazy("vrut_lite.app.window.first_size:first_place"),
+    Kept := lazy("vrut_lite.app.window.kept:Kept"),
+    MainWindow := lazy("vrut_lite.app.window.main_window:MainWindow"),
+    SurfaceLightChanged := lazy("vrut_lite.messages.light_map:SurfaceLightChanged"),
+    SceneOpened := lazy("vrut_lite.messages.scene:SceneOpened"),
+    project_of_path := lazy("vrut_lite.project:project_of_path"),
+)
 
 
 class StepPrinter:
@@ -40,27 +57,12 @@ def main() -> None:
     """Open, look around, type an hour, export."""
     watch = StepPrinter()
     # As `vrut-lite run` does it.
-    from vrut_lite.render.gl_environment import begin_probe
-
     begin_probe()
-    import numba  # noqa: F401
-
-    import vrut_lite.host  # noqa: F401
-
+    _numba.load()
+    _host.load()
     watch.step("the host's code is imported")
-    from PySide6.QtCore import QEventLoop, QPoint, Qt, QTimer
-    from PySide6.QtTest import QTest
-    from PySide6.QtWidgets import QApplication
-
-    from vrut_lite.app.engine.session import Session
-    from vrut_lite.app.theme import apply_theme
-    from vrut_lite.app.window.first_size import first_place
-    from vrut_lite.app.window.kept import Kept
-    from vrut_lite.app.window.main_window import MainWindow
-    from vrut_lite.messages.light_map import SurfaceLightChanged
-    from vrut_lite.messages.scene import SceneOpened
-    from vrut_lite.project import project_of_path
-
+    for late in _OF_WINDOW:
+        late.load()
     scenes = ROOT / "scenes"
     project = project_of_path(sys.argv[1] if len(sys.argv) > 1 else str(scenes / "street.toml"))
     watch.step("the window's code is imported")
@@ -77,8 +79,8 @@ def main() -> None:
 
         def until(is_so: Callable[[], object]) -> None:
             # As `app.exec()` does, and unlike QTest.qWait, this waits without Python's lock.
-            loop = QEventLoop()
-            watch_on = QTimer(interval=2)
+            loop = QtCore.QEventLoop()
+            watch_on = QtCore.QTimer(interval=2)
             watch_on.timeout.connect(lambda: loop.quit() if is_so() else None)
             watch_on.start()
             loop.exec()
@@ -98,11 +100,11 @@ def main() -> None:
         watch.step("the window is seen")
         until(lambda: session.catalogue.modules)
         watch.step("the host is ready")
-        until(lambda: session.last(SceneOpened))
+        until(lambda: session.last(SceneOpened.load()))
         watch.step("the scene is opened")
         until(lambda: pictures)
         watch.step("the first picture")
-        until(lambda: session.last(SurfaceLightChanged))
+        until(lambda: session.last(SurfaceLightChanged.load()))
         watch.step("the first light of surfaces")
         until(lambda: pictures[-1])
         watch.step("a finished picture")
@@ -112,21 +114,23 @@ def main() -> None:
         until(window.isActiveWindow)
         view = window.desk.viewport
         middle = view.rect().center()
-        QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)
+        QTest.mousePress(view, QtCore.Qt.MouseButton.LeftButton, pos=middle)
         for way in range(0, 250, 25):
-            QTest.mouseMove(view, middle + QPoint(way, 0))
-        QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle + QPoint(250, 0))
+            QTest.mouseMove(view, middle + QtCore.QPoint(way, 0))
+        QTest.mouseRelease(
+            view, QtCore.Qt.MouseButton.LeftButton, pos=middle + QtCore.QPoint(250, 0)
+        )
         shown("a drag of 250 px")
 
         clock = window.time.clock
         window.type_time("clock")
         QTest.keyClicks(clock, "8:30")
-        QTest.keyClick(clock, Qt.Key.Key_Return)
+        QTest.keyClick(clock, QtCore.Qt.Key.Key_Return)
         shown("8:30 is typed")
 
         export = window.panels["export"]
-        export.export(str(Path(folder, "picture.png")))  # type: ignore[attr-defined]
-        until(lambda: "EV100" in export.status.text())  # type: ignore[attr-defined]
+        export.export(str(Path(folder, "picture.png")))
+        until(lambda: "EV100" in export.status.text())
         watch.step("the picture is exported")
         window.close()
         until(lambda: session.has_ended)

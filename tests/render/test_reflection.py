@@ -96,7 +96,7 @@ def filtered_levels(owner, cube):
     from OpenGL.raw.GL.VERSION.GL_1_1 import glGetTexImage
 
     from vrut_lite.kernel.work_counters import WorkCounters
-    from vrut_lite.render.light import Sky
+    from vrut_lite.render.light import SkyTexture
     from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS, SpecularFilter
 
     def work(context):
@@ -106,7 +106,7 @@ def filtered_levels(owner, cube):
         source = context.texture_cube((size, size), 4, rgba.tobytes(), dtype="f2")
         context.enable_direct(0x884F)
         ours = SpecularFilter(context, WorkCounters())
-        ours.update(Sky(source, 1.0, source), None)
+        ours.update(SkyTexture(source, 1.0, source), None)
         levels = []
         GL.glBindTexture(GL.GL_TEXTURE_CUBE_MAP, ours.texture.glo)
         for level in range(len(LEVEL_ROUGHNESS)):

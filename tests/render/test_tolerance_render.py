@@ -7,7 +7,7 @@ import pytest
 
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
-from vrut_lite.render.light import Sky
+from vrut_lite.render.light import SkyTexture
 from vrut_lite.render.passes.specular_filter import CHANGE_SEEN, SpecularFilter, reflection_change
 
 
@@ -40,7 +40,7 @@ def test_a_sky_within_it_is_not_filtered_again(gl_owner):
             for v in (1.0, 1.01)
         ]
         for sky in skies:
-            ours.update(Sky(sky, 1.0, sky), None)
+            ours.update(SkyTexture(sky, 1.0, sky), None)
         for thing in (ours, *skies):
             thing.release()
         return counters

@@ -26,7 +26,7 @@ from vrut_lite.render.light import Light, Reflection
 from vrut_lite.render.passes.caster_renderer import SceneCasters
 from vrut_lite.render.passes.shadow_map import SHADOW_SIZE, ShadowMaps, quick_size
 from vrut_lite.render.passes.shadows_on_mesh import shadow_from_eye
-from vrut_lite.render.passes.sky_pass import SunDisc
+from vrut_lite.render.passes.sky_pass import VisibleSun
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import FrameInputs, Measure, PicturePasses
@@ -145,11 +145,11 @@ class Frame:
                       self._reflectance):  # fmt: skip
             thing.release()
 
-    def _disc(self, light: Light, key: KeyLightChanged, moon: MoonDiscChanged | None) -> SunDisc:
+    def _disc(self, light: Light, key: KeyLightChanged, moon: MoonDiscChanged | None) -> VisibleSun:
         # The moon has a face: it is drawn apart.
         of_moon = key.body == "moon" and moon is not None
         sun = (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance
-        return SunDisc(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
+        return VisibleSun(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
 
     def _seen(self, scene: PyrenderScene, view: View, skips: FrameSkips) -> list[PlacedPrimitive]:
         """Meshes that may be in the picture."""

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 
-class Sky(NamedTuple):
+class SkyTexture(NamedTuple):
     """A cube texture and the factor to its radiance; `owner` keeps the texels from reuse.
 
     The ground in its lower half is bare, or shown `ground_through_air`.
@@ -31,8 +31,8 @@ class Light:
     sun_irradiance: tuple[float, float, float]
     irradiance_sh: NDArray
     clear_sh: NDArray
-    sky: Sky
-    mirrored: Sky
+    sky: SkyTexture
+    mirrored: SkyTexture
     sun_radius_rad: float
 
 

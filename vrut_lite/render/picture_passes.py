@@ -11,7 +11,7 @@ from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.frame_parts import FrameParts, PartDefines, PartFailed
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
-from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
+from vrut_lite.render.passes.sky_pass import SkyPass, VisibleSun
 from vrut_lite.render.passes.tone_pass import TonePass
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
@@ -36,7 +36,7 @@ class FrameInputs(NamedTuple):
     seen: list[PlacedPrimitive]
     view: View
     light: Light
-    disc: SunDisc
+    disc: VisibleSun
     shadows: Shadows
     reflection: Reflection
     defines: PartDefines

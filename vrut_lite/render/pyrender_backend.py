@@ -22,7 +22,7 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame
 from vrut_lite.render.frame_parts import PartFailed, warn_of_part
 from vrut_lite.render.gl_owner import GlOwner
-from vrut_lite.render.light import Light, Sky
+from vrut_lite.render.light import Light, SkyTexture
 from vrut_lite.render.light_meter import Illuminance, illuminance
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import Measure
@@ -60,7 +60,7 @@ class PyrenderBackend:
         self._own_cube = _OwnCube()
         # The sky with its layers, where it has any.
         self._summed_cube = _OwnCube()
-        self._mirrored: Sky | None = None
+        self._mirrored: SkyTexture | None = None
         self._rays: tuple[SceneOpened, SceneRays] | None = None
 
     @property
@@ -201,7 +201,7 @@ class PyrenderBackend:
         assert radiance is not None
         texture = self._summed_cube.holding(context, radiance.cube)
         texture.filter = (context.LINEAR, context.LINEAR)
-        self._mirrored = Sky(texture, radiance.radiance_scale, radiance)
+        self._mirrored = SkyTexture(texture, radiance.radiance_scale, radiance)
 
     def _draw(
         self, context: Any, state: SceneState, still: bool, is_given_up: IsGivenUp | None
@@ -220,7 +220,7 @@ class PyrenderBackend:
         assert sun is not None
         assert ambient is not None
         assert state.sky_light is not None
-        sky = Sky(
+        sky = SkyTexture(
             self._sky_texture,
             background.radiance_scale,
             background,

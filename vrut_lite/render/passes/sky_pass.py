@@ -21,7 +21,7 @@ _LEAST_LEFT = 1e-6
 _OVER_HORIZON = 0.01
 
 
-class SunDisc:
+class VisibleSun:
     """The sun as it is seen: mean radiance (3,), radius, limb darkening (3, 6)."""
 
     def __init__(
@@ -69,7 +69,7 @@ class SkyPass:
         size: tuple[int, int],
         view: View,
         light: Light,
-        disc: SunDisc,
+        disc: VisibleSun,
         only_uncovered: bool,
         defines: Defines,
         pictures: int = 1,
@@ -103,7 +103,7 @@ class SkyPass:
         """Samples that were drawn last; waits for them."""
         return int(self._samples.samples)
 
-    def _prepared(self, view: View, light: Light, disc: SunDisc, defines: Defines) -> FullScreen:
+    def _prepared(self, view: View, light: Light, disc: VisibleSun, defines: Defines) -> FullScreen:
         """The program that draws the background, with its uniforms set."""
         seen = self._view.screen(defines)
         screen = seen or self._screen(defines)

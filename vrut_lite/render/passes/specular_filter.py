@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.tolerance import budget
-from vrut_lite.render.light import Sky
+from vrut_lite.render.light import SkyTexture
 from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.unlocked import average_down_for_compute, run_compute
 from vrut_lite.sky.relight_scale import age_factor
@@ -85,7 +85,7 @@ class SpecularFilter:
         return self._shown[1] * age_factor(self._level, self._shown[2])
 
     def update(
-        self, sky: Sky, slices: int | None, always: bool = False, level: float = 1.0
+        self, sky: SkyTexture, slices: int | None, always: bool = False, level: float = 1.0
     ) -> None:
         """Follow the sky by so many slices of work, or without a number until it is done.
 
@@ -115,7 +115,7 @@ class SpecularFilter:
             if thing is not None:
                 thing.release()
 
-    def _begin(self, sky: Sky, always: bool) -> None:
+    def _begin(self, sky: SkyTexture, always: bool) -> None:
         """Copy the sky and queue its slices, if its change is visible."""
         if sky.owner is self._measured and not always:
             self._counters.skip("reflection: the same sky")
