@@ -303,7 +303,9 @@ class FramePart:
         switch: name of the scene's setting that switches the part; its messages are demanded only
             while that is on and a scene is open. Empty: always.
 
-    Only one installed part may have each GLSL hook.
+    Several installed parts may have `sun_factor`, whose shares are multiplied, and `extra_lights`;
+    other functions of these files begin with the part's name. One may have `irradiance`, and one
+    `through_air`.
     """
 
     hears: ClassVar[tuple[type[Derived], ...]] = ()

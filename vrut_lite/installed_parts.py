@@ -19,8 +19,8 @@ from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.numeric_types import FloatArray, Vector
 
 GROUP = "vrut_lite.frame_parts"
-# GLSL of parts: `//!include NAME.glsl` brings that of the installed part.
-GLSL_HOOKS = ("sun_factor", "irradiance", "extra_lights", "through_air")
+# GLSL of parts, which `//!include HOOK.glsl` brings: of one installed part, or of several.
+HOOKS_OF_ONE, HOOKS_OF_SEVERAL = ("irradiance", "through_air"), ("sun_factor", "extra_lights")
 # What each part shows that is switched on, by its name.
 PartsHeard = Mapping[str, Heard]
 _log = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ def frame_parts() -> dict[str, type[FramePart]]:
             part = point.load()
             if not (isinstance(part, type) and issubclass(part, FramePart)):
                 raise UserError("it names no subclass of FramePart")
-            for hook in GLSL_HOOKS:
+            for hook in HOOKS_OF_ONE:
                 if getattr(part, hook) and (other := part_with(hook, found)):
                     raise UserError(f"the frame part {other} has the hook {hook} already")
             found[point.name] = part

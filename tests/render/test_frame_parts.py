@@ -216,6 +216,65 @@ def test_a_part_lights_surfaces_in_place_of_the_sky(lit_box, caplog):
     assert sky_lux == pytest.approx(np.pi * 683.0, rel=1e-3)
 
 
+SUN = """float sun_factor(vec3 from_eye) { return LEVEL; }
+vec3 ground_factor(vec3 from_eye) { return vec3(LEVEL); }
+float sun_factor_end_m(vec3 d, float metres) { return 0.0; }
+"""
+EXTRA = """int extra_light_count() { return 2; }
+vec3 extra_light(int number, vec3 point, vec3 face, out vec3 towards) {
+    towards = vec3(0.0, 1.0, 0.0);
+    return vec3(number * LEVEL);
+}
+"""
+
+
+class HalfSun(FramePart):
+    """Dims the sun to a half, or adds a light from above."""
+
+    hears = (GlowShown,)
+
+    @property
+    def shades_sun(self):
+        """If it dims the sun at all."""
+        return self.sun_factor is not None
+
+
+class QuarterSun(HalfSun):
+    """Dims it to a quarter, or adds another light."""
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    ("hook", "glsl", "joined"),
+    [("sun_factor", SUN, np.multiply), ("extra_lights", EXTRA, np.add)],
+)
+def test_several_parts_dim_the_sun_and_add_lights(
+    gl_owner, box_file, tmp_path, install, monkeypatch, hook, glsl, joined
+):
+    """Shares are multiplied and lights added, in one shader with functions of one name each."""
+    for part, level in ((HalfSun, "0.5"), (QuarterSun, "0.25")):
+        path = tmp_path / f"{part.__name__}.glsl"
+        path.write_text(glsl.replace("LEVEL", level))
+        monkeypatch.setattr(part, hook, path)
+    sun = (1.0,) * 3 if hook == "sun_factor" else (0.0,) * 3
+    seen = []
+    for parts in ({}, {"a": HalfSun}, {"b-2": QuarterSun}, {"a": HalfSun, "b-2": QuarterSun}):
+        install(**parts)
+        backend = PyrenderBackend(gl_owner)
+        stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
+        light(stage, uniform_sky(0.0), sun_irradiance=sun)
+        stage.hear(GlowShown(glow=(1.0,) * 3))
+        top = look(stage, (0.0, 9.0, 1e-3), (0.0, 0.0, 0.0), 0.1).radiance[12, 16]
+        seen.append(top.astype(float))
+        backend.close()
+    none, first, second, both = seen
+    if hook == "sun_factor":
+        first, second, both = (each / none for each in (first, second, both))
+        np.testing.assert_allclose((first[0], second[0]), (0.5, 0.25), rtol=1e-5)
+    assert first.min() > 0.0
+    np.testing.assert_allclose(both, joined(first, second), rtol=1e-5)
+
+
 class BrokenClouds(FramePart):
     """Raises where clouds would be prepared."""
 
@@ -268,7 +327,7 @@ def test_a_part_gets_no_unit_that_the_driver_lacks(install, gl_owner, box_file, 
     assert "needs unit 1039" in caplog.text
 
 
-@pytest.mark.parametrize("hook", installed_parts.GLSL_HOOKS)
+@pytest.mark.parametrize("hook", installed_parts.HOOKS_OF_ONE)
 def test_the_second_part_with_a_hook_is_left_out(install, monkeypatch, caplog, hook):
     """Shaders include the GLSL of one: two functions of a name would not compile."""
     for part in (Glow, Broken):

@@ -25,6 +25,7 @@ from vrut_lite.installed_parts import PartsHeard, frame_parts, part_with
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+from vrut_lite.render.hook_glsl import hook_define
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
@@ -114,10 +115,12 @@ class FrameParts:
                 self._counters.skip(f"{name}: none to be seen")
         for name, part in self._seen().items():
             self._do(name, partial(part.prepare, frame))
-        seen = self._seen().values()
-        sun: Defines = ("SUN_FACTOR",) if any(part.shades_sun for part in seen) else ()
-        extra: Defines = ("EXTRA_LIGHTS",) if any(part.extra_lights for part in seen) else ()
-        self._air = next((part for part in seen if part.through_air), None)
+        seen = self._seen()
+        sun = _hook_defines("sun_factor", [name for name, part in seen.items() if part.shades_sun])
+        extra = _hook_defines(
+            "extra_lights", [name for name, part in seen.items() if part.extra_lights]
+        )
+        self._air = next((part for part in seen.values() if part.through_air), None)
         air: Defines = () if self._air is None else ("THROUGH_AIR", *self._air.air_defines)
         through = (*air, "LIGHT_SHAFTS") if air and frame.shadow is not None else air
         on_sky = through if frame.ground_is_bare or frame.shadow is not None else ()
@@ -213,6 +216,12 @@ class FrameParts:
             self._do(name, part.release)
         for made in self._made.values():
             made.release()
+
+
+def _hook_defines(hook: str, part_names: list[str]) -> Defines:
+    """Defines with which shaders call a hook of these parts; none without parts."""
+    of_parts = (hook_define(hook, name) for name in part_names)
+    return (hook.upper(), *of_parts) if part_names else ()
 
 
 def _draws(part: FramePart) -> bool:

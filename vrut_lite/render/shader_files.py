@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from vrut_lite.installed_parts import GLSL_HOOKS, frame_parts, part_with
+from vrut_lite.installed_parts import HOOKS_OF_SEVERAL
+from vrut_lite.render.hook_glsl import hook_files, hook_of, joined_glsl
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.uniform_blocks import BLOCK_FILES
 
@@ -38,11 +39,9 @@ def _included(folder: Path, name: str) -> str:
     beside = folder / name
     if beside.exists():
         return shader_source(beside)
-    hook = name.removesuffix(".glsl")
-    if hook in GLSL_HOOKS:
-        parts = frame_parts()
-        part = part_with(hook, parts)
-        return shader_source(getattr(parts[part], hook)) if part else ""
+    if (hook := hook_of(name)) is not None:
+        sources = {part: shader_source(file) for part, file in hook_files(hook).items()}
+        return joined_glsl(hook, sources) if hook in HOOKS_OF_SEVERAL else "".join(sources.values())
     block = BLOCK_FILES.get(name) or part_blocks().get(name)
     return shader_source(name) if block is None else block.glsl()
 
