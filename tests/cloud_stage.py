@@ -3,12 +3,12 @@
 import numpy as np
 from clouds.model.cloud_density import density, distance_up_m
 from clouds.model.cloud_transport import transport_tables
+from discrete_ordinates import ordinates_of
 
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
 from vrut_lite.installed_parts import all_parts, heard_with
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
-from vrut_lite_lab.cloud_accuracy import ordinates_of
 
 # Scattering of molecules at 635, 550 and 465 nm (Bucholtz 1995), with a scale height of 8 km.
 MOLECULES_PER_M = (6.6e-6, 1.19e-5, 2.36e-5)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 SOLVER = """
 from vrut_lite.cli import main
@@ -49,11 +50,17 @@ pytest.main(["--collect-only", "-q"])
 
 # Some 30 s of CPU.
 LIGHT = """
-from vrut_lite_lab.tolerance.light_transport import KNOBS
-KNOBS.knobs["bounces"].run(10)
+import tempfile
+from pathlib import Path
+from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file
+stage = LightStage()
+with tempfile.TemporaryDirectory() as folder:
+    path = box_file(Path(folder))
+    stage.tell(*COARSE, WANT, Show(path=str(path)), Shine(radiance=1.0, irradiance=1.0))
 """
 
 AT_ONCE = 3
+HERE = Path(__file__).parent
 
 
 # numba makes many objects and few cycles: looking for these took a fifth of the time.
@@ -64,7 +71,7 @@ def run(code: str) -> None:
     """In a process of its own; a failure here is reported by a test, too."""
     # What an earlier run solved and kept would spare the kernels.
     with tempfile.TemporaryDirectory() as empty:
-        environment = os.environ | {"XDG_CACHE_HOME": empty}
+        environment = os.environ | {"XDG_CACHE_HOME": empty, "PYTHONPATH": str(HERE)}
         command = [sys.executable, "-c", NO_COLLECTOR + code]
         subprocess.run(command, stdout=subprocess.DEVNULL, env=environment, check=False)
 

@@ -190,6 +190,18 @@ def test_the_product_does_not_import_the_laboratory():
     assert not found
 
 
+def test_the_products_tests_do_not_import_the_laboratory():
+    """They run without it; comparisons with its truths are the laboratory's tests."""
+    found = {
+        path.relative_to(ROOT)
+        for path in (ROOT / "tests").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        for target in targets(node)
+        if of_package(target or "") == "vrut_lite_lab"
+    }
+    assert not found
+
+
 def test_modules_import_lower_layers_only():
     """A module of somebody else, written against these, is no worse off than ours."""
     found = {

@@ -113,7 +113,7 @@ def house(tmp_path_factory):
 @pytest.fixture(scope="module")
 def year_file(house):
     pytest.importorskip("pvlib")
-    from vrut_lite_lab.weather_year.epw_year import epw_text
+    from epw_year import epw_text
 
     path = house.with_name("prague.epw")
     path.write_text(epw_text())

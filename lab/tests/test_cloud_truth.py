@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from cloud_stage import slab
 from clouds.model.cloud_field import cloud_field
+from discrete_ordinates import ordinates_of
 from i3rc_step_cloud import ABOVE, BELOW, MU_0, PERIOD_M, PIXELS, SUN, StepCloud, phase_function
 from i3rc_step_cloud import density as step_density
 
-from vrut_lite_lab.cloud_accuracy import ordinates_of
 from vrut_lite_lab.cloud_fields import FIELDS, LOOKS, TEXEL_RAD, beside, beside_on_ground
 from vrut_lite_lab.cloud_monte_carlo import sun_radiance
 

@@ -16,12 +16,6 @@ from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
 from vrut_lite.testing.sky_on_bus import SkyOnBus
-from vrut_lite_lab.tolerance.bruneton_sky import (
-    ViewedAtmosphere,
-    air_errors,
-    evaluated,
-    random_airs,
-)
 
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 AIRS = {
@@ -74,33 +68,6 @@ def test_fronts_fall() -> None:
         work, errors = ([getattr(p, name) for p in front] for name in ("work", "error"))
         assert work == sorted(work)
         assert errors == sorted(errors, reverse=True)
-
-
-@pytest.fixture(scope="module")
-def held() -> tuple[ViewedAtmosphere, list[np.ndarray]]:
-    """Air that no front was measured in, and its skies by the finer rung, each ray by itself."""
-    air = random_airs(1, seed=79)[0]
-    field = solve_air(atmosphere_of(air.settings), rung="finer")
-    return air, [evaluated(field, air, view) for view in air.views]
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("tolerance", [0.3, 0.1, 0.04])
-def test_random_pictures_stay_within(
-    held: tuple[ViewedAtmosphere, list[np.ndarray]], tolerance: float
-) -> None:
-    """Fifteen suns and observers, where 99 of 100 are promised, plus the 1 % by which the finer
-    rung itself may be off; docs/tolerance.md has the long run against converged skies."""
-    air, truth = held
-    errors = air_errors(air, truth, quality_for(tolerance))
-    assert max(errors) <= tolerance + 0.01, errors
-
-
-@pytest.mark.long
-def test_a_draft_would_not_do(held: tuple[ViewedAtmosphere, list[np.ndarray]]) -> None:
-    """The promise is not kept by just any rung: what serves 100 % is beyond 2 %."""
-    air, truth = held
-    assert max(air_errors(air, truth, quality_for(1.0))) > 0.02
 
 
 @pytest.fixture

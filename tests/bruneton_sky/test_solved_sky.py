@@ -14,9 +14,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from long_parameters import mostly_long
 from numpy.typing import NDArray
+from other_planet import LIGHT, RAYS
 
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite_lab.monte_carlo import monte_carlo_radiance
 
 DATA = Path(__file__).parents[1] / "data"
 TRUTH = np.load(DATA / "bruneton_truth.npz")
@@ -132,37 +132,11 @@ def test_sky_irradiance_is_that_of_monte_carlo(aerosol: float) -> None:
     assert np.all(np.abs(ours - truth) < allowed + 3.0 * noise)
 
 
-# Rays on the other planet: altitude (m), mu, mu_s, nu; and their light by 131,072 paths each.
-OTHER_RAYS = np.array(
-    [
-        (0.0, 0.9, 0.5, 0.6),
-        (0.0, 0.1, 0.5, -0.3),
-        (4000.0, -0.4, 0.5, 0.1),
-        (500_000.0, -0.8, 0.7, -0.5),
-    ]
-).T
-OTHER_LIGHT = np.array(
-    [
-        (4.82216e-03, 9.27696e-03, 1.79353e-02, 2.73791e-02),
-        (1.97976e-02, 3.48932e-02, 5.31931e-02, 4.98599e-02),
-        (3.80219e-03, 6.28984e-03, 1.08013e-02, 1.59567e-02),
-        (5.74339e-03, 1.07674e-02, 2.04464e-02, 3.55348e-02),
-    ]
-)
-
-
 def test_another_planets_sky_is_that_of_monte_carlo(other_planet: Atmosphere) -> None:
     """A small hazy planet at four wavelengths, from its ground, its air and space: 1 %, with three
     standard errors of at most 0.12 %."""
-    ours = solve(other_planet).radiance(*OTHER_RAYS)
-    np.testing.assert_allclose(ours, OTHER_LIGHT, rtol=1.4e-2)
-
-
-@pytest.mark.long
-def test_the_light_of_another_planet_is_traced_again(other_planet: Atmosphere) -> None:
-    """With other random numbers and fewer paths: within four standard errors."""
-    light = monte_carlo_radiance(other_planet, *OTHER_RAYS, paths=8192, seed=5)
-    assert np.all(np.abs(light.total() - OTHER_LIGHT) < 4.0 * light.total_error())
+    ours = solve(other_planet).radiance(*RAYS)
+    np.testing.assert_allclose(ours, LIGHT, rtol=1.4e-2)
 
 
 def test_transparent_air_gives_nothing_and_takes_nothing(other_planet: Atmosphere) -> None:

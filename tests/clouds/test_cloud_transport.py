@@ -10,11 +10,12 @@ from clouds.model.cloud_transport import (
     layer_transmittance,
 )
 from clouds.model.cloud_view import clouds_seen
+from discrete_ordinates import ordinates_of
 from long_parameters import mostly_long
 
 from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
-from vrut_lite_lab.cloud_accuracy import DEPTHS, ELEVATIONS_DEG, ordinates_of
 
+DEPTHS, ELEVATIONS_DEG = (0.3, 1.0, 3.0, 10.0, 30.0, 60.0), (9.0, 20.0, 35.0, 60.0)
 CASES = [(depth, elevation) for depth in DEPTHS for elevation in ELEVATIONS_DEG]
 NARROW_RAD = 1e-4
 SHORT = [(1.0, 35.0), (30.0, 9.0)]

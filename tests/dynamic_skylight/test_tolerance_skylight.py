@@ -3,17 +3,14 @@
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.sun_step import RADIANCE_TOLERANCE
 from dynamic_skylight.tolerance import FRONTS, HosekWilkieQuality, quality_for
-from long_parameters import mostly_long
 
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
 from vrut_lite.testing.sky_on_bus import SkyOnBus
-from vrut_lite_lab.tolerance.dynamic_skylight import hour_error, random_hours, truth
 
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
@@ -42,22 +39,6 @@ def test_fronts_fall():
         work, error = ([getattr(p, name) for p in front] for name in ("work", "error"))
         assert work == sorted(work)
         assert error == sorted(error, reverse=True)
-
-
-@pytest.mark.parametrize("tolerance", mostly_long([0.3, 0.1, 0.03, 0.01, 0.003], (0.01).__eq__))
-def test_random_pictures_stay_within(tolerance):
-    """Hours that no front was measured with, each shown with its sun astray within the step:
-    all of a dozen, where 99 of 100 are promised (docs/tolerance.md has the long run)."""
-    for hour in random_hours(6, seed=77):
-        assert hour_error(hour, truth(hour), quality_for(tolerance)) <= tolerance, hour
-
-
-@pytest.mark.long
-def test_a_coarse_choice_would_not_do():
-    """The promise is not kept by just any size: what serves 100 % is beyond 0.3 %."""
-    hours = random_hours(6, seed=77)
-    errors = [hour_error(hour, truth(hour), quality_for(1.0)) for hour in hours]
-    assert max(errors) > 0.003
 
 
 def test_a_tolerance_makes_the_sky_anew():

@@ -1,15 +1,13 @@
 """Fixtures that write small scene files."""
 
 import json
-import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from scene_files import SQUARE, TRIANGLES, square_document
 
-PATIENCE_S = 60
 Edit = Callable[[dict[str, Any]], None]
 
 
@@ -48,16 +46,3 @@ def write_obj(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
-
-
-@pytest.fixture
-def no_hang() -> Iterator[Callable[[], int]]:
-    """Ends a test that would wait for ever; it does not measure speed."""
-
-    def give_up(number: int, frame: object) -> None:
-        raise AssertionError("a broken file keeps the loader busy for ever")
-
-    before = signal.signal(signal.SIGALRM, give_up)
-    yield lambda: signal.alarm(PATIENCE_S)
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)

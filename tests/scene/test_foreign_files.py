@@ -4,15 +4,25 @@ import contextlib
 from io import BytesIO
 from pathlib import Path
 
+import DracoPy
+import msgspec
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
 from loaded_scenes import MODELS, material_of
 from PIL import Image
-from scene_files import png_bytes
+from scene_files import SQUARE, TRIANGLES, png_bytes
 
 from vrut_lite.errors import UserError
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.draco_header import read_draco_counts
+from vrut_lite.scene.gltf_file import read_gltf_file
+from vrut_lite.scene.gltf_scene import GltfScene
+from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 
 def test_foreign_model() -> None:
@@ -54,6 +64,40 @@ def test_mangled_draco_is_refused_or_read(tmp_path: Path, seed: int) -> None:
     path.write_bytes(data)
     with contextlib.suppress(UserError):
         load_scene(path)
+
+
+@pytest.mark.parametrize("level", [0, 1, 7, 10])
+def test_dracos_own_counts_are_read(level: int) -> None:
+    """Triangles and vertices as Draco's encoder tells them, sequential (level 0) or not."""
+    packed = DracoPy.encode(SQUARE, TRIANGLES.astype(np.uint32), compression_level=level)
+    assert read_draco_counts(packed) == (2, 4)
+
+
+@given(st.data())
+def test_damaged_draco_heads(data: st.DataObject) -> None:
+    """A truncated or changed header gives counts, or is refused as damaged."""
+    packed = bytearray(DracoPy.encode(SQUARE, TRIANGLES.astype(np.uint32)))
+    for at in data.draw(st.lists(st.integers(0, 24), max_size=4)):
+        packed[at] = data.draw(st.integers(0, 255))
+    end = data.draw(st.integers(0, len(packed)))
+    with contextlib.suppress(SceneFileError):
+        assert min(read_draco_counts(bytes(packed[:end]))) >= 0
+
+
+@pytest.mark.parametrize("promised", [("indices", 3), ("POSITION", 3)])
+def test_draco_may_not_hold_more_than_is_promised(promised: tuple[str, int]) -> None:
+    """Draco data that exceed the glTF's accessors are refused."""
+    path = MODELS / "pmndrs_draco.glb"
+    file = read_gltf_file(path, SceneBudget(4 * 2**30), Notices())
+    primitive = file.document.meshes[0].primitives[0]
+    name, count = promised
+    number = primitive.indices if name == "indices" else primitive.attributes[name]
+    assert number is not None
+    file.document.accessors[number] = msgspec.structs.replace(
+        file.document.accessors[number], count=count
+    )
+    with pytest.raises(SceneFileError, match=r"promised"):
+        GltfScene(file).posed(None)
 
 
 def test_glb_of_trimesh(tmp_path: Path) -> None:

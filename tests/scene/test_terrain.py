@@ -10,7 +10,6 @@ from loaded_scenes import front_cosines
 from vrut_lite.project import load_project
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import load_scene
-from vrut_lite_lab.scenes.terrain_surface import curvature_m
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes" / "large"
 PLANET_M = 6.36e6
@@ -26,6 +25,11 @@ def terrain():
 def land(terrain):
     """Corners (F, 3, 3) of the land's triangles, in world axes."""
     return np.concatenate([p.world_triangles() for p in terrain.meshes if "land" in p.name])
+
+
+def fall_m(x, z):
+    """Depth (m) of the planet's surface below y = 0, which it touches at the origin."""
+    return PLANET_M - np.sqrt(PLANET_M**2 - x**2 - z**2)
 
 
 def normals(triangles):
@@ -81,7 +85,7 @@ def test_the_land_covers_its_square_once(land):
 
 def test_heights_are_those_of_mountains(land):
     """Valleys near the level of 0, peaks to about 2,500 m, slopes mostly below 50 degrees."""
-    above_m = land[..., 1] + curvature_m(land[..., 0], land[..., 2])
+    above_m = land[..., 1] + fall_m(land[..., 0], land[..., 2])
     assert 2200.0 < above_m.max() < 2600.0
     assert above_m.min() > -40.0
     across = normals(land)
@@ -95,7 +99,7 @@ def test_peaks_stand_near_and_far(land):
     x, z = land[:, 0, 0], land[:, 0, 2]
     away_m = np.hypot(x, z)
     ahead = (x < 0) & (np.abs(z) < np.tan(np.radians(25.0)) * -x)
-    above_m = land[:, 0, 1] + curvature_m(x, z)
+    above_m = land[:, 0, 1] + fall_m(x, z)
     for near_m, far_m in ((4e3, 7e3), (13e3, 17e3), (27e3, 32e3)):
         assert above_m[ahead & (away_m > near_m) & (away_m < far_m)].max() > 900.0
 
@@ -104,9 +108,9 @@ def test_the_rim_lies_on_the_round_planet(land):
     """At its rim the land is the planet's surface, R - sqrt(R^2 - d^2) below 0, within rounding."""
     x, y, z = np.moveaxis(land.reshape(-1, 3), 1, 0)
     rim = (x == -34560.0) | (x == 6400.0) | (np.abs(z) == 20480.0)
-    fall_m = PLANET_M - np.sqrt(PLANET_M**2 - x[rim] ** 2 - z[rim] ** 2)
-    np.testing.assert_allclose(-y[rim], fall_m, atol=SPACING_M / 2 + 1e-6)
-    assert fall_m.max() > 120.0
+    below_m = fall_m(x[rim], z[rim])
+    np.testing.assert_allclose(-y[rim], below_m, atol=SPACING_M / 2 + 1e-6)
+    assert below_m.max() > 120.0
 
 
 def test_there_is_no_cliff_at_the_rim(land):

@@ -18,8 +18,6 @@ from stress_cases import (
     assert_same_on_threads,
 )
 
-from vrut_lite_lab.air_exact import depth_along
-
 planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 
 
@@ -87,22 +85,6 @@ def test_depth_to_the_top(stress, name):
         falling = np.exp(-optical_depth_to_top(once, place, rays))
         assert_rising(falling, 1e-9)
         assert_rising(np.exp(-optical_depth_to_top(once, np.sort(h), 0.3)), 1e-9)
-
-
-@planets
-def test_depth_adds_up_along_a_ray(stress, name):
-    """It never falls with distance; it is 0 at the start and the depth to the top at the end."""
-    air = PLANETS[name]
-    for count in stress.batches("depth_along", 2000, most=200):
-        (h,) = altitudes(stress, 1, air)
-        (mu,) = cosines(stress, 1, air, np.array([h]))
-        top = float(geometry.distance_to_top(air.ground_radius_m, air.top_altitude_m, h, mu))
-        if geometry.make_ray(air.ground_radius_m, h, mu).hits_ground():
-            top = float(geometry.distance_to_ground(air.ground_radius_m, h, mu))
-        metres = np.sort(stress.within(count, 0.0, top, [1e-6, 1.0]))
-        through = np.exp(-depth_along(air, float(h), float(mu), metres))
-        assert_light(through)
-        assert_rising(-through, 1e-9)
 
 
 def test_depth_is_the_same_on_two_threads(stress):

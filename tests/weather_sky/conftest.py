@@ -7,7 +7,7 @@ import pytest
 def year_text():
     """Prague's, made by the tool; every other year of these tests is a change of its text."""
     pytest.importorskip("pvlib")
-    from vrut_lite_lab.weather_year.epw_year import epw_text
+    from epw_year import epw_text
 
     return epw_text()
 

@@ -2,8 +2,8 @@
 
     python -m vrut_lite_lab.pictures.weather SHEET.webp YEAR.epw PANORAMA.exr
 
-YEAR.epw is what `weather_year` makes. Each picture is what `vrut-lite render` and `vrut-lite sky`
-write with the options below.
+YEAR.epw is what `tests/epw_year.py` makes. Each picture is what `vrut-lite render` and
+`vrut-lite sky` write with the options below.
 """
 
 import subprocess

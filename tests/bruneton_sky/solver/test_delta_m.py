@@ -74,21 +74,6 @@ def test_closed_forms_stay_as_they_are():
     assert thinned(air, 16) == air
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("aerosol", ["continental-average", "desert"])
-def test_the_solved_sky_is_monte_carlos(aerosol):
-    """They agree by day, on the ground, with the same table, within noise and 2 %."""
-    from vrut_lite_lab.monte_carlo import monte_carlo_radiance
-
-    air = air_of(aerosol, type_optics(aerosol).optical_depth_550)
-    mu = np.sin(np.radians([6.0, 20.0, 60.0, 6.0, 20.0, 60.0]))
-    turn = np.cos(np.radians([10.0, 10.0, 10.0, 150.0, 150.0, 150.0]))
-    nu = 0.5 * mu + np.sqrt((1 - mu**2) * 0.75) * turn
-    chance = monte_carlo_radiance(air, 0.0, mu, 0.5, nu, paths=4096)
-    off = np.abs(solve_sky(air).radiance(0.0, mu, 0.5, nu) - chance.total())
-    assert (off <= 3.0 * chance.total_error() + 0.01 * chance.total()).all()
-
-
 def test_light_scattered_once_keeps_its_peak():
     """Beside the sun the dusty sky is brighter than harmonics could draw it."""
     air = air_of("desert", 0.2)

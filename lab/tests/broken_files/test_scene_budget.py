@@ -8,14 +8,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import DracoPy
-import msgspec
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from loaded_scenes import MODELS
-from scene_files import SQUARE, TRIANGLES
 
 from vrut_lite.errors import UserError
 from vrut_lite.memory_limit import VARIABLE
@@ -25,10 +21,6 @@ from vrut_lite.scene.budget import (
     SceneBudget,
     budget_of_environment,
 )
-from vrut_lite.scene.draco_header import read_draco_counts
-from vrut_lite.scene.gltf_file import read_gltf_file
-from vrut_lite.scene.gltf_scene import GltfScene
-from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite_lab.broken_files.bombs import BOMBS, Files, bomb, document, gltf, obj, png
@@ -300,41 +292,6 @@ def test_the_environment_raises_the_limit(tmp_path, monkeypatch):
     budget_of_environment().check(GIB, "a thing")
     with pytest.raises(SceneFileError, match="limit of 4 GiB"):
         budget_of_environment().check(2 * GIB, "a thing")
-
-
-@pytest.mark.parametrize("level", [0, 1, 7, 10])
-def test_dracos_own_counts_are_read(level):
-    """Triangles and vertices as Draco's encoder tells them, sequential (level 0) or not."""
-    packed = DracoPy.encode(SQUARE, TRIANGLES.astype(np.uint32), compression_level=level)
-    assert read_draco_counts(packed) == (2, 4)
-
-
-@quick
-@given(st.data())
-def test_damaged_draco_heads(data):
-    """A truncated or changed header gives counts, or is refused as damaged."""
-    packed = bytearray(DracoPy.encode(SQUARE, TRIANGLES.astype(np.uint32)))
-    for at in data.draw(st.lists(st.integers(0, 24), max_size=4)):
-        packed[at] = data.draw(st.integers(0, 255))
-    end = data.draw(st.integers(0, len(packed)))
-    with contextlib.suppress(SceneFileError):
-        assert min(read_draco_counts(bytes(packed[:end]))) >= 0
-
-
-@pytest.mark.parametrize("promised", [("indices", 3), ("POSITION", 3)])
-def test_draco_may_not_hold_more_than_is_promised(tmp_path, promised):
-    """Draco data that exceed the glTF's accessors are refused."""
-    path = MODELS / "pmndrs_draco.glb"
-    file = read_gltf_file(path, SceneBudget(4 * GIB), Notices())
-    primitive = file.document.meshes[0].primitives[0]
-    name, count = promised
-    number = primitive.indices if name == "indices" else primitive.attributes[name]
-    assert number is not None
-    file.document.accessors[number] = msgspec.structs.replace(
-        file.document.accessors[number], count=count
-    )
-    with pytest.raises(SceneFileError, match=r"promised"):
-        GltfScene(file).posed(None)
 
 
 def test_the_table_of_broken_files(tmp_path):

@@ -1,20 +1,16 @@
-"""Light of plane clouds beside discrete ordinates (PythonicDISORT), as a table for docs/clouds.md.
-
-python -m vrut_lite_lab.cloud_accuracy
-"""
+"""Light of plane clouds by discrete ordinates (PythonicDISORT)."""
 
 import warnings
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from clouds.model.cloud_transport import droplets, layer_transmittance
+from clouds.model.cloud_transport import droplets
 from PythonicDISORT import pydisort
 
 from vrut_lite.atmosphere.aerosols.phase_table import node_places
 from vrut_lite.numeric_types import FloatArray
 
-DEPTHS, ELEVATIONS_DEG = (0.3, 1.0, 3.0, 10.0, 30.0, 60.0), (9.0, 20.0, 35.0, 60.0)
 _STREAMS, _MOMENTS = 48, 256
 AZIMUTHS = np.linspace(0.0, np.pi, 61)
 
@@ -87,22 +83,3 @@ def _beyond_series(chi: FloatArray, mu: FloatArray, sun_sine: float) -> FloatArr
     series = np.polynomial.legendre.legval(nu, (2.0 * order + 1.0) * chi) / (4.0 * np.pi)
     place = np.sqrt(0.5 - 0.5 * nu)
     return np.asarray(np.interp(place, node_places(), droplets().values[1]) - series)
-
-
-def main() -> None:
-    """Print the table of fluxes."""
-    for depth in DEPTHS:
-        for elevation in ELEVATIONS_DEG:
-            sine = float(np.sin(np.radians(elevation)))
-            ours, theirs = (
-                float(layer_transmittance(depth, sine)),
-                ordinates_of(depth, sine).transmittance,
-            )
-            print(
-                f"| {depth:g} | {elevation:g} | {ours:.4f} | {ours / theirs - 1.0:+.2%} "
-                f"| {1.0 - ours:.4f} | {(1.0 - ours) / (1.0 - theirs) - 1.0:+.2%} |"
-            )
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """A year of weather as an EPW file: pvlib's clear sky under a random but repeatable cloud series.
 
-    .venv/bin/python lab/vrut_lite_lab/weather_year/epw_year.py prague.epw
+    .venv/bin/python tests/epw_year.py prague.epw
 
 For tests and trials; a building wants a file of measurements.
 """
@@ -17,7 +17,7 @@ DESIGN CONDITIONS,0
 TYPICAL/EXTREME PERIODS,0
 GROUND TEMPERATURES,0
 HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0
-COMMENTS 1,made by lab/vrut_lite_lab/weather_year
+COMMENTS 1,made by tests/epw_year.py
 COMMENTS 2,
 DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
 """

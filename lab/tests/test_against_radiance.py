@@ -6,6 +6,8 @@ Needs the wheel `pyradiance`, which the product does not: skipped where it is no
 import numpy as np
 import pytest
 from boxes import floor, hour, quads
+from daylight_numbers.eye_view import EDGE_PX, EyeView, hemisphere
+from daylight_numbers.glare import glare_of, vertical_of
 from daylight_numbers.glass import no_glass, stack
 from daylight_numbers.now import hour_at_sensors
 from daylight_numbers.operator import operator_of
@@ -14,6 +16,7 @@ from daylight_numbers.sensors import free_sensors
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.pictures.write_hdr import write_hdr
 from vrut_lite_lab.radiance.grids import GRIDS, MeasuredPoints, compared_hours
 from vrut_lite_lab.radiance.irradiance import (
     RadianceEffort,
@@ -105,7 +108,7 @@ def test_sensors_have_radiance_s_illuminance(scene):
 def test_hours_of_a_year_of_weather_have_radiance_s_illuminance(scene, tmp_path):
     """Interpolated suns and coarse cells of the sky: within 5 % over the year."""
     pytest.importorskip("pvlib")
-    from vrut_lite_lab.weather_year.epw_year import epw_text
+    from epw_year import epw_text
 
     path = tmp_path / "prague.epw"
     path.write_text(epw_text(), encoding="ascii")
@@ -142,3 +145,38 @@ def test_a_room_behind_a_clear_pane_has_radiance_s_illuminance():
     """Overcast, and with the sun in the room: within 2.5 % rms, Radiance's noise of 1 % in it."""
     for error in compared(GLAZED, RadianceEffort(8_192), PANES["one clear pane"]).values():
         assert np.sqrt(np.mean(error**2)) < 0.025
+
+
+def seen(luminance):
+    """A view of these luminances."""
+    directions, solid, pixel, _ = hemisphere()
+    rgb = np.repeat((np.asarray(luminance) / 683.0)[:, None], 3, axis=1)
+    return EyeView(directions, solid, rgb, pixel, np.empty((0, 3)), np.empty((0, 3)))
+
+
+def with_spot(luminance, towards, radius_deg, value):
+    axis = np.asarray(towards, float) / np.linalg.norm(towards)
+    inside = hemisphere()[0] @ axis > np.cos(np.radians(radius_deg))
+    return np.where(inside, value, luminance)
+
+
+DIM = np.full(len(hemisphere()[0]), 300.0)
+VIEWS = {
+    "window": with_spot(DIM, (0.3, 0.3, 1), 10, 8e3),
+    "two": with_spot(with_spot(DIM, (0.3, 0.5, 1), 12, 5e3), (-0.5, -0.2, 1), 6, 3e4),
+    "sun": with_spot(with_spot(DIM, (0.3, 0.5, 1), 15, 5e3), (0.2, 0.4, 1), 1, 1e7),
+}
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_dgp_is_evalglare_s(name, tmp_path):
+    """Of the same picture; measured: 0.003."""
+    view, path = seen(VIEWS[name]), tmp_path / "view.hdr"
+    picture = np.zeros((EDGE_PX, EDGE_PX, 3), np.float32)
+    picture[tuple(view.pixel.T)] = view.radiance_rgb
+    write_hdr(path, picture)
+    said = run_in(tmp_path, "evalglare", "-vta", "-vv", "180", "-vh", "180", path.name)
+    theirs = float(said.split(b":")[1].split()[0])
+    ours = glare_of(view, vertical_of(view))
+    print(name, theirs, ours.dgp)
+    assert abs(ours.dgp - theirs) < 0.006

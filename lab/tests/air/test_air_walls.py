@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from air_truth import WALLS_M, exactly, field, found, towards, white_wall
+from air_truth import WALLS_M, exactly, white_wall
 from bruneton_sky.air_volume import air_volume
 from bruneton_sky.geometry import altitude_along
 from bruneton_sky.published.precompute import march_tables
@@ -10,6 +10,7 @@ from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables
 from long_parameters import mostly_long
 from partial_tables import empty_tables, fill_along
+from solved_air import field, found, towards
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
