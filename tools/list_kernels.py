@@ -39,6 +39,8 @@ TITLES = {
     "light_transport": "light between surfaces",
 }
 _AT = "2026-06-21T12:00"
+# The kernels of the default tolerance with a third less work.
+_TOLERANCE = 0.3
 
 
 def rehearse(way: str) -> None:
@@ -65,7 +67,7 @@ def rehearse(way: str) -> None:
 
 def draw(scene: str, moves: bool) -> None:
     """A finished picture of a scene; before it, if it moves, pictures of the turning camera."""
-    plan = ScenePlan(Project(scene=scene, at=_AT, size=SIZE))
+    plan = ScenePlan(Project(scene=scene, at=_AT, size=SIZE, tolerance=_TOLERANCE))
     studio = plan.open()
     try:
         if moves:
