@@ -6,7 +6,9 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
@@ -41,6 +43,21 @@ SUNDIAL_AT_NOON = (
 )
 # Pixels of a window whose pictures are drawn, which takes long without a graphics card.
 SMALL = (680, 440)
+
+
+def choose(box, data):
+    """Choose an entry of a drop-down as by the mouse: Qt tells `activated` for that alone."""
+    box.setCurrentIndex(box.findData(data))
+    box.activated.emit(box.currentIndex())
+
+
+def move_pointer(view, position, button):
+    """Move the pointer over a widget with a button held; QTest's own move tells no buttons."""
+    event = QMouseEvent(
+        QEvent.Type.MouseMove, QPointF(position), view.mapToGlobal(QPointF(position)),
+        Qt.MouseButton.NoButton, button, Qt.KeyboardModifier.NoModifier,
+    )  # fmt: skip
+    QApplication.sendEvent(view, event)
 
 
 class HeadlessStage:
@@ -95,8 +112,6 @@ class WindowDriver:
     """Opens a window on the sundial, 21 June 2026, 13:00 in Prague."""
 
     def __init__(self, qtbot, open_stage, folder, size=(760, 520)):
-        from PySide6.QtWidgets import QApplication
-
         # Qt takes 0.1 s to style each window: those that nobody draws stay plain.
         app = QApplication.instance()
         if open_stage is HeadlessStage:
@@ -149,6 +164,22 @@ class WindowDriver:
 
     def panel(self, name):
         return self.window.panels[name]
+
+    def activated(self):
+        """This driver, whose window gets the keys."""
+        self.window.activateWindow()
+        self.until(self.window.isActiveWindow)
+        return self
+
+    def click(self, widget):
+        self.qtbot.mouseClick(widget, Qt.MouseButton.LeftButton)
+
+    def type_in(self, field, text):
+        """Type over a field's text and press Enter."""
+        field.setFocus()
+        field.selectAll()
+        self.qtbot.keyClicks(field, text)
+        self.qtbot.keyClick(field, Qt.Key.Key_Return)
 
     def until(self, condition):
         self.qtbot.waitUntil(condition, timeout=PATIENCE_MS)

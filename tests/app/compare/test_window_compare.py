@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from window_driver import choose
 
 from vrut_lite.app.compare.sky_comparison import ANGLES_DEG
 from vrut_lite.app.compare.two_skies import luminance_of
@@ -51,11 +52,6 @@ def spectra(driver, condition):
     """The first spectra that are as wished."""
     driver.until(lambda: any(condition(s) for s in driver.spectra))
     return next(s for s in driver.spectra if condition(s))
-
-
-def choose(box, data):
-    box.setCurrentIndex(box.findData(data))
-    box.activated.emit(box.currentIndex())
 
 
 @pytest.mark.long

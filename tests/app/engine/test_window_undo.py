@@ -5,7 +5,7 @@ import math
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
-from window_driver import NOON, SCENES
+from window_driver import NOON, SCENES, choose
 
 from vrut_lite.app.engine import history
 from vrut_lite.app.engine.history import History, inverse_of
@@ -23,10 +23,7 @@ PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 
 @pytest.fixture
 def driver(shared_headless_window):
-    window = shared_headless_window
-    window.window.activateWindow()
-    window.until(window.window.isActiveWindow)
-    return window
+    return shared_headless_window.activated()
 
 
 def press(driver, key, modifiers=Qt.KeyboardModifier.ControlModifier, on=None):
@@ -45,16 +42,8 @@ def redo(driver):
 
 
 def type_in(driver, spin, text):
-    spin.setFocus()
-    spin.selectAll()
-    driver.qtbot.keyClicks(spin, text)
-    driver.qtbot.keyClick(spin, Qt.Key.Key_Return)
+    driver.type_in(spin, text)
     driver.settled()
-
-
-def pick(combo, data):
-    combo.setCurrentIndex(combo.findData(data))
-    combo.activated.emit(combo.currentIndex())
 
 
 def everything(driver):
@@ -81,13 +70,13 @@ def ten_changes(driver):
     hosek, picture = sky.panels["dynamic_skylight"], driver.panel("picture")
     yield lambda: type_in(driver, sky.haze.spin, "0.45")
     yield lambda: hosek.rows["albedo"].editor.slider.setValue(700)
-    yield lambda: pick(hosek.rows["sun_method"].editor, "preetham")
+    yield lambda: choose(hosek.rows["sun_method"].editor, "preetham")
     yield lambda: type_in(driver, clouds.rows["base_m"].editor.spin, "900")
     yield lambda: scene.rows["light_shafts"].editor.click()
     yield lambda: type_in(driver, driver.panel("place").latitude_deg.spin, "-33.9")
     yield lambda: type_in(driver, picture.compensation_ev.spin, "1.5")
     yield lambda: driver.window.time.step_days(1)
-    yield lambda: pick(sky.choosers["sky"], "bruneton_sky")
+    yield lambda: choose(sky.choosers["sky"], "bruneton_sky")
     yield lambda: hosek.reset.click()
 
 

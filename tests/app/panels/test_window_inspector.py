@@ -1,7 +1,6 @@
 """The message inspector, by its own widgets: live messages, their causes, and journals."""
 
 import pytest
-from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from window_driver import NOON
 
@@ -31,7 +30,7 @@ def driver(shared_headless_window):
     window = watching(shared_headless_window)
     inspector = window.panel("messages")
     inspector.filter.clear()
-    click(window, inspector.clear)
+    window.click(inspector.clear)
     return window
 
 
@@ -54,10 +53,6 @@ def types(inspector):
 def set_clock(driver, minute):
     driver.session.send(SetClock(instant=NOON.replace(minute=minute)))
     driver.settled()
-
-
-def click(driver, button):
-    driver.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
 
 
 def tree_of(item):
@@ -94,13 +89,13 @@ def test_while_it_pauses_or_hides_nothing_is_watched(driver, inspector):
     """A pause costs the kernel nothing, and what went by meanwhile is not made up for."""
     set_clock(driver, 3)
     driver.until(lambda: "AmbientChanged" in types(inspector))
-    click(driver, inspector.pause)
+    driver.click(inspector.pause)
     driver.settled()
-    click(driver, inspector.clear)
+    driver.click(inspector.clear)
     assert types(inspector) == []
     set_clock(driver, 4)
     driver.settled()
-    click(driver, inspector.pause)
+    driver.click(inspector.pause)
     driver.settled()
     set_clock(driver, 5)
     driver.until(lambda: "SetClock" in types(inspector))
@@ -158,24 +153,24 @@ def test_a_journal_is_saved_opened_and_stepped_through(
     set_clock(driver, 8)
     driver.session.send(SetSetting(module="clouds", name="base_m", value=900.0))
     driver.settled()
-    click(driver, bar.save)
+    driver.click(bar.save)
     driver.until(lambda: "session.mcap" in bar.recorded.text())
     driver.until(lambda: "SettingChanged" in types(inspector))
     live = types(inspector)
-    click(driver, bar.open)
+    driver.click(bar.open)
     driver.until(lambda: bar.is_open)
     rows = inspector.table.messages.rows
     inputs = [row.type_name for row in rows if row.is_input]
     stepped = []
     while bar.next.isEnabled():
-        click(driver, bar.next)
+        driver.click(bar.next)
         stepped.append(inspector.causes.topLevelItem(0).text(0))
     assert stepped == inputs
     assert [name for name in stepped if name.startswith("Set")][-2:] == ["SetClock", "SetSetting"]
-    click(driver, bar.back)
+    driver.click(bar.back)
     assert inspector.causes.topLevelItem(0).text(0) == inputs[-2]
     assert f"{len(inputs) - 1} of {len(inputs)}" in bar.name.text()
-    click(driver, bar.close_journal)
+    driver.click(bar.close_journal)
     assert types(inspector)[: len(live)] == live
     assert not bar.next.isVisible()
 
@@ -188,9 +183,9 @@ def test_a_step_is_done_in_the_window_if_wished(new_driver, inspector, tmp_path)
     driver.session.save_journal(path, lambda _: inspector.journal.open_from(path))
     driver.until(lambda: inspector.journal.is_open)
     set_clock(driver, 40)
-    click(driver, inspector.journal.play)
+    driver.click(inspector.journal.play)
     while inspector.journal.next.isEnabled():
-        click(driver, inspector.journal.next)
+        driver.click(inspector.journal.next)
         driver.settled()
     assert driver.session.last(ClockMoved).instant == NOON.replace(minute=9)
 

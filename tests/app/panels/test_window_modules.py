@@ -90,14 +90,9 @@ def tick(driver, *minutes):
         driver.settled()
 
 
-def click(driver, button):
-    driver.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
-
-
 def test_a_key_shows_the_tools_and_hides_them(driver):
     """They have no title to close them by: the key that brought one takes it away."""
-    driver.window.activateWindow()
-    driver.until(driver.window.isActiveWindow)
+    driver.activated()
     modules, messages = (driver.window.docks[name] for name in ("modules", "messages"))
     driver.qtbot.keyClick(driver.window, Qt.Key.Key_F5)
     driver.until(lambda: not driver.panel("messages").visibleRegion().isEmpty())
@@ -130,7 +125,7 @@ def test_the_fault_of_a_failing_module_is_shown_with_its_trace(driver, manager):
     assert 'raise ZeroDivisionError("on purpose")' in manager.trace.toPlainText()
     assert manager.trace.isVisible()
     Failing.ill = False
-    click(driver, manager.restart)
+    driver.click(manager.restart)
     driver.until(lambda: state(manager, "failing") == "running")
 
 
@@ -169,7 +164,7 @@ def test_reload_takes_a_module_as_its_file_is_now(driver, manager, tmp_path, mon
     driver.until(lambda: state(manager, "reloadable") == "suspended")
     file.write_text(RELOADABLE.format(version="2.0", act="pass"))
     manager.choose("reloadable")
-    click(driver, manager.reload)
+    driver.click(manager.reload)
     driver.until(lambda: state(manager, "reloadable") == "running")
     assert row(manager, "reloadable").text(3) == "2.0"
     monkeypatch.delitem(sys.modules, "reloadable_module")
@@ -197,8 +192,7 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
     driver.until(lambda: list(panel.rows) == ["first", "second"])
     assert panel.rows["second"].editor.isChecked()
     # Of the window's keys a new row's control gets its own.
-    driver.window.activateWindow()
-    driver.until(driver.window.isActiveWindow)
+    driver.activated()
     panel.rows["second"].editor.setFocus()
     driver.qtbot.keyClick(panel.rows["second"].editor, Qt.Key.Key_Space)
     assert not driver.window.time.player.playing
@@ -211,12 +205,12 @@ def test_safe_mode_leaves_the_host_and_daylight_and_goes_back(driver, manager):
     driver.session.send(EnableModule(module="zenoh_bridge", enabled=False))
     driver.settled()
     driver.until(lambda: state(manager, "zenoh_bridge") == "disabled")
-    click(driver, manager.safe_mode)
+    driver.click(manager.safe_mode)
     driver.until(lambda: state(manager, "bruneton_sky") == "disabled")
     driver.until(lambda: manager.safe_mode.isChecked())
     assert state(manager, "dynamic_skylight") == state(manager, "scene") == "running"
     assert state(manager, "clouds") == "disabled"
-    click(driver, manager.safe_mode)
+    driver.click(manager.safe_mode)
     driver.until(lambda: state(manager, "bruneton_sky") == state(manager, "clouds") == "running")
     driver.until(lambda: not manager.safe_mode.isChecked())
     assert state(manager, "zenoh_bridge") == "disabled"

@@ -3,7 +3,7 @@
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
-from window_driver import NOON, SCENES
+from window_driver import NOON, SCENES, choose
 
 from vrut_lite.app.engine.flight_recorder import FlightRecorder
 from vrut_lite.commands.headless_scene import modules_for
@@ -27,21 +27,9 @@ def saved_journal(driver, monkeypatch, path):
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
     driver.window.docks["messages"].show()
     bar = driver.panel("messages").journal
-    driver.qtbot.mouseClick(bar.save, Qt.MouseButton.LeftButton)
+    driver.click(bar.save)
     driver.until(lambda: path.name in bar.recorded.text())
     return path
-
-
-def type_in(driver, field, text):
-    field.setFocus()
-    field.selectAll()
-    driver.qtbot.keyClicks(field, text)
-    driver.qtbot.keyClick(field, Qt.Key.Key_Return)
-
-
-def pick(combo, data):
-    combo.setCurrentIndex(combo.findData(data))
-    combo.activated.emit(combo.currentIndex())
 
 
 def drag_time_bar(driver):
@@ -56,21 +44,21 @@ def drag_time_bar(driver):
 
 def play_a_while(driver):
     button, before = driver.window.time.play, driver.session.last(ClockMoved)
-    driver.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    driver.click(button)
     driver.until(lambda: driver.session.last(ClockMoved) is not before)
-    driver.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    driver.click(button)
 
 
 def session_by_hand(driver):
     """Something of every panel, by its own widgets, and a mishap."""
     sky = driver.panel("sky")
-    yield lambda: type_in(driver, sky.panels["dynamic_skylight"].rows["albedo"].editor.spin, "0.4")
+    yield lambda: driver.type_in(sky.panels["dynamic_skylight"].rows["albedo"].editor.spin, "0.4")
     yield lambda: drag_time_bar(driver)
-    yield lambda: type_in(driver, driver.panel("place").search, "Reykjavik")
+    yield lambda: driver.type_in(driver.panel("place").search, "Reykjavik")
     yield lambda: driver.panel("module scene").rows["light_shafts"].editor.click()
-    yield lambda: type_in(driver, driver.panel("module clouds").rows["coverage"].editor.spin, "0.5")
+    yield lambda: driver.type_in(driver.panel("module clouds").rows["coverage"].editor.spin, "0.5")
     yield lambda: driver.panel("picture").lock.click()
-    yield lambda: pick(sky.choosers["sky"], "bruneton_sky")
+    yield lambda: choose(sky.choosers["sky"], "bruneton_sky")
     yield lambda: driver.window.files.open_path(str(SCENES / "nothing.glb"))
     yield lambda: driver.window.files.open_path(str(SCENES / "spheres.glb"))
     yield driver.window.desk.viewport.frame_scene
@@ -107,7 +95,7 @@ def test_a_session_by_hand_is_replayed_headless_digest_by_digest(
 def test_a_drawn_session_is_replayed_without_a_gpu(drawn_window, monkeypatch, tmp_path):
     """The sky's cube is made by the GPU: the journal holds its recipe, which is the same."""
     row = drawn_window.panel("sky").panels["dynamic_skylight"].rows["cube_device"]
-    pick(row.editor, "gpu")
+    choose(row.editor, "gpu")
     drawn_window.settled()
     drag_time_bar(drawn_window)
     drawn_window.settled()

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from window_driver import SCENES
+from window_driver import SCENES, choose
 
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.project import Project
@@ -19,11 +19,6 @@ def lying(tmp_path):
     path = tmp_path / "house.obj"
     path.write_text(text + "f 1 2 3 4\nf 5 6 7 8\nl 1 2\n")
     return path
-
-
-def choose(box, data):
-    box.setCurrentIndex(box.findData(data))
-    box.activated.emit(box.currentIndex())
 
 
 def test_axis_and_unit_are_shown_and_changed(shared_headless_window, lying):

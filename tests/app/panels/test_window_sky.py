@@ -1,13 +1,13 @@
-"""Slots and settings: every control of every module's panel, by its own widgets."""
+"""Slots, settings and presets of the panels, by their own widgets."""
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox, QComboBox
+from PySide6.QtWidgets import QCheckBox
+from window_driver import choose
 
-from vrut_lite.app.engine.module_states import states_of
 from vrut_lite.app.panels.module_panel import ModulePanel
-from vrut_lite.app.panels.number_field import FieldScale, NumberField
-from vrut_lite.kernel.messages import SetSetting, SettingChanged, SlotChanged
+from vrut_lite.app.panels.number_field import FieldScale
+from vrut_lite.kernel.messages import SettingChanged, SlotChanged
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sun import SunMoved
@@ -18,12 +18,6 @@ from vrut_lite.messages.tolerance import SetTolerance
 def driver(shared_headless_window):
     shared_headless_window.sky = shared_headless_window.panel("sky")
     return shared_headless_window
-
-
-def choose(box, data):
-    """As by the mouse: Qt tells `activated` for the user's choice alone."""
-    box.setCurrentIndex(box.findData(data))
-    box.activated.emit(box.currentIndex())
 
 
 def test_the_sky_is_switched_and_its_panel_with_it(driver):
@@ -131,48 +125,6 @@ def menu_entry(panel, *path):
     for title in path[:-1]:
         menu = next(action.menu() for action in menu.actions() if action.text() == title)
     return next(action for action in menu.actions() if action.text() == path[-1])
-
-
-def test_every_control_of_every_panel_has_its_effect(headless_window):
-    """A control that changes nothing is worse than none: each is used once, and heard."""
-    driver = headless_window
-    panels = [
-        *driver.panel("sky").panels.values(),
-        *(panel for panel in driver.window.panels.values() if isinstance(panel, ModulePanel)),
-    ]
-    assert sum(len(panel.rows) for panel in panels) >= 25
-    states, sent = driver.asked(states_of).modules, []
-    driver.session.sent.connect(lambda m: sent.append(m) if isinstance(m, SetSetting) else None)
-    for panel in panels:
-        module = panel._name
-        if states[module].state != "running":
-            continue
-        for name, row in panel.rows.items():
-            if row.spec.type not in (bool, int, float) and not row.spec.choices:
-                continue
-            wanted = use(row)
-            assert sent[-1:] == [SetSetting(module=module, name=name, value=wanted)]
-
-
-def use(row):
-    """Change a control as a hand would; the value that is to go out."""
-    if isinstance(row.name, QCheckBox) and not row.name.isChecked():
-        row.name.setChecked(True)
-        return row._start()
-    if isinstance(row.editor, QComboBox):
-        index = (row.editor.currentIndex() + 1) % row.editor.count()
-        row.editor.setCurrentIndex(index)
-        row.editor.activated.emit(index)
-        return row.editor.itemData(index)
-    if isinstance(row.editor, QCheckBox):
-        row.editor.click()
-        return row.editor.isChecked()
-    assert isinstance(row.editor, NumberField)
-    spin = row.editor.spin
-    spin.setValue(
-        spin.value() + (spin.singleStep() if spin.value() < spin.maximum() else -spin.singleStep())
-    )
-    return row.spec.type(spin.value())
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (1.0, 10.0), (50.0, 20_000.0), (-5.0, 5.0)])

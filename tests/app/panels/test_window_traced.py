@@ -11,9 +11,7 @@ from vrut_lite.kernel.messages import Demand, SetSetting
 @pytest.fixture
 def driver(drawn_window):
     mitsuba_or_skip()
-    drawn_window.window.activateWindow()
-    drawn_window.until(drawn_window.window.isActiveWindow)
-    return drawn_window
+    return drawn_window.activated()
 
 
 def demands(driver):

@@ -22,13 +22,3 @@ def test_a_scene_on_its_way_is_named_and_something_moves(shared_headless_window)
     assert loading.text == ""
     place = QRectF(0.0, 0.0, 400.0, 300.0)
     assert place.contains(loading.region(place))
-
-
-def test_a_scene_that_is_refused_is_not_waited_for(shared_headless_window, tmp_path):
-    """The line below says why."""
-    driver = shared_headless_window
-    broken = tmp_path / "broken.glb"
-    broken.write_bytes(b"no scene")
-    driver.window.files.open_path(str(broken))
-    driver.until(lambda: bool(driver.problems))
-    driver.until(lambda: not driver.window.desk.viewport.loading.is_on)

@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
-from PySide6.QtWidgets import QApplication
-from window_driver import SCENES
+from PySide6.QtCore import QPoint, Qt
+from window_driver import SCENES, move_pointer
 
 from vrut_lite.app.view.camera_rig import CameraRig
 from vrut_lite.app.view.surroundings import OccupiedCells
@@ -73,15 +71,8 @@ def test_a_drag_in_the_first_scene_stays_in_the_street(shared_headless_window, q
     azimuth_rad = view.rig.azimuth_rad
     middle = view.rect().center()
     qtbot.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)
-    spot = QPointF(middle + QPoint(250, 0))
-    # QTest's own move tells no buttons.
-    QApplication.sendEvent(
-        view,
-        QMouseEvent(
-            QEvent.Type.MouseMove, spot, view.mapToGlobal(spot), Qt.MouseButton.NoButton,
-            Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
-        ),
-    )  # fmt: skip
-    qtbot.mouseRelease(view, Qt.MouseButton.LeftButton, pos=spot.toPoint())
+    spot = middle + QPoint(250, 0)
+    move_pointer(view, spot, Qt.MouseButton.LeftButton)
+    qtbot.mouseRelease(view, Qt.MouseButton.LeftButton, pos=spot)
     assert np.allclose(view.rig.eye_m, (-1.2, 1.7, 16.0))
     assert 0.05 < abs(math.remainder(view.rig.azimuth_rad - azimuth_rad, math.tau)) < 1.0

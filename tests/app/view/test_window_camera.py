@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
-from window_driver import SMALL, HeadlessStage, WindowDriver
+from window_driver import SCENES, SMALL, HeadlessStage, WindowDriver, move_pointer
 
 from vrut_lite.errors import GivenUp
 from vrut_lite.kernel.messages import Tick
@@ -29,20 +29,8 @@ def driver(shared_headless_window):
 def drag(qtbot, view, way, button=Qt.MouseButton.LeftButton):
     middle = view.rect().center()
     qtbot.mousePress(view, button, pos=middle)
-    move(view, middle + way, button)
+    move_pointer(view, middle + way, button)
     qtbot.mouseRelease(view, button, pos=middle + way)
-
-
-def move(view, position, button):
-    # QTest's own move tells no buttons.
-    from PySide6.QtCore import QEvent
-    from PySide6.QtGui import QMouseEvent
-
-    event = QMouseEvent(
-        QEvent.Type.MouseMove, QPointF(position), view.mapToGlobal(QPointF(position)),
-        Qt.MouseButton.NoButton, button, Qt.KeyboardModifier.NoModifier,
-    )  # fmt: skip
-    QApplication.sendEvent(view, event)
 
 
 def wheel(view, steps):
@@ -219,8 +207,6 @@ def dropped(view, path):
 
 def test_a_scene_is_dropped_on_the_picture(driver):
     """It is opened, looked at through its own camera, and named in the title."""
-    from window_driver import SCENES
-
     assert dropped(driver.view, SCENES / "pavilion.gltf")
     driver.until_heard(SceneOpened, lambda m: m.path.endswith("pavilion.gltf"))
     assert "pavilion.gltf" in driver.window.windowTitle()

@@ -95,11 +95,3 @@ def test_a_screenshot_that_cannot_be_written_is_told(driver, tmp_path):
     driver.window.actions_by_name["screenshot"].trigger()
     assert "taken" in driver.window.news.text()
     assert "cannot make" in driver.window.news.text()
-
-
-def test_a_key_brings_the_comparison_to_the_front(headless_window):
-    """C shows the dock of two skies, wherever it was."""
-    driver = headless_window
-    assert not driver.window.docks["compare"].isVisible()
-    driver.window.actions_by_name["compare"].trigger()
-    assert driver.window.docks["compare"].isVisible()

@@ -25,9 +25,7 @@ class Sleeping(Module):
 
 @pytest.fixture
 def driver(headless_window):
-    headless_window.window.activateWindow()
-    headless_window.until(headless_window.window.isActiveWindow)
-    return headless_window
+    return headless_window.activated()
 
 
 def line(overlay, name):
@@ -86,9 +84,7 @@ def test_hidden_it_measures_nothing(driver):
 def test_passes_of_the_frame_and_work_that_frames_leave_out(drawn_window):
     """The profiler lists the frame's passes and its skipped work; before, no pass was measured."""
     assert not drawn_window.asked(lambda stage: stage.pass_seconds)
-    drawn_window.window.activateWindow()
-    drawn_window.until(drawn_window.window.isActiveWindow)
-    overlay = open_profiler(drawn_window)
+    overlay = open_profiler(drawn_window.activated())
     drawn_window.session.send(SetClock(instant=NOON.replace(minute=1)))
     drawn_window.until(lambda: line(overlay, "frame: upload: unchanged") is not None)
     passes = set(drawn_window.asked(lambda stage: stage.pass_seconds))

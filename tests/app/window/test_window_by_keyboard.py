@@ -17,9 +17,7 @@ CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftM
 
 @pytest.fixture
 def driver(headless_window):
-    window = headless_window
-    window.window.activateWindow()
-    window.until(window.window.isActiveWindow)
+    window = headless_window.activated()
     window.until(lambda: "module clouds" in window.window.docks)
     window.window.desk.viewport.setFocus()
     return window

@@ -93,7 +93,7 @@ def test_sensors_of_a_project_survive_the_window(driver, tmp_path):
 
 
 def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
-    """One line that names the file; scene, title and picture stay."""
+    """One line that names the file; scene, title and picture stay, and nothing is waited for."""
     before = driver.session.last(SceneOpened)
     title = driver.window.windowTitle()
     broken = tmp_path / "broken.glb"
@@ -104,6 +104,7 @@ def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
     assert "\n" not in driver.window.news.text()
     assert driver.session.last(SceneOpened) is before
     assert driver.window.windowTitle() == title
+    driver.until(lambda: not driver.window.desk.viewport.loading.is_on)
     driver.session.send(LoadScene(path=str(SCENES / "spheres.glb")))
     driver.until_heard(SceneOpened)
 

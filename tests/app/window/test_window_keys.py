@@ -13,10 +13,7 @@ from vrut_lite.messages.place import SetPlace
 
 @pytest.fixture
 def driver(shared_headless_window):
-    window = shared_headless_window
-    window.window.activateWindow()
-    window.until(window.window.isActiveWindow)
-    return window
+    return shared_headless_window.activated()
 
 
 def test_enter_opens_a_drop_down_and_chooses_in_it(driver, qtbot):

@@ -16,16 +16,13 @@ from vrut_lite.messages.scene import SceneOpened
 
 @pytest.fixture
 def driver(shared_headless_window):
-    window = shared_headless_window
-    window.window.activateWindow()
-    window.until(window.window.isActiveWindow)
-    return window
+    return shared_headless_window.activated()
 
 
 def palette(driver):
-    driver.window.activateWindow()
-    driver.until(driver.window.isActiveWindow)
-    driver.qtbot.keyClick(driver.window, Qt.Key.Key_K, Qt.KeyboardModifier.ControlModifier)
+    driver.activated().qtbot.keyClick(
+        driver.window, Qt.Key.Key_K, Qt.KeyboardModifier.ControlModifier
+    )
     (found,) = driver.window.findChildren(CommandPalette)
     return found
 
