@@ -82,14 +82,6 @@ def test_a_project_of_garbage(refused, tmp_path, content):
     assert [file.name for file in tmp_path.iterdir()] == ["day.toml"]
 
 
-@pytest.mark.parametrize("text", ['{"asset":' * 100_000, "[" * 200_000, '{"asset": 1e999}'])
-def test_a_deeply_nested_gltf(refused, tmp_path, text):
-    """A document that exhausts the parser's stack is refused in one line."""
-    path = tmp_path / "scene.gltf"
-    path.write_text(text)
-    refused("render", path, "-o", tmp_path / "a.png", *NOON)
-
-
 DAMAGE = {
     "nothing": b"",
     "cut": (ROOT / "modules/dynamic_skylight/data/hosek_wilkie.npz").read_bytes()[:5000],

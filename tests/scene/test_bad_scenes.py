@@ -1,7 +1,6 @@
 """Scene files that are damaged, hostile or mistaken end in one sentence, nothing else."""
 
 import base64
-import json
 import os
 import struct
 import zlib
@@ -76,7 +75,8 @@ def test_glb_version(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", "[]", "null", "{'asset': 1}", '{"a":' * 9999, "\xff\xfe{}"]
+    "text",
+    ["", "{", "[]", "null", "{'asset': 1}", '{"a":' * 9999, "[" * 200_000, "\xff\xfe{}"],
 )
 def test_invalid_json(tmp_path: Path, text: str) -> None:
     """A document that is not a JSON object, or nested too deeply, is refused."""
@@ -157,20 +157,13 @@ def huge_bmp(side_px: int) -> bytes:
 
 
 @pytest.mark.parametrize("make", [huge_png, huge_jpeg, huge_bmp])
-@pytest.mark.parametrize("side_px", [9000, 11000, 60000])
+@pytest.mark.parametrize("side_px", [9000, 11000, 60_000])
 def test_image_that_claims_too_many_pixels(
     write_square: WriteScene, make: Callable[[int], bytes], side_px: int
 ) -> None:
     """The limit is 64 megapixels, judged by the header: 9000^2 is above it, in each format."""
     path = write_square(lambda d: add_texture(d, {"uri": "big.img"}))
     (path.parent / "big.img").write_bytes(make(side_px))
-    assert "64 megapixels" in refusal(path)
-
-
-def test_absurd_png(write_square: WriteScene) -> None:
-    """100000 x 100000 pixels would be 30 GB."""
-    path = write_square(lambda d: add_texture(d, {"uri": "big.png"}))
-    (path.parent / "big.png").write_bytes(huge_png(100_000))
     assert "64 megapixels" in refusal(path)
 
 
@@ -452,10 +445,3 @@ def test_message_is_short_for_a_long_name(write_square: WriteScene) -> None:
     message = refusal(path).replace(str(path), "")
     assert len(message) < 250
     assert "\x1b" not in message
-
-
-def test_json_of_the_fixture_is_good(write_square: WriteScene) -> None:
-    """The undamaged file of these tests loads."""
-    path = write_square()
-    assert json.loads(path.read_text())["asset"] == {"version": "2.0"}
-    assert load_scene(path).triangles == 2
