@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 
 import msgspec
 import numpy as np
+from directions import towards
 
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Input
@@ -70,12 +71,6 @@ def body_at(elevation_deg: float, azimuth_deg: float) -> SunMoved:
         apparent_elevation_rad=elevation,
         visible_disc_fraction=min(max(0.5 + 0.5 * elevation / _RADIUS_RAD, 0.0), 1.0),
     )
-
-
-def towards(elevation_deg: float, azimuth_deg: float) -> np.ndarray:
-    """The unit vector, world axes; azimuth from north."""
-    e, a = np.radians(elevation_deg), np.radians(azimuth_deg)
-    return np.array([np.sin(a) * np.cos(e), np.sin(e), -np.cos(a) * np.cos(e)])
 
 
 class SkyUnderMoon(SkyOnBus):

@@ -3,6 +3,7 @@
 from typing import ClassVar
 
 from vrut_lite.kernel.messages import Derived, Fault, Input
+from vrut_lite.messages.sun import SunMoved
 
 
 class Poke(Input, frozen=True, kw_only=True):
@@ -66,3 +67,14 @@ def act(kernel, *inputs):
     for message in inputs:
         kernel.inject(message)
         kernel.pump()
+
+
+def sun_at(elevation_rad):
+    """A sun of this elevation, its disc whole."""
+    return SunMoved(
+        direction=(0.0, 1.0, 0.0),
+        azimuth_rad=0.0,
+        elevation_rad=elevation_rad,
+        apparent_elevation_rad=elevation_rad,
+        visible_disc_fraction=1.0,
+    )

@@ -19,12 +19,6 @@ def field(turbidity: float = 3.0) -> SourceField:
     return solve_air(air)
 
 
-def towards(elevation_deg: float, azimuth_deg: float = 0.0) -> FloatArray:
-    """The unit vector, world axes; azimuth from north."""
-    e, a = np.radians(elevation_deg), np.radians(azimuth_deg)
-    return np.array([np.sin(a) * np.cos(e), np.sin(e), -np.cos(a) * np.cos(e)])
-
-
 def found(volume: AirVolume, view: FloatArray, metres: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Light added (n, 3) and transmittance (n, 3) of a volume, linear sRGB."""
     light = look_up_air(volume, np.broadcast_to(view, (metres.size, 3)), metres)

@@ -7,18 +7,12 @@ import pytest
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.module import BrunetonSky
 from bruneton_sky.solved_sky import SolvedSky
+from directions import towards
 from dynamic_skylight.module import DynamicSkyLight
 from hypothesis import given
 from hypothesis import strategies as st
 from long_parameters import mostly_long
-from moon_on_bus import (
-    FULL_MOON,
-    PlaceMoon,
-    SkyUnderMoon,
-    body_at,
-    moved,
-    towards,
-)
+from moon_on_bus import FULL_MOON, PlaceMoon, SkyUnderMoon, body_at, moved
 
 from vrut_lite.atmosphere.refraction import horizon_elevation
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum

@@ -11,7 +11,8 @@ from bruneton_sky.air_volume import AirSizes, air_is_seen, air_volume
 from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import solve
-from solved_air import field, found, towards
+from directions import towards
+from solved_air import field, found
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions

@@ -20,13 +20,13 @@ from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, multiple_scattering, real_time_sizes, solve
 from bruneton_sky.solver_job import solve_air
+from directions import towards
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
-from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 
 HAZY = Atmosphere.earth().with_aerosol(0.2)
@@ -45,11 +45,6 @@ OTHER = replace(
 def solved(air: Atmosphere) -> SourceField:
     """The field of an atmosphere, solved once for all tests."""
     return solve_air(air)
-
-
-def world_sun(azimuth_deg: float, elevation_deg: float) -> NDArray[np.float64]:
-    """World direction of a sun at an azimuth from north, clockwise."""
-    return world_from_enu(direction_from_angles(np.radians(azimuth_deg), np.radians(elevation_deg)))
 
 
 @cache
@@ -76,7 +71,7 @@ def test_directions_of_the_source_function_are_fine_enough_overhead():
 
 def overhead(field: SourceField, height_m: float) -> list[NDArray[np.floating]]:
     """Texels within 15 degrees of the zenith, by the product's table and by a much finer one."""
-    sun, near = world_sun(130.0, 25.0), texel_directions(64)[..., 1] > np.cos(np.radians(15.0))
+    sun, near = towards(25.0, 130.0), texel_directions(64)[..., 1] > np.cos(np.radians(15.0))
     return [
         fill_cube(sky_view(field, height_m, sun, finer), 64, np.zeros(3))[near]
         for finer in (1.0, 4.0)
@@ -125,7 +120,7 @@ def test_cube_agrees_with_direct_evaluation(
     """99 % of the sky's texels agree to half a percent or so, relative to the larger of their
     value and a thousandth of the brightest: the issue's half percent by day is that of the solver,
     the table adds as much again at most."""
-    sun = world_sun(130.0, elevation_deg)
+    sun = towards(elevation_deg, 130.0)
     up, mu, nu = sky_texels(32, float(horizon_mu(air.ground_radius_m, height_m)), sun)
     exact = exact_radiance(air, height_m, mu, float(sun[1]), nu)
     ours = background_cube(surroundings(solved(air), height_m, sun), 32)[up]
@@ -138,7 +133,7 @@ def test_cube_agrees_with_direct_evaluation(
 def test_ground_from_high_up_is_seen_through_the_air(air: Atmosphere) -> None:
     """Below the horizon: ground radiance where the ray ends, times the ray's transmittance, plus
     the light of the air before it. 99 % within 1 %."""
-    height_m, sun = 9_000.0, world_sun(40.0, 35.0)
+    height_m, sun = 9_000.0, towards(35.0, 40.0)
     lowest = float(horizon_mu(air.ground_radius_m, height_m))
     up, mu, nu = sky_texels(16, -2.0, sun)
     below = mu < lowest - 0.02
@@ -160,7 +155,7 @@ def test_ground_from_high_up_is_seen_through_the_air(air: Atmosphere) -> None:
 def test_rays_from_space_start_where_they_enter_the_air(height_m: float) -> None:
     """Nothing scatters above the air: the planet looks as it does from the top of the air, along
     the same ray, and a texel beyond the limb is black."""
-    air, sun = HAZY, world_sun(90.0, 40.0)
+    air, sun = HAZY, towards(40.0, 90.0)
     cube = background_cube(surroundings(solved(air), height_m, sun), 64).astype(float)
     direction = texel_directions(64)
     radius, top = air.ground_radius_m + height_m, air.ground_radius_m + air.top_altitude_m
@@ -192,7 +187,7 @@ def test_rays_from_space_start_where_they_enter_the_air(height_m: float) -> None
 def test_limb_texels_from_space_are_means(height_m: float) -> None:
     """A limb as thin as a texel: each texel is the mean of 16 x 16 finer ones, within a tenth
     of the brightest, where one look errs by all of it; the light of all texels within 0.5 %."""
-    view = surroundings(solved(HAZY), height_m, world_sun(40.0, 20.0)).view
+    view = surroundings(solved(HAZY), height_m, towards(20.0, 40.0)).view
     cube = fill_cube(view, 32, np.zeros(3)).astype(float)
     finer = fill_cube(view, 512, np.zeros(3)).astype(float)
     mean = finer.reshape(6, 32, 16, 32, 16, 3).mean(axis=(2, 4))
@@ -203,7 +198,7 @@ def test_limb_texels_from_space_are_means(height_m: float) -> None:
 @pytest.mark.parametrize("azimuth_deg", [0.0, 90.0, 180.0, 270.0])
 def test_brightest_texel_is_toward_the_sun(azimuth_deg: float) -> None:
     """North is -Z and east +X: a sun in each quarter must light its own side."""
-    sun = world_sun(azimuth_deg, 20.0)
+    sun = towards(20.0, azimuth_deg)
     cube = background_cube(surroundings(solved(HAZY), 0.0, sun), 32)
     brightest = texel_directions(32).reshape(-1, 3)[cube.sum(axis=-1).argmax()]
     assert brightest @ sun > np.cos(np.radians(8.0))
@@ -211,17 +206,17 @@ def test_brightest_texel_is_toward_the_sun(azimuth_deg: float) -> None:
 
 def test_a_clear_sky_is_blue_and_a_low_sun_red() -> None:
     """Channels are red, green, blue: away from the sun blue leads, at sunset red under the sun."""
-    noon = background_cube(surroundings(solved(Atmosphere.earth()), 0.0, world_sun(0.0, 60.0)), 16)
+    noon = background_cube(surroundings(solved(Atmosphere.earth()), 0.0, towards(60.0, 0.0)), 16)
     zenith = noon[2, 8, 8]
     assert zenith[2] > 1.5 * zenith[1] > 1.5 * zenith[0]
-    around = surroundings(solved(HAZY), 0.0, world_sun(0.0, 1.0))
+    around = surroundings(solved(HAZY), 0.0, towards(1.0, 0.0))
     assert around.sun_irradiance_rgb[0] > 3.0 * around.sun_irradiance_rgb[2]
 
 
 def test_ground_reflects_sky_and_sun() -> None:
     """Every texel below the horizon is albedo / pi (E_sky + E_sun sin elevation)."""
     air = replace(HAZY, ground_albedo=(0.2, 0.3, 0.4))
-    sun = world_sun(200.0, 35.0)
+    sun = towards(35.0, 200.0)
     around = surroundings(solved(air), 0.0, sun)
     cube = background_cube(around, 64).astype(float)
     up = np.maximum(texel_directions(64)[..., 1], 0.0) * texel_solid_angles(64)
@@ -234,14 +229,14 @@ def test_ground_reflects_sky_and_sun() -> None:
 
 def test_light_does_not_depend_on_the_picture_size() -> None:
     """Ground and ambient light come from a small cube of fixed size."""
-    around = surroundings(solved(HAZY), 0.0, world_sun(10.0, 30.0))
+    around = surroundings(solved(HAZY), 0.0, towards(30.0, 10.0))
     small, large = background_cube(around, 16), background_cube(around, 96)
     assert np.array_equal(small[3, 0, 0], large[3, 0, 0])
 
 
 def test_ambient_light_is_the_sky_on_level_ground() -> None:
     """E(up) of the harmonics is the sky's irradiance within their 1.5 %; E(down) is pi L_ground."""
-    around = surroundings(solved(HAZY), 0.0, world_sun(10.0, 30.0))
+    around = surroundings(solved(HAZY), 0.0, towards(30.0, 10.0))
     coefficients = ambient_coefficients(around)
     assert coefficients.shape == (25, 3)
     assert coefficients.dtype == np.float32
@@ -271,7 +266,7 @@ def test_many_wavelengths_become_colour() -> None:
         ground_albedo=(0.3,) * 15,
     )
     assert albedo_rgb(many) == pytest.approx(0.3)
-    sun = world_sun(0.0, 40.0)
+    sun = towards(40.0, 0.0)
     cubes = [background_cube(surroundings(solved(air), 0.0, sun), 16) for air in (three, many)]
     # 12 %: the three samples take the sun's own spectrum between them, `many` straight lines.
     assert cubes[1][2] == pytest.approx(cubes[0][2], rel=0.12)
@@ -291,6 +286,6 @@ def test_every_sun_gives_a_finite_sky(
     """From nadir to zenith, from the ground to as far as the moon: no NaN and no negative
     radiance, odd sizes too."""
     air = HAZY.with_aerosol(0.2, mie_g=g)
-    cube = background_cube(surroundings(solved(air), height_m, world_sun(azimuth, elevation)), 7)
+    cube = background_cube(surroundings(solved(air), height_m, towards(elevation, azimuth)), 7)
     assert np.isfinite(cube).all()
     assert (cube >= 0).all()

@@ -17,6 +17,7 @@ from bruneton_sky.light import background_with
 from bruneton_sky.sky_view import SkyView, level_direction
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 from bruneton_sky.sun_light import disc_light
+from directions import towards
 from numpy.typing import NDArray
 from stateful_backend import StatefulBackend, opened
 
@@ -43,9 +44,7 @@ def field() -> SourceField:
 
 
 def direction(elevation_deg: float, azimuth_deg: float = 25.0) -> NDArray[np.float64]:
-    """A world direction, azimuth from north, clockwise."""
-    e, a = np.radians([elevation_deg, azimuth_deg])
-    return np.array([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)])
+    return towards(elevation_deg, azimuth_deg)
 
 
 def looked_up(view: SkyView, d: NDArray[np.float64]) -> NDArray[np.float64]:

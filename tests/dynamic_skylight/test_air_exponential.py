@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from directions import towards
 from dynamic_skylight.air import (
     GROUND_RADIUS_M,
     air_is_seen,
@@ -34,12 +35,6 @@ def daylight(elevation_deg, turbidity=3.0):
         sun_azimuth_rad=0.0,
         visible_disc_fraction=1.0 if elevation_deg > 0.0 else 0.0,
     )
-
-
-def towards(elevation_deg, azimuth_deg=0.0):
-    """The unit vector, world axes; azimuth from north."""
-    e, a = np.radians(elevation_deg), np.radians(azimuth_deg)
-    return np.array([np.sin(a) * np.cos(e), np.sin(e), -np.cos(a) * np.cos(e)])
 
 
 def volume_at(elevation_deg, altitude_m=2.0, reach_m=1e7, turbidity=3.0):

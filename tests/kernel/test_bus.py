@@ -6,6 +6,7 @@ import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from probe_messages import faults_of, sun_at
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, POSTS_PER_TRANSACTION, Kernel
@@ -14,7 +15,6 @@ from vrut_lite.kernel.messages import (
     Demand,
     Derived,
     EnableModule,
-    Fault,
     Input,
     Message,
     RestartModule,
@@ -83,33 +83,12 @@ class OtherSun(Module):
         self.link.post(sun_at(1.0))
 
 
-def sun_at(elevation_rad: float) -> SunMoved:
-    return SunMoved(
-        direction=(0.0, 1.0, 0.0),
-        azimuth_rad=0.0,
-        elevation_rad=elevation_rad,
-        apparent_elevation_rad=elevation_rad,
-        visible_disc_fraction=1.0,
-    )
-
-
 def kernel_with(*modules, heard=None):
     kernel = Kernel()
     for module in modules:
         kernel.add_module(module, **({"heard": heard} if module is Listener else {}))
     kernel.pump()
     return kernel
-
-
-def faults_of(kernel):
-    faults = []
-
-    def note(message, sender):
-        if isinstance(message, Fault):
-            faults.append(message)
-
-    kernel.tap(note)
-    return faults
 
 
 def test_consequences_are_delivered_before_the_next_input():

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import msgspec
 import numpy as np
+from probe_messages import sun_at
 
 from vrut_lite.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, Input, JobResult, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.messages.sun import SunMoved
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay_runner import ReplayRunner
 
@@ -86,16 +86,6 @@ class NumberedEcho(Module):
 
 
 TOYS = (Parrot, NumberedEcho, OtherSun)
-
-
-def sun_at(elevation_rad):
-    return SunMoved(
-        direction=(0.0, 1.0, 0.0),
-        azimuth_rad=0.0,
-        elevation_rad=elevation_rad,
-        apparent_elevation_rad=elevation_rad,
-        visible_disc_fraction=1.0,
-    )
 
 
 def toy_kernel(runner=None):

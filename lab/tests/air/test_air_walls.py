@@ -8,9 +8,10 @@ from bruneton_sky.geometry import altitude_along
 from bruneton_sky.published.precompute import march_tables
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables
+from directions import towards
 from long_parameters import mostly_long
 from partial_tables import empty_tables, fill_along
-from solved_air import field, found, towards
+from solved_air import field, found
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray

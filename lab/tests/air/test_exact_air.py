@@ -13,9 +13,10 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver.view import multiple_scattering
 from bruneton_sky.solver_job import solve_air
+from directions import towards
 from long_parameters import mostly_long
 from other_planet import OTHER_PLANET
-from solved_air import field, found, towards
+from solved_air import field, found
 
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum, solar_irradiance
 from vrut_lite.numeric_types import FloatArray
