@@ -193,23 +193,6 @@ def _forgets_what_a_file_computed(request):
             cached.cache_clear()
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _lit_by_the_open_sky(request):
-    """A light map takes seconds: scenes go without it, but for tests that are of it.
-
-    A module's own fixtures that open a window or a host come after this one.
-    """
-    if "light_transport" in request.path.parts:
-        yield
-        return
-    from light_transport.module import LightTransport
-    from open_sky import OpenSkySettings
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(LightTransport, "settings_type", OpenSkySettings)
-        yield
-
-
 @pytest.fixture
 def no_hang():
     """Ends a test that would wait for ever; it does not measure speed."""

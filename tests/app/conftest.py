@@ -4,6 +4,7 @@ import gc
 import os
 
 import pytest
+from open_sky import lit_by_the_open_sky  # noqa: F401
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 

@@ -19,8 +19,11 @@ pytestmark = pytest.mark.gl
 
 @pytest.fixture
 def driver(shared_drawn_window):
-    shared_drawn_window.picture = shared_drawn_window.panel("picture")
-    return shared_drawn_window
+    """A window that shows a finished picture in all light between surfaces."""
+    driver = shared_drawn_window
+    driver.picture = driver.panel("picture")
+    driver.until(lambda: driver.session.shown.still and not driver.session.shown.refining)
+    return driver
 
 
 def shown_after(driver, act):
