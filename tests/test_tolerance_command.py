@@ -6,7 +6,7 @@ import sys
 import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_output import output_of
 
 from vrut_lite import cli
 from vrut_lite.commands.dump import dump
@@ -20,15 +20,6 @@ from vrut_lite.project import Project, load_project
 from vrut_lite.studio.sky_pictures import SkyPlan
 
 AT = ["--at", "2026-06-21T12:00Z", "--place", "50.0755,14.4378"]
-
-
-def run(command, *arguments):
-    """Output of a command; its exceptions are raised here."""
-    result = CliRunner().invoke(command, [str(argument) for argument in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == 0, result.output
-    return result.output
 
 
 def tolerance_said(text):
@@ -84,7 +75,7 @@ def test_the_header_says_it_and_the_sky_keeps_it(tmp_path):
     pictures = []
     for name, named in (("said", ["--tolerance", "1%"]), ("not_said", [])):
         file = tmp_path / f"{name}.npz"
-        run(sky, "-o", file, "--size", "64", "--sidecar", *AT, *named)
+        output_of(sky, "-o", file, "--size", "64", "--sidecar", *AT, *named)
         header = json.loads((tmp_path / f"{name}.npz.json").read_text())
         assert header["tolerance"] == (0.01 if named else DEFAULT_TOLERANCE)
         pictures.append(np.load(file)["radiance"])
@@ -107,10 +98,10 @@ def test_a_typed_size_wins():
 def test_a_journal_holds_it_and_replays(tmp_path):
     """The tolerance is an input before place and time, so that nothing is computed twice."""
     journal = tmp_path / "day.mcap"
-    run(record, "-o", journal, "--size", "8", "--tolerance", "0.02", *AT)
-    inputs = [json.loads(line) for line in run(dump, journal).splitlines()]
+    output_of(record, "-o", journal, "--size", "8", "--tolerance", "0.02", *AT)
+    inputs = [json.loads(line) for line in output_of(dump, journal).splitlines()]
     names = [line["input"] for line in inputs if "input" in line]
     assert names.index("SetTolerance") < names.index("SetPlace")
     (message,) = [line["message"] for line in inputs if line.get("input") == "SetTolerance"]
     assert message == {"tolerance": 0.02}
-    assert "compared by digest" in run(replay, journal, "--check")
+    assert "compared by digest" in output_of(replay, journal, "--check")

@@ -1,6 +1,6 @@
 """Random sessions: modules that do all that modules may, three threads that bring inputs.
 
-    python tests/kernel/recording/random_sessions.py SEED [INPUTS]
+    python tests/recording/random_sessions.py SEED [INPUTS]
 
 plays the session of a seed ten times, with so many inputs from each thread, and says what its
 replays found: who looks for a fault takes fewer inputs as long as it is there. With a journal in

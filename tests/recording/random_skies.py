@@ -1,7 +1,7 @@
 """Random sessions with the installed modules at a small size, recorded and replayed.
 
-    python tests/kernel/recording/random_skies.py record FOLDER COUNT
-    python tests/kernel/recording/random_skies.py replay FOLDER
+    python tests/recording/random_skies.py record FOLDER COUNT
+    python tests/recording/random_skies.py replay FOLDER
 
 so that one process may record for one processor and another replay for another.
 """

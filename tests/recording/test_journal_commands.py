@@ -6,7 +6,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from click.testing import CliRunner
+from command_output import output_of
 
 from vrut_lite.commands.dump import dump
 from vrut_lite.commands.record import record
@@ -22,22 +22,13 @@ DAY = ["--from", "2026-06-21T10:00", "--to", "2026-06-21T12:00", "--step", "60",
 def day(tmp_path_factory):
     """A journal of three hours of a summer day in Prague."""
     path = tmp_path_factory.mktemp("journals") / "day.mcap"
-    said = call(record, "-o", path, *DAY, "--turbidity", "4")
+    said = output_of(record, "-o", path, *DAY, "--turbidity", "4")
     assert f"{path}: " in said
     return path
 
 
-def call(command, *arguments):
-    """Output of a command; its exceptions are raised here."""
-    result = CliRunner().invoke(command, [str(argument) for argument in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == 0, result.output
-    return result.output
-
-
 def lines_of(path):
-    return [json.loads(line) for line in call(dump, path).splitlines()]
+    return [json.loads(line) for line in output_of(dump, path).splitlines()]
 
 
 def test_a_day_is_recorded_with_its_place_settings_and_hours(day):
@@ -61,7 +52,7 @@ def test_a_day_is_recorded_with_its_place_settings_and_hours(day):
 
 def test_an_unchanged_session_is_one_line(day):
     """Exit 0 and the counts, and which comparison was made."""
-    said = call(replay, day, "--check")
+    said = output_of(replay, day, "--check")
     assert said.count("\n") == 1
     assert said.endswith("are equal, compared by digest\n")
 
@@ -69,7 +60,7 @@ def test_an_unchanged_session_is_one_line(day):
 def test_a_replay_can_be_looked_at_as_a_trace(day, tmp_path):
     """Chrome trace JSON, that Perfetto opens, with every kind of message in it."""
     trace = tmp_path / "trace.json"
-    call(replay, day, "--trace", trace)
+    output_of(replay, day, "--trace", trace)
     events = json.loads(trace.read_text())["traceEvents"]
     assert {"SetClock", "SunMoved", "BackgroundChanged"} <= {event["name"] for event in events}
 
@@ -85,20 +76,20 @@ def test_the_first_difference_is_told_with_exit_code_one(day, monkeypatch):
 
     monkeypatch.setattr(Clock, "set", a_minute_late)
     with pytest.raises(ModuleFailed, match=r"ClockMoved from host: instant is .*14:01.* here and"):
-        call(replay, day, "--check")
-    assert "the first that differs" in call(replay, day)
+        output_of(replay, day, "--check")
+    assert "the first that differs" in output_of(replay, day)
 
 
 def test_the_dump_of_a_journal_can_be_recorded_again(day, tmp_path):
     """Lines with inputs are inputs; the others are passed over."""
     script = tmp_path / "script.jsonl"
-    script.write_text(call(dump, day))
+    script.write_text(output_of(dump, day))
     again = tmp_path / "again.mcap"
-    call(record, "-o", again, "--inputs", script, "--full", "--size", "8")
+    output_of(record, "-o", again, "--inputs", script, "--full", "--size", "8")
     first = [line["input"] for line in lines_of(day) if "input" in line]
     second = [line["input"] for line in lines_of(again) if "input" in line]
     assert second[-len(first) :] == first
-    assert "equal" in call(replay, again, "--check")
+    assert "equal" in output_of(replay, again, "--check")
 
 
 def test_a_project_gives_scene_place_and_settings(tmp_path):
@@ -109,13 +100,13 @@ def test_a_project_gives_scene_place_and_settings(tmp_path):
         "[settings.dynamic_skylight]\nturbidity = 5\n"
     )
     path = tmp_path / "plan.mcap"
-    call(record, project, "-o", path, "--size", "8")
+    output_of(record, project, "-o", path, "--size", "8")
     said = [(line["input"], line["message"]) for line in lines_of(path) if "input" in line]
     assert dict(said)["SetPlace"]["latitude_deg"] == 10.0
     haze = {"module": "dynamic_skylight", "name": "turbidity", "value": 5.0}
     assert ("SetSetting", haze) in said
     assert {"SceneOpened", "SceneNeeds"} <= {line.get("derived") for line in lines_of(path)}
-    assert "equal" in call(replay, path, "--check")
+    assert "equal" in output_of(replay, path, "--check")
 
 
 @pytest.mark.parametrize(
@@ -135,7 +126,7 @@ def test_invalid_options_are_refused_and_leave_no_file(tmp_path, arguments, says
     """One sentence, and nothing half written."""
     path = tmp_path / "journal.mcap"
     with pytest.raises(UserError, match=says):
-        call(record, "-o", path, *arguments)
+        output_of(record, "-o", path, *arguments)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -155,4 +146,4 @@ def test_a_line_that_is_no_input_is_named(tmp_path, line, says):
     script = tmp_path / "script.jsonl"
     script.write_text("\n" + line + "\n")
     with pytest.raises(UserError, match=says):
-        call(record, "-o", tmp_path / "journal.mcap", "--inputs", script)
+        output_of(record, "-o", tmp_path / "journal.mcap", "--inputs", script)

@@ -18,7 +18,7 @@ def test_random_sessions_replay_to_the_byte(tmp_path, request):
     """Full journals are equal, session by session, and the flight recorder's hold the same.
 
     25 sessions by default, as many as --live-runs says. What fails is played again by
-    `python tests/kernel/recording/random_sessions.py SEED`.
+    `python tests/recording/random_sessions.py SEED`.
     """
     seen = set()
     for seed in range(request.config.getoption("--live-runs")):
