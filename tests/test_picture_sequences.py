@@ -87,13 +87,6 @@ def test_invalid_spans_are_refused_in_one_sentence(arguments, says):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("output", ["day.png", "day_%d_%d.png", "day_%s.png", "100%_%d.png"])
-def test_a_name_without_its_number_is_refused(output):
-    """A sequence needs one %04d and no other per cent sign."""
-    with pytest.raises(UserError, match="%04d"):
-        wanted("05:00", "06:00", output=output)
-
-
 def test_without_a_span_any_name_is_allowed():
     """A single picture's name may contain per cent signs."""
     assert wanted(None, None, output="%d.png")[0].path.name == "%d.png"

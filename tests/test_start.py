@@ -37,6 +37,12 @@ def test_modules_are_listed_without_their_libraries():
     assert not imported_by("modules") & {*HEAVY, "mitsuba", "zenoh"}
 
 
+def test_the_day_sky_imports_no_compiler():
+    """numba costs a third of a second that only the fast cube map has use for."""
+    code = "import dynamic_skylight, sys; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
 @pytest.mark.long
 @pytest.mark.gl
 def test_a_picture_needs_neither_scipy_nor_trimesh(tmp_path, monkeypatch):

@@ -3,14 +3,12 @@
 import json
 import sys
 
-import click
 import numpy as np
 import pytest
-from command_output import output_of
+from command_output import output_of, shared_options
 
 from vrut_lite import cli
 from vrut_lite.commands.dump import dump
-from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.record import record
 from vrut_lite.commands.replay import replay
 from vrut_lite.commands.sky import sky
@@ -22,25 +20,13 @@ from vrut_lite.studio.sky_pictures import SkyPlan
 AT = ["--at", "2026-06-21T12:00Z", "--place", "50.0755,14.4378"]
 
 
-def tolerance_said(text):
-    made = []
-
-    @click.command()
-    @daylight_options
-    def command(**options):
-        made.append(with_options(Project(), options))
-
-    command.main(["--tolerance", text], standalone_mode=False)
-    return made[0].tolerance
-
-
 @pytest.mark.parametrize(
     ("text", "share"),
     [("1%", 0.01), ("0.01", 0.01), ("1 %", 0.01), ("0.3%", 0.003), ("100%", 1.0), ("1e-3", 1e-3)],
 )
 def test_percent_and_shares_are_read(text, share):
     """1% and 0.01 are the same."""
-    assert tolerance_said(text) == pytest.approx(share, rel=1e-12)
+    assert shared_options("--tolerance", text)[0].tolerance == pytest.approx(share, rel=1e-12)
 
 
 @pytest.mark.parametrize(

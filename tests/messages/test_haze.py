@@ -1,9 +1,8 @@
 """One haze for every sky: a host input that skies follow, unless their own settings name one."""
 
-import click
 import pytest
 from bruneton_sky.module import BrunetonSky
-from click.testing import CliRunner
+from command_output import shared_options
 from dynamic_skylight.module import DynamicSkyLight
 
 from vrut_lite.array import Array
@@ -12,7 +11,6 @@ from vrut_lite.atmosphere.aerosol import (
     turbidity_of_optical_depth,
 )
 from vrut_lite.atmosphere.aerosols.own import OwnAerosol
-from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand, SetSetting
@@ -138,16 +136,7 @@ def test_an_aerosol_of_ones_own_takes_the_types_place(shown, tmp_path):
 
 def project_of(*arguments, project=None):
     """The project that the shared options make."""
-    made = []
-
-    @click.command()
-    @daylight_options
-    def command(**options):
-        made.append(with_options(project or Project(), options))
-
-    result = CliRunner().invoke(command, list(arguments), standalone_mode=False)
-    assert result.exception is None, result.exception
-    return made[0]
+    return shared_options(*arguments, project=project)[0]
 
 
 def test_the_command_line_says_haze_by_depth_or_turbidity():
@@ -167,14 +156,3 @@ def test_the_command_line_overrides_what_a_project_sets():
         "dynamic_skylight": {"albedo": 0.2},
         "bruneton_sky": {"albedo": 0.2, "turbidity": "2"},
     }
-
-
-def test_a_project_file_keeps_the_haze(tmp_path):
-    """Written, read and told to the kernel."""
-    project = Project(scene="a.glb", haze=Haze(0.3))
-    save_project(tmp_path / "p.toml", project)
-    assert "[haze]\noptical_depth_550 = 0.3" in (tmp_path / "p.toml").read_text()
-    read = load_project(tmp_path / "p.toml")
-    kernel, _ = daylight_kernel()
-    assert setting_inputs(read, kernel)[0] == SetHaze(optical_depth_550=0.3)
-    kernel.close()

@@ -64,14 +64,6 @@ def test_invalid_tolerances_are_refused_in_one_sentence(kernel, tolerance):
     assert kernel.last(SetTolerance) == SetTolerance(tolerance=0.02)
 
 
-def test_of_waiting_tolerances_the_latest_counts(kernel):
-    """The kernel delivers the latest of many waiting tolerances, as from a dragged slider."""
-    for tolerance in (0.1, 0.05, 0.02):
-        kernel.inject(SetTolerance(tolerance=tolerance))
-    kernel.pump()
-    assert Listener.heard == [(0.02, 0.02)]
-
-
 def test_the_cheapest_that_is_allowed_is_taken():
     """Least work within the error, whatever the order of the list; else the most exact."""
     assert [cheapest(FRONT[::-1], allowed) for allowed in (1.0, 0.05, 0.03, 0.02)] == [

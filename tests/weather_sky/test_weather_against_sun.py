@@ -2,15 +2,13 @@
 
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_output import shared_options
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import Project
@@ -151,26 +149,12 @@ def test_any_row_is_light_or_refused(rows, values, year_text, tmp_path_factory):
 )
 def test_weather_of_another_place_is_told(year_file, place, says):
     """A project may hold weather of one place and the sun of another; a town apart is the same."""
-
-    @click.command()
-    @daylight_options
-    def command(**options):
-        with_options(Project(weather=str(year_file), place=place), options)
-
-    result = CliRunner().invoke(command, [], standalone_mode=False)
-    assert result.exception is None
-    assert result.stderr.endswith(f"{says}\n") if says else result.stderr == ""
+    _, told = shared_options(project=Project(weather=str(year_file), place=place))
+    assert told.endswith(f"{says}\n") if says else told == ""
 
 
 def test_a_projects_weather_is_told_too(year_text, tmp_path):
     """A file that a project names is as wrong as one that an option names."""
     path = tmp_path / "year.epw"
     path.write_text(year_text.replace(PLACE, ",50.1,14.4,0.0,", 1))
-
-    @click.command()
-    @daylight_options
-    def command(**options):
-        with_options(Project(weather=str(path)), options)
-
-    result = CliRunner().invoke(command, [], standalone_mode=False)
-    assert "time zone 1 instead of 0" in result.stderr
+    assert "time zone 1 instead of 0" in shared_options(project=Project(weather=str(path)))[1]

@@ -1,12 +1,10 @@
 """--weather in commands and project files: the place, the module that follows, what is told."""
 
-import click
 import msgspec
 import pytest
-from click.testing import CliRunner
+from command_output import shared_options
 from weather_sky.module import WeatherSky
 
-from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot
@@ -16,24 +14,9 @@ from vrut_lite.testing.sky_on_bus import AnotherSky
 from vrut_lite.weather.weather_file import read_weather
 
 
-def asked(*arguments):
-    """The project that the shared options make, or the error."""
-    made = []
-
-    @click.command()
-    @daylight_options
-    def command(**options):
-        made.append(with_options(Project(), options))
-
-    result = CliRunner().invoke(command, list(arguments), standalone_mode=False)
-    if result.exception is not None:
-        raise result.exception
-    return made[0], result.stderr
-
-
 def test_the_place_is_the_files(year_file):
     """Its latitude, longitude and altitude; nothing is said where nothing lacks."""
-    project, said = asked("--weather", str(year_file))
+    project, said = shared_options("--weather", str(year_file))
     assert (project.weather, project.place) == (str(year_file), "50.1,14.4,200")
     assert said == ""
 
@@ -41,7 +24,7 @@ def test_the_place_is_the_files(year_file):
 def test_two_places_are_refused(year_file):
     """One of them would be ignored."""
     with pytest.raises(UserError, match="--weather and --place both name a place"):
-        asked("--weather", str(year_file), "--place", "10,20")
+        shared_options("--weather", str(year_file), "--place", "10,20")
 
 
 def test_what_a_file_lacks_is_told(year_text, tmp_path):
@@ -51,7 +34,7 @@ def test_what_a_file_lacks_is_told(year_text, tmp_path):
     cells[14] = "9999"
     lines[20] = ",".join(cells)
     (tmp_path / "gap.epw").write_text("\n".join(lines))
-    _, said = asked("--weather", str(tmp_path / "gap.epw"))
+    _, said = shared_options("--weather", str(tmp_path / "gap.epw"))
     assert "gap.epw: 1 hour lacks direct normal irradiance" in said
 
 
