@@ -343,7 +343,12 @@ class FramePart:
 
     @classmethod
     def extra_irradiance(
-        cls, heard: Heard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
+        cls,
+        heard: Heard,
+        camera: MoveCamera,
+        point_m: FloatArray,
+        normal: FloatArray,
+        is_free: IsFree,
     ) -> FloatArray:
         """Irradiance (3,), W m^-2, of its lights on a plane: the twin of `extra_lights`."""
         return np.zeros(3)
@@ -365,7 +370,8 @@ class FramePart:
     def may_reuse(cls, before: Heard, now: Heard, hour_moved: bool) -> bool:
         """Whether moving pictures may take over surfaces that were drawn with other messages.
 
-        `hour_moved`: sun and sky have changed a little with the hour, else they are the same.
+        `hour_moved`: sun and sky have changed a little with the hour, else they are the same. A
+        part whose light moves with the camera returns False.
         """
         if cls.sun_factor or cls.extra_lights:
             return are_same(before, now)

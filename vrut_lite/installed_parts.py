@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,23 +27,41 @@ PartsHeard = Mapping[str, Heard]
 _log = logging.getLogger(__name__)
 
 
+class FoundParts(NamedTuple):
+    """Parts by the names of their entry points, and a sentence for each that cannot be used."""
+
+    parts: dict[str, type[FramePart]]
+    left_out: dict[str, str]
+
+
 @cache
-def frame_parts() -> dict[str, type[FramePart]]:
-    """Parts by the names of their entry points; a part that fails to load is left out, warned."""
-    found: dict[str, type[FramePart]] = {}
+def find_parts() -> FoundParts:
+    """Load the installed parts, once for each process."""
+    found = FoundParts({}, {})
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:
             part = point.load()
             if not (isinstance(part, type) and issubclass(part, FramePart)):
                 raise UserError("it names no subclass of FramePart")
             for hook in HOOKS_OF_ONE:
-                if getattr(part, hook) and (other := part_with(hook, found)):
+                if getattr(part, hook) and (other := part_with(hook, found.parts)):
                     raise UserError(f"the frame part {other} has the hook {hook} already")
-            found[point.name] = part
+            found.parts[point.name] = part
         except BaseException as error:
             pass_interrupt(error)
-            _log.warning("the frame part %s failed to load: %s", point.name, sentence_of(error))
+            found.left_out[point.name] = sentence_of(error)
+            _log.warning("the frame part %s is left out: %s", point.name, sentence_of(error))
     return found
+
+
+def frame_parts() -> dict[str, type[FramePart]]:
+    """Parts by the names of their entry points."""
+    return find_parts().parts
+
+
+def parts_left_out() -> dict[str, str]:
+    """A sentence for each installed part that cannot be used, by its name."""
+    return find_parts().left_out
 
 
 def part_with(hook: str, parts: Mapping[str, type[FramePart]]) -> str:
@@ -118,12 +137,16 @@ def sun_share(parts: PartsHeard, point_m: Vector, direction: Vector) -> float:
 
 
 def extra_irradiance(
-    parts: PartsHeard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
+    parts: PartsHeard,
+    camera: MoveCamera,
+    point_m: FloatArray,
+    normal: FloatArray,
+    is_free: IsFree,
 ) -> FloatArray:
     """Irradiance (3,), W m^-2, of all parts' lights on a plane."""
     total = np.zeros(3)
     for part, heard in _on(parts):
-        total += part.extra_irradiance(heard, point_m, normal, is_free)
+        total += part.extra_irradiance(heard, camera, point_m, normal, is_free)
     return total
 
 

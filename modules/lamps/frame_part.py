@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from lamps.lamp_shadows import EDGE_PX, FACE_SHARE, FACES, LampShadows
 from vrut_lite.frame_part import FramePart, Heard, IsFree, PartFrame, PartGl
+from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.lamps import MOST_DRAWN, NONE, TABLE_SHAPE, SceneLamps
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -58,7 +59,12 @@ class LampsPart(FramePart):
 
     @classmethod
     def extra_irradiance(
-        cls, heard: Heard, point_m: FloatArray, normal: FloatArray, is_free: IsFree
+        cls,
+        heard: Heard,
+        camera: MoveCamera,
+        point_m: FloatArray,
+        normal: FloatArray,
+        is_free: IsFree,
     ) -> FloatArray:
         """Irradiance (3,), W m^-2, of the lamps that are drawn, on a plane."""
         total, lamps = np.zeros(3), _lamps(heard)

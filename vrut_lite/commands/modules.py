@@ -3,6 +3,7 @@
 import click
 
 from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.installed_parts import parts_left_out
 from vrut_lite.kernel.settings import describe
 
 
@@ -27,6 +28,8 @@ def modules() -> None:
         for name, spec in describe(seat.module_type.settings_type).items():
             words = f"{spec.help.rstrip('.')} ({spec.range_text()})"
             click.echo(f"  {name} = {spec.default_text()}: {words}")
+        if (sentence := parts_left_out().get(manifest.name)) is not None:
+            click.echo(f"  fault: its frame part is left out: {sentence}")
         if seat.last_fault is not None:
             click.echo(f"  fault: {seat.last_fault.error}")
     for failure in failures:

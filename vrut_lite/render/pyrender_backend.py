@@ -97,8 +97,8 @@ class PyrenderBackend:
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Lux on a plane with this normal (3,) at a point (3,), world axes."""
-        if state.key_light is None or state.sky_light is None:
-            raise RuntimeError("nothing to measure yet: no light")
+        if state.key_light is None or state.sky_light is None or state.camera is None:
+            raise RuntimeError("nothing to measure yet: no light or no scene")
         ambient = state.sky_light.ambient
         return illuminance(
             self._scene_rays(state),
@@ -107,7 +107,7 @@ class PyrenderBackend:
             point_m,
             normal,
             partial(sun_share, state.parts),
-            partial(extra_irradiance, state.parts),
+            partial(extra_irradiance, state.parts, state.camera),
             partial(irradiance_at, state.parts, sky=ambient),
         )
 
