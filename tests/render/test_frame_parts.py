@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from box_stage import uniform_sky
+from click.testing import CliRunner
 from scene_stage import light, look
 from stateful_backend import StatefulBackend, opened
 
 from vrut_lite import installed_parts
+from vrut_lite.commands.modules import modules
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.frame_part import FramePart
 from vrut_lite.host import Host
@@ -336,3 +338,12 @@ def test_the_second_part_with_a_hook_is_left_out(install, monkeypatch, hook):
     assert list(installed_parts.frame_parts()) == ["Broken"]
     sentence = f"the frame part Broken has the hook {hook} already"
     assert installed_parts.parts_left_out() == {"Glow": sentence}
+
+
+def test_modules_names_a_part_that_cannot_be_used(install):
+    """The module runs and has its settings, but draws nothing."""
+    install(clouds=GlowShown)
+    lines = CliRunner().invoke(modules, catch_exceptions=False).output
+    of_clouds = lines[lines.index("\nclouds ") :].split("\nd", 1)[0]
+    assert "fault: its frame part is left out: it names no subclass of FramePart" in of_clouds
+    assert lines.count("is left out") == 1
