@@ -277,6 +277,27 @@ def test_several_parts_dim_the_sun_and_add_lights(
     np.testing.assert_allclose(both, joined(first, second), rtol=1e-5)
 
 
+@pytest.mark.gl
+@pytest.mark.parametrize("hook", ["sun_factor", "extra_lights"])
+def test_glsl_that_does_not_compile_is_left_out(
+    gl_owner, box_file, tmp_path, install, monkeypatch, caplog, hook
+):
+    """The picture is drawn without that part, with the others, and the sentence names it."""
+    for part, glsl in ((HalfSun, SUN.replace("LEVEL", "0.5")), (QuarterSun, "float broken(")):
+        path = tmp_path / f"{part.__name__}.glsl"
+        path.write_text(glsl)
+        monkeypatch.setattr(part, "sun_factor" if part is HalfSun else hook, path)
+    install(good=HalfSun, wrong=QuarterSun)
+    backend = PyrenderBackend(gl_owner)
+    stage = StatefulBackend(backend, size_px=SIZE, scene=opened(box_file))
+    light(stage, uniform_sky(0.0), sun_irradiance=(1.0,) * 3)
+    stage.hear(GlowShown(glow=(1.0,) * 3))
+    assert look(stage, (0.0, 9.0, 1e-3), (0.0, 0.0, 0.0), 0.1).radiance[12, 16].min() > 0.0
+    backend.close()
+    assert "the frame part wrong is left out of pictures: its GLSL does not compile" in caplog.text
+    assert "good" not in caplog.text
+
+
 class BrokenClouds(FramePart):
     """Raises where clouds would be prepared."""
 

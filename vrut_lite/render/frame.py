@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.frame_part import MeshChart, PartFrame, PartShadow
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
@@ -101,6 +102,25 @@ class Frame:
         if still and (known := self._stills.exposed_again(state, view)) is not None:
             return known
         self._stills.forget()
+        try:
+            return self._drawn(scene, view, light, state, still, is_given_up)
+        except GivenUp:
+            raise
+        except Exception:
+            # A shader with a part's GLSL that does not compile shows nothing at all.
+            if not self._passes.parts.drop_broken_glsl(scene.placed):
+                raise
+            return self._drawn(scene, view, light, state, still, is_given_up)
+
+    def _drawn(
+        self,
+        scene: PyrenderScene,
+        view: View,
+        light: Light,
+        state: SceneState,
+        still: bool,
+        is_given_up: IsGivenUp | None,
+    ) -> Picture:
         assert state.key_light is not None
         passes = self._passes
         passes.patience.is_given_up = is_given_up

@@ -1,7 +1,7 @@
 """The modules' parts of the frame: made, shown their messages and drawn, on the GL thread."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -21,13 +21,14 @@ from vrut_lite.frame_part import (
     PlacedSurface,
     Size,
 )
-from vrut_lite.installed_parts import PartsHeard, frame_parts, part_with
+from vrut_lite.installed_parts import HOOKS_OF_SEVERAL, PartsHeard, frame_parts, part_with
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.hook_glsl import hook_define
 from vrut_lite.render.part_slots import part_blocks, part_units
 from vrut_lite.render.passes.full_screen import FullScreen
+from vrut_lite.render.passes.programs import compile_error
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
@@ -205,10 +206,24 @@ class FrameParts:
             raise
         except BaseException as error:
             pass_interrupt(error)
-            self._parts.pop(name, None)
-            self._failed.add(name)
-            self._tell_failed(name, sentence_of(error))
+            self._leave_out(name, sentence_of(error))
             return None
+
+    def _leave_out(self, name: str, sentence: str) -> None:
+        self._parts.pop(name, None)
+        self._failed.add(name)
+        self._tell_failed(name, sentence)
+
+    def drop_broken_glsl(self, surfaces: Iterable[PlacedSurface]) -> bool:
+        """Leave out parts whose GLSL does not compile in the surfaces' shader; whether any."""
+        left_out = False
+        for name, part in self._seen().items():
+            for defines in _defines_to_try(name, part, surfaces):
+                if (error := compile_error(defines)) is not None:
+                    self._leave_out(name, f"its GLSL does not compile: {error}")
+                    left_out = True
+                    break
+        return left_out
 
     def release(self) -> None:
         """Free all GL objects."""
@@ -222,6 +237,20 @@ def _hook_defines(hook: str, part_names: list[str]) -> Defines:
     """Defines with which shaders call a hook of these parts; none without parts."""
     of_parts = (hook_define(hook, name) for name in part_names)
     return (hook.upper(), *of_parts) if part_names else ()
+
+
+def _defines_to_try(
+    name: str, part: FramePart, surfaces: Iterable[PlacedSurface]
+) -> Iterator[Defines]:
+    """Defines with which each hook of a part is compiled by itself."""
+    for hook in HOOKS_OF_SEVERAL:
+        if getattr(part, hook) is not None:
+            yield _hook_defines(hook, [name])
+    if part.through_air is not None:
+        yield ("THROUGH_AIR", *part.air_defines)
+    if part.irradiance is not None:
+        of_surfaces = {part.surface_defines(surface) for surface in surfaces}
+        yield from (("IRRADIANCE", *defines) for defines in of_surfaces if defines)
 
 
 def _draws(part: FramePart) -> bool:

@@ -87,3 +87,16 @@ class Programs(ShaderProgramCache):
         if key not in known:
             known[key] = Program(vertex_shader, fragment_shader, defines=all_defines)
         return known[key]
+
+
+def compile_error(defines: Defines) -> str | None:
+    """The compiler's first complaint about the surfaces' shader with these defines, or None."""
+    shader = GL.glCreateShader(GL.GL_FRAGMENT_SHADER)
+    try:
+        GL.glShaderSource(shader, defined(shader_source("mesh.frag"), dict.fromkeys(defines, 1)))
+        GL.glCompileShader(shader)
+        if GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS):
+            return None
+        return GL.glGetShaderInfoLog(shader).decode("utf-8", "replace").strip().splitlines()[0]
+    finally:
+        GL.glDeleteShader(shader)
