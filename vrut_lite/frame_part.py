@@ -2,9 +2,9 @@
 
 A module brings a part by an entry point of the group `vrut_lite.frame_parts` that names a subclass
 of `FramePart`. The scene manager hears the messages that it names in `hears`; the renderer makes
-one instance on its GL thread, hands it those messages and calls its hooks, in this order of a
-picture: `prepare`, solid surfaces and the sky, `draw_over_sky`, `draw_over_solid`, and what lets
-light through. Nobody else knows of it.
+one instance on its GL thread, passes it those messages and calls its hooks, in this order for a
+picture: `prepare`, opaque surfaces and the sky, `draw_over_sky`, `draw_over_solid`, and blended
+surfaces. No other code refers to it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,15 +24,15 @@ from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.uniform_block import UniformBlock
 
-# What a part shows: its latest messages, by type.
+# Latest messages that a part shows, by type.
 Heard = Mapping[type[Derived], Derived]
 Size = tuple[int, int]
 D = TypeVar("D", bound=Derived)
-# Stands for the number of a part of the scene.
+# Number of the ground disc among the scene's parts.
 GROUND = -1
 
 
-# Whether no surface stands in a unit direction (3,) from a point, up to a distance in m.
+# Whether a point has no surface in a unit direction (3,) up to a distance (m).
 IsFree = Callable[[FloatArray, float], bool]
 
 
@@ -57,7 +57,7 @@ class PartView(Protocol):
 
 
 class Casters(Protocol):
-    """Casters of shadows in a scene; another object when their depth must be drawn again."""
+    """Shadow casters of a scene; a new object when their depth must be redrawn."""
 
     @property
     def centre_m(self) -> NDArray[np.float64]:
@@ -88,7 +88,7 @@ class PartShadow(NamedTuple):
 
 
 class PlacedSurface(Protocol):
-    """A mesh where it stands in the scene."""
+    """A mesh placed in the scene."""
 
     @property
     def part(self) -> int | None:
@@ -96,11 +96,11 @@ class PlacedSurface(Protocol):
 
     @property
     def is_two_sided(self) -> bool:
-        """Whether its back is seen too."""
+        """Whether its back faces are drawn."""
 
 
 class Hit(NamedTuple):
-    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material.
+    """Hit of a ray: point, unit normal (3,) towards the ray's start, and material.
 
     `part` is `GROUND` or the scene's part, `triangle` the number in its mesh.
     """
@@ -114,7 +114,7 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MeshChart:
-    """A mesh cut up so that each of its points has a place in a part's map.
+    """A mesh unwrapped so that each of its points has a place in a part's map.
 
     Attributes:
         source_vertex: (V,) int32, the mesh's vertex that each of these copies.
@@ -137,16 +137,16 @@ class PartFrame:
         shows: "picture", or the name of the values that are shown in false colours.
         seen: surfaces that may be in the picture.
         size_px: width and height.
-        is_still: whether it must be complete; otherwise something moves, and it must be quick.
+        is_still: whether it must be complete; otherwise it is a moving picture and must be quick.
         highest_m: y that no surface of the scene exceeds.
         ground_level_m: y of the ground behind the scene.
-        key_light: the light with shadows, before it meets any part.
+        key_light: the light with shadows, unattenuated by parts.
         clear_sky: irradiance of the clear sky.
         whole_sky: irradiance of the sky with its layers.
-        ground_is_bare: whether the background shows that ground without the air before it.
-        casters: what casts shadows in the scene.
-        shadow: where the scene's shadows are to be seen in the air, their map; otherwise None.
-        air: defines with which a shader of a part's own includes `through_air.glsl`; empty without
+        ground_is_bare: whether the background shows that ground without air in front of it.
+        casters: the shadow casters of the scene.
+        shadow: the scene's shadow map if its shadows are visible in the air; otherwise None.
+        air: defines with which a part's own shader includes `through_air.glsl`; empty without
             air, and in `prepare`.
     """
 
@@ -190,7 +190,7 @@ class Screen(Protocol):
     ) -> None:
         """Draw into the bound framebuffer, or a box of it: left, lower, width and height.
 
-        Without a view the rays of the last one stay.
+        Without a view the rays of the last one are used.
         """
 
     def release(self) -> None:
@@ -220,14 +220,13 @@ class DepthCopy(Protocol):
 class PartGl(Protocol):
     """The renderer's side of a part; it frees screens and programs when the part goes.
 
-    A program of a part's own may use texture units 0 to 8, 10 and 11: sky and meshes bind theirs
-    again.
+    A part's own program may use texture units 0 to 8, 10 and 11: sky and meshes rebind theirs.
 
     Attributes:
         context: moderngl's context.
         gl: the functions of OpenGL (PyOpenGL's `OpenGL.GL`).
         counters: counts what the frame did and skipped.
-        before_sky: the least depth of surfaces, of which the sky's is less.
+        before_sky: least reversed depth of surfaces; the sky's is less.
     """
 
     context: Any
@@ -243,7 +242,7 @@ class PartGl(Protocol):
         """moderngl's program of a module's own shaders."""
 
     def tiles(self, most: int | None = None) -> Tiles:
-        """TiledPass of a slow pass, each of at most `most` of the renderer's tiles."""
+        """A slow pass drawn in pieces of at most `most` of the renderer's tiles."""
 
     def depth_copy(self, size: Size) -> DepthCopy:
         """A texture for the depth of pictures of a size."""
@@ -258,10 +257,10 @@ class PartGl(Protocol):
         """Texture unit of one of the part's `samplers`."""
 
     def average_down(self, texture: Any) -> None:
-        """Make the smaller levels of a texture; its filter is the caller's."""
+        """Generate the mipmaps of a texture; the caller sets its filter."""
 
     def leave_framebuffers(self) -> None:
-        """Bind a framebuffer that stays, before others are freed."""
+        """Bind a permanent framebuffer, before others are freed."""
 
 
 class FramePart:
@@ -274,7 +273,7 @@ class FramePart:
     the part is switched off while nobody holds the slot.
 
     Class attributes:
-        hears: messages whose latest ones `show` gets; those of a slot go when nobody holds it.
+        hears: messages whose latest ones `show` gets; a slot's are dropped when nobody holds it.
             The scene manager demands them, and adds the open scene where a part hears
             `SceneOpened`.
         on_demand: those among them that the scene manager does not demand.
@@ -288,18 +287,18 @@ class FramePart:
             dimmed.
         irradiance: GLSL of the light on surfaces, without the key light's direct part, for those
             that have `surface_defines`: render/shaders/light_of_surface.glsl lists its functions.
-            What the part hears is demanded while a scene is open.
+            The part's messages are demanded while a scene is open.
         extra_lights: GLSL of lights besides sun and sky, called while the part is seen:
             `int extra_light_count()`, and `vec3 extra_light(int number, vec3 point, vec3 face,
             out vec3 towards)`, the irradiance (W m^-2) of one on a plane that faces it at a point
             from the eye, on a surface with the normal `face`; `towards` is its direction.
         through_air: GLSL of the air, called while the part is seen: `vec3 through_air(vec3
-            radiance, vec3 direction, float metres, float share)` is what the eye sees of a
-            radiance so far away, through air with a share of the light of open air;
+            radiance, vec3 direction, float metres, float share)` is a radiance seen at that
+            distance, through air with a share of the light of open air;
             `float ground_horizon()` is the sine of the elevation that divides the sky from the
             ground behind the scene, `void background_through_air(vec3 direction, inout vec3
-            ground, inout vec3 sky)` adds what both lack. LIGHT_SHAFTS is defined where there is a
-            `PartFrame.shadow`, SUN_FACTOR where a part dims the sun.
+            ground, inout vec3 sky)` adds the air that both lack. LIGHT_SHAFTS is defined where
+            there is a `PartFrame.shadow`, SUN_FACTOR where a part dims the sun.
         switch: name of the scene's setting that switches the part; its messages are demanded only
             while that is on and a scene is open. Empty: always.
 
@@ -368,10 +367,10 @@ class FramePart:
 
     @classmethod
     def may_reuse(cls, before: Heard, now: Heard, hour_moved: bool) -> bool:
-        """Whether moving pictures may take over surfaces that were drawn with other messages.
+        """Whether moving pictures may reuse surfaces that were drawn with other messages.
 
-        `hour_moved`: sun and sky have changed a little with the hour, else they are the same. A
-        part whose light moves with the camera returns False.
+        `hour_moved`: sun and sky have changed a little with the hour, otherwise they are the same.
+        A part whose light moves with the camera returns False.
         """
         if cls.sun_factor or cls.extra_lights:
             return are_same(before, now)
@@ -389,7 +388,7 @@ class FramePart:
     def charts(self) -> Sequence[MeshChart | None] | None:
         """Charts of the scene's parts in their order, None for meshes that stay whole.
 
-        Read after `show`; the same object while meshes stay as they are cut.
+        Read after `show`; the same object while the charts are unchanged.
         """
         return None
 
@@ -402,14 +401,14 @@ class FramePart:
         return ()
 
     def bind_surface(self, surface: PlacedSurface) -> Mapping[str, Any]:
-        """Bind what `irradiance` looks up for a surface; returns values of its uniforms.
+        """Bind the textures of `irradiance` for a surface; returns values of its uniforms.
 
         The same object while the values are the same.
         """
         return {}
 
     def prepare(self, frame: PartFrame) -> None:
-        """Compute what the picture needs, and bind what surfaces look up."""
+        """Compute the data of the picture, and bind the textures that surfaces sample."""
 
     @property
     def shades_sun(self) -> bool:

@@ -1,4 +1,4 @@
-"""The installed frame parts: found by entry point, and asked together by scene and renderer."""
+"""The installed frame parts: found by entry point, queried together by scene and renderer."""
 
 import logging
 from collections.abc import Callable, Mapping
@@ -22,7 +22,7 @@ from vrut_lite.numeric_types import FloatArray, Vector
 GROUP = "vrut_lite.frame_parts"
 # GLSL of parts, which `//!include HOOK.glsl` brings: of one installed part, or of several.
 HOOKS_OF_ONE, HOOKS_OF_SEVERAL = ("irradiance", "through_air"), ("sun_factor", "extra_lights")
-# What each part shows that is switched on, by its name.
+# Messages of each part that is switched on, by its name.
 PartsHeard = Mapping[str, Heard]
 _log = logging.getLogger(__name__)
 
@@ -105,7 +105,7 @@ def heard_without(parts: PartsHeard, is_dropped: Callable[[type[Derived]], bool]
 
 
 def changed_kinds(before: PartsHeard, now: PartsHeard) -> set[type[Derived]]:
-    """Types of messages that parts show otherwise than before."""
+    """Types of messages whose instances differ from those before."""
     none: Heard = {}
     return {
         kind
@@ -162,7 +162,7 @@ def finishes_still(parts: PartsHeard, camera: MoveCamera, size_px: Size) -> bool
 
 
 def may_reuse_surfaces(before: PartsHeard, now: PartsHeard, hour_moved: bool) -> bool:
-    """Whether all parts let moving pictures take over surfaces that were drawn before."""
+    """Whether all parts let moving pictures reuse surfaces that were drawn before."""
     return all(
         part.may_reuse(before.get(name, {}), now.get(name, {}), hour_moved)
         for name, part in frame_parts().items()

@@ -1,7 +1,7 @@
-"""The air before what stands near: one small table of a picture, in place of five of all air.
+"""Air in front of near surfaces: one small table per picture instead of five for all air.
 
-Near the eye the air's light grows with distance alone, by what the air in a direction is. A scene
-of streets or rooms has no farther surfaces but the ground.
+Near the eye the air of a direction is uniform, and its light depends on distance only. A scene of
+streets or rooms has no farther surfaces but the ground.
 """
 
 from pathlib import Path
@@ -15,11 +15,11 @@ from vrut_lite.sky.air_volume import node_rays, slice_shares
 
 NEAR_SAMPLERS = ("near_radiance", "near_extinction")
 _SHADER = Path(__file__).parent / "shaders" / "near_air.frag"
-# Of what is near, in any channel, and by which share the air may change on the way: a picture
-# differs by less than a thousandth then.
+# Limits of near air: optical depth in any channel, and relative change of extinction on the way. A
+# picture then differs by less than a thousandth.
 _MOST_OPTICAL_DEPTH, _MOST_CHANGE = 0.02, 0.1
 _LEAST_EXTINCTION_PER_M, _LEAST_CHANGE_PER_M = 1e-15, 1e-15
-# Nodes across the picture; the sun's aureole is the sharpest that they must follow.
+# Nodes across the picture, fine enough for the sun's aureole.
 _NODES = (64, 48)
 
 
@@ -39,14 +39,13 @@ class NearAirTable:
         self._reach_m: tuple[AirVolume | None, float] = None, 0.0
 
     def draw(self, volume: AirVolume, view: PartView) -> float:
-        """Fill the table for a view in air that is bound, and bind it; its reach in m, 0 if none
-        is near."""
+        """Fill and bind the table of a view in bound air; returns its range (m), 0 without any."""
         if self._reach_m[0] is not volume:
             self._reach_m = volume, reach_m(volume)
         near_m = self._reach_m[1]
         if near_m <= 0.0:
             return 0.0
-        # From a picture's edge to its edge, where pixels lie between these.
+        # The outer nodes lie on the picture's edges, not half a pixel inside.
         to_edges = np.diag([*(n / (n - 1.0) for n in _NODES), 1.0, 1.0])
         ray_from_clip = np.linalg.inv(view.clip_from_eye) @ to_edges
         screen = self._screen_of(volume)
@@ -75,12 +74,12 @@ class NearAirTable:
 
 
 def second_light(volume: AirVolume) -> tuple[str, ...]:
-    """The define of a volume that two bodies light; none of one body's."""
+    """The define of a volume that two bodies light; empty for one body."""
     return () if volume.second is None else ("SECOND_LIGHT",)
 
 
 def reach_m(volume: AirVolume) -> float:
-    """How far from the eye all air is thin and alike, in m; 0 for an eye above the air."""
+    """Distance (m) from the eye up to which air is thin and uniform; 0 for an eye above the air."""
     if volume.observer_altitude_m > volume.top_altitude_m:
         return 0.0
     mean_per_m = np.maximum(volume.extinction.values[:2].astype(float), _LEAST_EXTINCTION_PER_M)

@@ -1,7 +1,7 @@
-"""Shadow maps of lamps: what each sees on the six faces of a cube, side by side in one texture.
+"""Shadow maps of lamps: six cube faces each, side by side in one texture.
 
-Lamps and scene stand still: the maps are drawn once a scene. A face spans a little more than its
-quarter of the cube, so that the filter finds what it asks for beyond the edge too.
+Lamps and scene are static: the maps are drawn once per scene. A tile spans a little more than its
+face of the cube, so that the filter finds texels beyond the face's edge too.
 """
 
 from typing import Any, NamedTuple
@@ -15,16 +15,16 @@ from vrut_lite.numeric_types import FloatArray
 
 FACES = 6
 EDGE_PX = 512
-# How much of a tile the face itself takes: the filter reaches 1.5 texels beyond it.
+# Fraction of a tile's edge within the face; the filter reaches 1.5 texels beyond it.
 FACE_SHARE = (EDGE_PX - 4) / EDGE_PX
-# The near plane, in radii of the scene: nothing nearer to a lamp casts.
+# Near plane, in radii of the scene; nearer surfaces cast no shadow.
 _NEAR_RADII = 1e-4
-# Half the angle at the corner of a cube's face, from the face's own axis.
+# Angle between a face's axis and the corners of the face.
 _CORNER_RAD = float(np.arctan(np.sqrt(2.0)))
 
 
 class DepthRange(NamedTuple):
-    """Depth in the maps of what is m away along a face's axis: scale + offset / m."""
+    """Depth in the maps at a distance m along a face's axis: scale + offset / m."""
 
     scale: float
     offset: float
@@ -33,7 +33,7 @@ class DepthRange(NamedTuple):
 class LampShadows:
     """The maps of the lamps that are drawn; made and used on the GL thread only.
 
-    The counters count faces, and skips those that a spot does not reach and maps that are there.
+    The counters count faces, and skip those outside a spot's cone and maps that are current.
     """
 
     def __init__(self, gl: PartGl):
@@ -91,7 +91,7 @@ class LampShadows:
 
 
 def face_matrix(face: int, near_m: float, far_m: float) -> NDArray[np.float64]:
-    """Clip matrix (4, 4) of positions that count from a lamp, world axes.
+    """Clip matrix (4, 4) of positions relative to a lamp, world axes.
 
     Face 2 a looks along axis a, face 2 a + 1 against it; right and up are the next two axes.
     """
@@ -114,6 +114,6 @@ def _reaches(lamps: SceneLamps, lamp: int, face: int) -> bool:
 
 
 def _farthest_m(casters: Casters, lamps: SceneLamps) -> float:
-    """Distance of the farthest thing in the scene from any lamp."""
+    """Largest distance of the scene from any lamp, by its bounding sphere."""
     away: FloatArray = np.linalg.norm(lamps.position_m.values - casters.centre_m, axis=1)
     return float(away.max() + casters.radius_m)

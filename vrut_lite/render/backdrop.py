@@ -1,4 +1,4 @@
-"""What has been drawn so far, smaller and smaller: glass that bends or blurs looks it up."""
+"""Mipmapped copy of the framebuffer, sampled by glass that refracts or blurs."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from vrut_lite.render.surface_terms import BACKDROP_UNIT
 
 
 class _Copy:
-    """A copy of radiance in one size; 32-bit floats, for the sun may be in it."""
+    """Radiance texture of one size; 32-bit floats, since it may contain the sun."""
 
     def __init__(self, context: Any, size: tuple[int, int]):
         self.texture = context.texture(size, 4, dtype="f4")

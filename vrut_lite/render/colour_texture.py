@@ -1,8 +1,8 @@
 """Maps of a material as textures of pyrender, with their samplers.
 
-Colours are decoded before they are filtered: a mean of sRGB's numbers is darker than the mean of
-the light they stand for. Bricks seen from afar lost 3 % of theirs, and a chequerboard more than
-half (glTF 2.0, section 3.9.2).
+Colours are decoded before they are filtered: a mean of sRGB values is darker than the mean of the
+linear values. Distant bricks lost 3 % of their light, a chequerboard more than half (glTF 2.0,
+section 3.9.2).
 """
 
 from collections.abc import Iterable
@@ -20,8 +20,8 @@ pyrender = import_pyrender()
 # OpenGL's codes.
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 _NEAREST, _LINEAR = 9728, 9729
-# Which channels are kept, where it is not all of RGB. One alone fails in pyrender for a row or
-# column of pixels.
+# Channels uploaded, where not RGB. A single channel fails in pyrender for images one pixel wide or
+# high.
 _CHANNELS: dict[MapName, str] = {
     "base_colour": "RGBA",
     "metallic_roughness": "GB",
@@ -36,7 +36,7 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
     source: Any
 
     def _add_to_context(self) -> None:
-        # pyrender sets up the sampler; of the picture it gets one texel, for we store it anew.
+        # pyrender sets up the sampler and uploads one texel; `_store` replaces it by the image.
         whole = self.source
         self._source = whole[:1, :1]
         try:
@@ -49,7 +49,7 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
         return [self.source]
 
     def _store(self, levels: Iterable[NDArray[np.uint8]]) -> None:
-        """Store texels turned upside down; of one level all others are made."""
+        """Upload mip levels, flipped vertically; a single level gets generated mipmaps."""
         # Not before the environment for EGL is prepared.
         from OpenGL import GL
 
@@ -71,7 +71,7 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
 
 
 class CutOutTexture(ColourTexture):
-    """A map whose alpha is cut at `cut_off`; `cut_out.py` says what its levels hold."""
+    """A map with an alpha cut-off of `cut_off`; `cut_out.py` describes its mip levels."""
 
     cut_off = 0.5
 
@@ -99,7 +99,7 @@ def _texture(material: Material, name: MapName, found: MaterialMap) -> Any:
 
 
 def is_cut_out(material: Material) -> bool:
-    """Whether a map says where there are holes."""
+    """Whether a map's alpha cuts holes."""
     found = material.maps.get("base_colour")
     return material.alpha_mode == "MASK" and found is not None and found.texels.shape[2] == 4
 

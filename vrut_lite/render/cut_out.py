@@ -1,9 +1,9 @@
-"""Cut-out maps whose smaller levels keep how much is cut out.
+"""Cut-out maps whose mip levels preserve coverage.
 
-Alpha that is averaged first and cut afterwards loses thin lines in the distance: a wire that covers
-a tenth of a texel is below any cut-off. Here a smaller level's alpha is the mean of what the cut
-leaves, and its colour the mean of what is left; mesh.frag covers so large a share of a pixel's
-samples. In the full map the cut-off lies at one half.
+Alpha that is averaged before the alpha test loses thin lines in the distance: a wire that covers a
+tenth of a texel is below any cut-off. Here the alpha of a smaller level is the mean coverage, and
+its colour the mean of covered texels; mesh.frag covers that share of a pixel's samples. In the full
+map the cut-off lies at one half.
 """
 
 import numpy as np
@@ -13,10 +13,10 @@ from vrut_lite.numeric_types import Float32Array
 
 
 def cut_out_levels(texels: NDArray[np.uint8], cut_off: float) -> list[NDArray[np.uint8]]:
-    """The map (h, w, 4) sRGB and alpha, and levels of half the edges each down to one texel."""
+    """Mip levels, down to one texel, of a map (h, w, 4) in sRGB and alpha."""
     alpha = texels[..., 3].astype(np.float32) / 255.0
     left = (alpha >= cut_off).astype(np.float32)
-    # Weights that a texel without any has too, so that it takes its neighbours' plain mean.
+    # The offset lets a level's texel without coverage take the plain mean colour.
     weight = left + np.float32(1e-4)
     colour = _DECODED[texels[..., :3]]
     levels = [_encoded(colour, _around_one_half(alpha, cut_off))]

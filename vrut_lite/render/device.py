@@ -1,7 +1,7 @@
-"""What differs between renderers: one table, chosen by a trial of a second at most.
+"""Per-renderer settings: a table, selected by a trial of at most one second.
 
-The same shaders serve a graphics card and a processor (llvmpipe). The trial's time is kept in the
-user's cache, by the renderer's name and the driver's version.
+The same shaders serve a graphics card and a processor (llvmpipe). The user's cache stores the
+trial's time by renderer name and driver version.
 """
 
 import json
@@ -29,12 +29,12 @@ class Choices(NamedTuple):
     """A row of the table.
 
     Attributes:
-        name: of the kind of renderer.
-        least_trial_ns: of a pixel of the trial; the last row that a renderer reaches is its own.
-        takes_over: pictures have one sample a pixel: a still is the mean of several, a moving one
-            has smoothed edges and what still holds of the picture before. Otherwise both are one
-            picture with several samples a pixel.
-        expected_s: of a picture in a window, before the first is drawn.
+        name: kind of renderer.
+        least_trial_ns: least time of a trial pixel; the last row that a renderer reaches applies.
+        takes_over: pictures have one sample per pixel: a still is the mean of several, a moving
+            picture is antialiased and reuses pixels of the previous one. Otherwise both are one
+            multisampled picture.
+        expected_s: expected time of a window's picture, until the first is drawn.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Choices(NamedTuple):
     expected_s: float
 
 
-# A card has 0.1 to 1 ns, llvmpipe 50 to 200.
+# Trial times: 0.1 to 1 ns on a card, 50 to 200 on llvmpipe.
 TABLE = (
     Choices("graphics card", 0.0, takes_over=False, expected_s=0.0),
     Choices("processor", 10.0, takes_over=True, expected_s=1.0),
@@ -64,7 +64,7 @@ class Device(NamedTuple):
 
 
 def device_of(context: Any, trial_ns: float | None = None) -> Device:
-    """The context's renderer, tried out unless its time is known or stated; on the GL thread."""
+    """The context's renderer, timed unless its time is cached or given; on the GL thread."""
     renderer, version = context.info["GL_RENDERER"], context.info["GL_VERSION"]
     if trial_ns is not None:
         return Device(renderer, version, trial_ns)
@@ -105,7 +105,7 @@ def _file() -> Any:
 
 
 def _known() -> dict[str, Any]:
-    """Times by renderer and version; none from a file that is missing or damaged."""
+    """Trial times by renderer and version; empty if the file is missing or damaged."""
     with suppress(OSError, ValueError):
         content = json.loads(_file().read_text())
         return content if isinstance(content, dict) else {}
@@ -113,7 +113,7 @@ def _known() -> dict[str, Any]:
 
 
 def _keep(times: dict[str, Any]) -> None:
-    """Without a folder to write to the trial is made at each start."""
+    """Store trial times; without a writable folder each start repeats the trial."""
     with suppress(OSError, UserError):
         _file().parent.mkdir(parents=True, exist_ok=True)
         with atomic_output(_file()) as beside:

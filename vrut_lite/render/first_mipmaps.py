@@ -1,4 +1,4 @@
-"""What llvmpipe compiles for the first mipmaps, early: while other threads import libraries."""
+"""Early compilation of llvmpipe's mipmap code, while other threads import libraries."""
 
 import ctypes
 from typing import Any
@@ -8,8 +8,8 @@ _CUBE_MAP, _PICTURE, _SRGB8_ALPHA8 = 0x8513, 0x0DE1, 0x8C43
 
 
 def make_first_mipmaps(context: Any) -> None:
-    """Make some of a cube map like the sky's, and of a picture like a material's."""
-    # All of PyOpenGL takes 0.2 s to import; moderngl would not let other threads run.
+    """Generate mipmaps of a cube map like the sky's and of a texture like a material's."""
+    # Importing all of PyOpenGL takes 0.2 s; moderngl would not let other threads run.
     from OpenGL.platform import PLATFORM
 
     address = PLATFORM.getExtensionProcedure(b"glGenerateMipmap")

@@ -24,8 +24,8 @@ NAME = "gl_jobs"
 class GlJobs(Module):
     """Queues each GpuJob on the GL thread.
 
-    It demands GpuJobs while it runs, which tells modules that GPU jobs are possible. The counters
-    count jobs done, and those skipped for a later one of their key.
+    Its demand for GpuJobs lets modules know that GPU jobs are possible. The counters count
+    completed jobs, and jobs skipped for a later one of the same key.
     """
 
     manifest = Manifest(name=NAME, title="GPU jobs", version=__version__)
@@ -44,7 +44,7 @@ class GlJobs(Module):
 
     @handles(GpuJob)
     def on_job(self, job: GpuJob) -> None:
-        """Queue it; a failure (a shader that does not compile, say) is a result too."""
+        """Queue a job; a failure, such as a shader that does not compile, is a result too."""
         self._latest[job.key()] = job
         self.pending = [future for future in self.pending if not future.done()]
         self.pending.append(self._owner.submit(lambda context: self._run(context, job)))

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class Opened(NamedTuple):
-    """What the GL thread has opened: the renderer's name, the context, and the device."""
+    """OpenGL as the GL thread opened it: renderer name, context and device."""
 
     renderer: str
     context: Any
@@ -27,9 +27,9 @@ class GlOwner:
     Work is a callable that gets the moderngl context; it must not keep it. Everything that
     touches OpenGL in this process goes through here, so that no two threads ever share it.
 
-    OpenGL is opened while the caller goes on, as by importing libraries: `opened` waits for it.
-    A stated `trial_ns` takes the place of the renderer's trial (see `device`), so that a processor
-    draws as a card would, or a card as a processor.
+    OpenGL is opened while the caller continues, for example with imports; `opened` waits for it.
+    A given `trial_ns` replaces the renderer's trial (see `device`), so that a processor draws as a
+    card would, or a card as a processor.
     """
 
     def __init__(self, trial_ns: float | None = None) -> None:
@@ -39,7 +39,7 @@ class GlOwner:
 
     @property
     def opened(self) -> Opened:
-        """What was opened.
+        """The renderer, context and device; waits until OpenGL is open.
 
         Raises:
             UserError: there is no OpenGL 4.3 through EGL on this machine.
@@ -54,7 +54,7 @@ class GlOwner:
         """Do work on the GL thread and wait for its result.
 
         Raises:
-            UserError: OpenGL failed, as it does when its driver is reset or its memory ends.
+            UserError: OpenGL failed, for example after a driver reset or without free memory.
         """
         from moderngl import Error
         from OpenGL.error import Error as LowLevelError
@@ -102,7 +102,7 @@ def _create_context() -> Any:
     # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
     try:
         context = moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
-    except Exception as error:  # moderngl raises plain ones.
+    except Exception as error:  # moderngl raises plain exceptions.
         raise _missing(str(error)) from error
     if context.version_code < 450 and "GL_ARB_clip_control" not in context.extensions:
         context.release()

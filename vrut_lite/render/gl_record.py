@@ -1,6 +1,6 @@
-"""Remembers that OpenGL could be opened since the machine's start, so that no process tries first.
+"""Record that OpenGL opened since the machine's boot, which spares a probe in another process.
 
-The record is away while OpenGL is opened: after a driver that ends the process it is tried again.
+The record is removed while OpenGL is opened: a driver that ends the process is probed next time.
 """
 
 import os
@@ -11,12 +11,12 @@ from vrut_lite.errors import UserError
 from vrut_lite.write_atomic import atomic_output
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
-# What the beginnings of variables are called that choose a driver.
+# Prefixes of the environment variables that select a driver.
 _CHOOSING = ("LIBGL", "MESA", "GALLIUM", "EGL", "__EGL", "__GL", "DRI_", "LD_", "CUDA", "NVIDIA")
 
 
 def take_record() -> str | None:
-    """The renderer's name, if it was opened with the same start and environment; takes it away."""
+    """The renderer's name, if recorded for this boot and environment; removes the record."""
     with suppress(OSError, ValueError):
         file = _file()
         here, _, renderer = file.read_text().rpartition("\n")
@@ -26,7 +26,7 @@ def take_record() -> str | None:
 
 
 def keep_record(renderer: str) -> None:
-    """OpenGL was opened; without a folder to write to nothing is kept."""
+    """Record that OpenGL was opened, if the cache folder is writable."""
     with suppress(OSError, UserError):
         here = _here()
         _file().parent.mkdir(parents=True, exist_ok=True)

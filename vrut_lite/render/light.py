@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 
 class SkyTexture(NamedTuple):
-    """A cube texture and the factor to its radiance; `owner` keeps the texels from reuse.
+    """A cube texture and its factor to radiance; `owner` keeps the texels from reuse.
 
-    The ground in its lower half is bare, or shown `ground_through_air`.
+    The ground in its lower half is bare, or seen `ground_through_air`.
     """
 
     texture: Any
@@ -22,9 +22,9 @@ class SkyTexture(NamedTuple):
 class Light:
     """Sun and sky of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
 
-    `sun_irradiance` is that of a plane facing the sun, before any layer; `irradiance_sh` (25, 3)
-    is that of the sky with its layers, `clear_sh` of the clear sky. `sky` is seen behind the scene,
-    before layers are drawn; `mirrored` has them in it. `sun_radius_rad` is that of an even disc.
+    `sun_irradiance` falls on a plane facing the sun, unattenuated by layers. `irradiance_sh`
+    (25, 3) is that of the sky with its layers, `clear_sh` that of the clear sky. `sky` is the
+    background without layers, `mirrored` includes them. `sun_radius_rad` is of a uniform disc.
     """
 
     sun_direction: tuple[float, float, float]
@@ -37,12 +37,12 @@ class Light:
 
 
 class Shadow(NamedTuple):
-    """A depth texture from the sun, the width of its texels, and the matrix (4, 4) into it.
+    """A depth texture from the sun, its texel width, and the matrix (4, 4) into it.
 
-    The matrix maps positions that count from a centre (3,) in the world to clip space. `tint` is
-    what glass leaves of the light, and the depth of the glass, None where there is none. `ranges`
-    are those of `ShadowRanges`; `spread` is the radius of a penumbra, in texels, of what is the
-    whole map's depth away; `aspect` the map's width over its depth.
+    The matrix maps positions relative to a centre (3,), in world axes, to clip space. `tint` holds
+    the transmittance and the depth of glass, None without glass. `ranges` are those of
+    `ShadowRanges`; `spread` is the penumbra radius (texels) of a caster at a distance of the map's
+    depth; `aspect` the map's width over its depth.
     """
 
     texture: Any
@@ -58,10 +58,10 @@ class Shadow(NamedTuple):
 class StillShadow(NamedTuple):
     """A shadow map of squares, as `StillShadowMap` draws it: textures as in `Shadow`.
 
-    `axes` (3, 3) are rows right, up and towards the sun. In metres along them from the eye are, of
-    each square from the widest, `squares` (4, 3), its centre and 1 / half its width, and `depths`
-    (4, 3), its middle, 1 / its depth, and what rounding may take, in shares of the depth. `spread`
-    is the tangent of the sun's radius.
+    The rows of `axes` (3, 3) point right, up and towards the sun. `squares` (4, 3) are centre and
+    1 / half width of each square from the widest, `depths` (4, 3) middle, 1 / depth and rounding
+    error as a fraction of the depth, in metres along the axes from the eye. `spread` is the tangent
+    of the sun's radius.
     """
 
     texture: Any
@@ -74,9 +74,9 @@ class StillShadow(NamedTuple):
 
 
 class Shadows(NamedTuple):
-    """The shadows of all the scene, and finer ones around the eye where those are coarse.
+    """Shadow maps of the whole scene, and a finer one around the eye in large scenes.
 
-    A finished still has `still` in their place, and those of the scene for shafts in its air.
+    A finished still has `still` instead, and the scene's map for light shafts in its air.
     """
 
     scene: Shadow | None
@@ -85,7 +85,7 @@ class Shadows(NamedTuple):
 
 
 class Reflection(NamedTuple):
-    """The sky filtered by roughness, the factor to its radiance, and the table of shares."""
+    """The sky filtered by roughness, its factor to radiance, and the reflectance table."""
 
     texture: Any
     scale: float

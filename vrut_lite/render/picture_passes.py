@@ -1,4 +1,4 @@
-"""What a picture shows, and the passes that draw it, whichever kind of picture it is."""
+"""Inputs of a picture, and the passes that draw stills and moving pictures."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -19,18 +19,18 @@ from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.tiles import Patience
 from vrut_lite.scene.scene_state import SceneState
 
-# What meshes' shaders are compiled with for targets of one sample a pixel.
+# Define of mesh shaders for targets with one sample per pixel.
 ONE_SAMPLE = "ONE_SAMPLE"
 Measure = Callable[[str], AbstractContextManager[Any]]
 
 
 def unmeasured(name: str) -> AbstractContextManager[None]:
-    """A pass that nobody measures."""
+    """Measure nothing."""
     return nullcontext()
 
 
 class FrameInputs(NamedTuple):
-    """A scene in its light, as it is seen from somewhere; `seen`: what may be in the picture."""
+    """Scene, light and view of a picture; `seen`: meshes that may be in it."""
 
     scene: PyrenderScene
     seen: list[PlacedPrimitive]
@@ -46,10 +46,9 @@ class FrameInputs(NamedTuple):
 
 @dataclass
 class PicturePasses:
-    """One of each; used on the GL thread only.
+    """The passes, one of each; used on the GL thread only.
 
-    `measure` is entered around each pass, with its name; `counters` holds the numbers of done
-    and skipped work.
+    `measure` is entered around each pass, with its name; `counters` counts done and skipped work.
     """
 
     context: Any
@@ -64,7 +63,7 @@ class PicturePasses:
 
     @staticmethod
     def made(context: Any, counters: WorkCounters, part_failed: PartFailed) -> "PicturePasses":
-        """New ones in a context."""
+        """New passes in a context."""
         patience = Patience(counters)
         return PicturePasses(
             context,

@@ -1,4 +1,4 @@
-"""The scene backend on pyrender and moderngl: uploads what changed and draws on the GL thread."""
+"""The scene backend on pyrender and moderngl: uploads changes and draws on the GL thread."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -43,16 +43,16 @@ class PyrenderBackend:
     def __init__(self, owner: GlOwner, part_failed: PartFailed = warn_of_part):
         self._owner = owner
         choices = owner.opened.device.choices
-        # The GL thread makes it while the caller goes on.
+        # The GL thread creates it while the caller continues.
         self._made = owner.submit(lambda context: Frame(context, choices, part_failed))
-        # The background last: only its shader may be refused.
+        # The background last: only its shader may fail to compile.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
             "parts": self._upload_parts,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
         }
-        # The uploaded parts: a texture on the GPU is valid while its message is kept.
+        # The uploaded parts; keeping a message keeps its GPU texture valid.
         nothing = {**dict.fromkeys(self._uploads), "parts": NO_PARTS}
         self._uploaded: dict[str, Any] = nothing
         self._scene: PyrenderScene | None = None
@@ -68,11 +68,11 @@ class PyrenderBackend:
         return self._made.result()
 
     def begin(self, scene: SceneOpened) -> None:
-        """Bring a scene to the GPU while the caller goes on, before its light is there."""
+        """Upload a scene while the caller continues, before its light is available."""
         self._owner.submit(lambda context: self._begin(context, scene))
 
     def prepare(self, state: SceneState) -> None:
-        """Upload the parts of the state that are other objects than before.
+        """Upload the parts of the state that have changed, by identity.
 
         Raises:
             UserError: the background's own shader does not compile; its cube map is drawn.
@@ -96,7 +96,7 @@ class PyrenderBackend:
         return self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
-        """Lux on a plane with this normal (3,) at a point (3,), world axes."""
+        """Illuminance (lx) of a plane with this normal (3,) at a point (3,), world axes."""
         if state.key_light is None or state.sky_light is None or state.camera is None:
             raise RuntimeError("nothing to measure yet: no light or no scene")
         ambient = state.sky_light.ambient
@@ -157,7 +157,7 @@ class PyrenderBackend:
             if part is self._uploaded[name]:
                 self.counters.skip("upload: unchanged")
                 continue
-            # Noted first, so that a refused shader is reported once and not with every frame.
+            # Recorded first, so that a failing shader is reported once and not with every frame.
             self._uploaded[name] = part
             self.counters.did("upload")
             upload(context, part)
@@ -166,14 +166,14 @@ class PyrenderBackend:
         self._upload_scene(context, scene)
         assert self._scene is not None
         self._frame.begin(self._scene)
-        # Noted last: what failed is tried again with the picture, which tells of it.
+        # Recorded last: a failed upload is repeated with the picture, which reports the error.
         self._uploaded["scene"] = scene
         self.counters.did("upload")
 
     def _upload_scene(self, context: Any, scene: SceneOpened) -> None:
         # Its buffers reach the GPU with the next frame.
         self._scene = PyrenderScene(scene)
-        # Its meshes are still whole.
+        # Its meshes are not yet cut into charts.
         self._uploaded["parts"] = None
 
     def _upload_parts(self, context: Any, heard: PartsHeard) -> None:
@@ -247,7 +247,7 @@ class _OwnCube:
             self._texture = context.texture_cube((size, size), 4, dtype="f2")
         rgba = np.ones((size, size, 4), np.float16)
         for index, face in enumerate(cube.values):
-            # By channel: numpy is slow at rows of three.
+            # By channel: numpy copies rows of three slowly.
             for channel in range(3):
                 rgba[..., channel] = face[..., channel]
             self._texture.write(index, rgba.tobytes())

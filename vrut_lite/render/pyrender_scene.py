@@ -26,11 +26,11 @@ _TRIANGLES_AT_A_TIME = 1 << 15
 
 @dataclass(frozen=True, eq=False)
 class PlacedPrimitive:
-    """A pyrender primitive where it stands.
+    """A pyrender primitive and its placement.
 
-    `centre_m` (3,) is the middle of its bounds, `radius_m` holds it all from there. The matrix
-    (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one. `part` is as in
-    `PlacedSurface`. What does not cast is left out of shadow maps.
+    `centre_m` (3,) and `radius_m` are a bounding sphere. The matrix (4, 4) is not given to
+    pyrender, which would decompose it and fail for a singular one. `part` is as in `PlacedSurface`.
+    Shadow maps leave out primitives unless `casts`.
     """
 
     primitive: Any
@@ -42,44 +42,44 @@ class PlacedPrimitive:
 
     @property
     def is_ground(self) -> bool:
-        """Whether it is of the ground disc."""
+        """Whether it belongs to the ground disc."""
         return self.part == GROUND
 
     @property
     def is_two_sided(self) -> bool:
-        """Whether its back is seen too."""
+        """Whether its back faces are drawn."""
         return bool(self.primitive.material.doubleSided)
 
     @cached_property
     def is_mirrored(self) -> bool:
-        """Whether its placement turns its triangles' winding over, or flattens it."""
+        """Whether its placement reverses its triangles' winding, or is singular."""
         return bool(np.linalg.det(self.world_from_model[:3, :3]) <= 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class _Cut:
-    """A mesh on its way to the GPU, and the matrix (4, 4) that moves its centred vertices back."""
+    """A mesh to upload, and the matrix (4, 4) that moves its centred vertices back."""
 
     primitive: Any
     model_from_centred: FloatArray
 
     @property
     def primitives(self) -> list[Any]:
-        """As pyrender's renderer reads a mesh."""
+        """The primitives of a mesh, as pyrender's renderer reads them."""
         return [self.primitive]
 
 
 class Uploads(NamedTuple):
-    """What pyrender's renderer reads of a scene when it brings buffers to the GPU."""
+    """Attributes of a scene that pyrender's renderer reads to upload buffers."""
 
     meshes: set[_Cut]
     lights: tuple[()] = ()
 
 
 class PyrenderScene:
-    """Meshes whose buffers pyrender keeps, their places, and the ground's material.
+    """Meshes whose buffers pyrender keeps, their placements, and the ground's material.
 
-    pyrender brings `uploads` to the GPU; the passes draw `placed`.
+    pyrender uploads `uploads`; the passes draw `placed`.
     """
 
     def __init__(self, opened: SceneOpened):
@@ -89,23 +89,23 @@ class PyrenderScene:
         self.half_extent_m = 0.5 * (upper_m - lower_m)
         self.radius_m = max(float(np.linalg.norm(self.half_extent_m)), 1e-6)
         ground = opened.ground
-        # Where the ground behind the scene lies, and the middle of its disc.
+        # Level of the ground behind the scene, and centre of its disc.
         self.ground_level_m = 0.0 if ground is None else ground.height_m
         self.ground_centre_xz_m = np.array((0.0, 0.0) if ground is None else ground.centre_xz_m)
         self._surfaces = [_surface(material) for material in opened.materials.all()]
-        # Whether something lets a part of the sun's light through.
+        # Whether a surface transmits a part of the sun's light.
         self.dims_sun = any(
             surface.terms.transmits or surface.alphaMode == "BLEND" for surface in self._surfaces
         )
         self._strokes = _strokes(opened.points_and_lines)
         self._ground = () if ground is None else _ground(ground)
-        # By the number of the mesh and its chart in a frame part's map.
+        # By mesh number and the mesh's chart in a frame part's map.
         self._cuts: dict[tuple[int, MeshChart | None], _Cut] = {}
         self._charts: Sequence[MeshChart | None] | None = None
         self._place()
 
     def lay_out(self, charts: Sequence[MeshChart | None] | None) -> None:
-        """Cut meshes as the charts of the scene's parts do; uncut meshes keep their buffers."""
+        """Cut meshes into the charts of the scene's parts; uncut meshes keep their buffers."""
         if charts is not self._charts:
             self._charts = charts
             self._place()
@@ -141,14 +141,14 @@ class PyrenderScene:
 
 
 def _placed(primitive: Any, matrix: FloatArray, **more: Any) -> PlacedPrimitive:
-    # Vertices count from the middle of their bounds, which is the matrix's translation.
+    # Vertices are relative to the centre of their bounds, which is the matrix's translation.
     largest = float(np.linalg.norm(primitive.positions, axis=1).max(initial=0.0))
     radius_m = largest * float(np.linalg.norm(matrix[:3, :3], ord=2))
     return PlacedPrimitive(primitive, matrix, matrix[:3, 3], radius_m, **more)
 
 
 def _strokes(found: PointsAndLines | None) -> list[_Cut]:
-    """Points and lines that show their colours, as glTF wants those without normals."""
+    """Points and lines, unlit, as glTF requires without normals."""
     if found is None:
         return []
     made = []
@@ -196,9 +196,9 @@ def _ground(ground: GroundDisc) -> tuple[_Cut, ...]:
 
 
 def _cut_up(mesh: Mesh, surface: "Surface", chart: MeshChart | None) -> _Cut:
-    """A mesh with its vertices centred, and with those of its chart in a part's map.
+    """A mesh with centred vertices, split as in its chart in a part's map.
 
-    Single precision then serves the mesh itself, not the distance of its origin.
+    Single precision then resolves the mesh independently of the distance of its origin.
     """
     centre = 0.5 * (mesh.positions_m.min(axis=0) + mesh.positions_m.max(axis=0))
     vertices = slice(None) if chart is None else chart.source_vertex
@@ -209,7 +209,7 @@ def _cut_up(mesh: Mesh, surface: "Surface", chart: MeshChart | None) -> _Cut:
     primitive = pyrender.Primitive(
         positions=(mesh.positions_m - centre).astype(np.float32)[vertices],
         normals=values(mesh.normals),
-        # Our shaders need no tangents: that attribute holds the place in a part's map.
+        # Our shaders need no tangents: that attribute holds texture coordinates in a part's map.
         tangents=None if chart is None else np.pad(chart.uv, ((0, 0), (0, 2))),
         texcoord_0=values(mesh.uv),
         texcoord_1=values(mesh.second_uv),
@@ -232,11 +232,11 @@ class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
     terms = SurfaceTerms()
     normal_scale = 1.0
     occlusion_strength = 1.0
-    # Alpha lies around one half where the map of its base colour is cut out.
+    # Whether the base colour map is cut out, at an alpha of one half.
     is_cut_out = False
-    # Reflects nothing: Lambert's surface itself.
+    # Lambertian, without specular reflection.
     matte = False
-    # Of all places of the surface.
+    # Minimum over the surface.
     least_roughness = 0.0
 
     def _compute_textures(self) -> set[Any]:
@@ -270,17 +270,17 @@ def _surface(material: Material) -> Surface:
 
 
 def _least_roughness(material: Material) -> float:
-    """Of all places, by the green channel of the map."""
+    """Minimum roughness over the surface, by the green channel of the map."""
     found = material.maps.get("metallic_roughness")
     least = 1.0 if found is None else float(found.texels[..., 1].min()) / 255.0
     return material.roughness * least
 
 
 def _wound_as_normals(primitive: Any) -> bool:
-    """Whether the normals of every triangle lie on the side from where it runs anticlockwise."""
+    """Whether all normals lie on the anticlockwise side of their triangles."""
     if primitive.normals is None:
         return True
-    # A coordinate an array and a block at a time: what the processor's cache holds.
+    # One array per coordinate, in blocks that fit the processor's cache.
     positions, normals = (
         np.ascontiguousarray(rows.T)
         for rows in (primitive.positions.astype(float), primitive.normals)

@@ -1,4 +1,4 @@
-"""Complete pictures, in false colours too: one, or the mean of several that are shifted."""
+"""Complete pictures, also in false colours: one, or the mean of several shifted ones."""
 
 from dataclasses import replace
 
@@ -24,23 +24,23 @@ from vrut_lite.render.targets import SAMPLES, Targets
 from vrut_lite.render.tiles import Piece, TiledPass
 from vrut_lite.scene.scene_state import SceneState, Shown
 
-# A still is the mean of pictures with one sample a pixel, which show what lies so far to the right
-# and up, in pixels. Software renderers shade hidden samples too where there are several: three such
-# pictures cost about what one of four samples does, and come nearer to 64; eight half of four.
+# A still is the mean of pictures with one sample per pixel, shifted to the right and up, in pixels.
+# Software renderers shade hidden samples of multisampled pictures too: three such pictures cost
+# about as much as one of four samples and are closer to 64 samples; eight have half the error.
 SHIFTS_PX = tuple(
     ((2 * i - 7) / 16, (2 * j - 7) / 16) for i, j in enumerate((2, 5, 0, 7, 3, 6, 1, 4))
 )
 FEWER_SHIFTS_PX = ((-1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, -1 / 3))
 _UNSHIFTED_PX = ((0.0, 0.0),)
-# Share of a pixel's samples that must show a surface.
+# Least covered fraction of a pixel that shows a value.
 _LEAST_COVERED = 0.5
 
 
 class StillPictures:
-    """Draws a shot; keeps the last one, which may be exposed again. On the GL thread only."""
+    """Draws a shot; keeps the last still for other exposures. On the GL thread only."""
 
     def __init__(self, passes: PicturePasses, several_samples: bool):
-        """`several_samples`: what is not finished is one picture with several samples a pixel."""
+        """`several_samples`: an unfinished picture is one multisampled picture."""
         self._passes = passes
         self._shifts_px = _UNSHIFTED_PX if several_samples else FEWER_SHIFTS_PX
         self._pieces = TiledPass(passes.patience)
@@ -51,7 +51,7 @@ class StillPictures:
         self._last: tuple[SceneState, Targets, NDArray[np.float32]] | None = None
 
     def exposed_again(self, state: SceneState, view: View) -> Picture | None:
-        """The last still with another exposure; None if more than that is another."""
+        """The last still with another exposure; None if anything else differs."""
         if self._last is None:
             return None
         drawn, targets, radiance = self._last
@@ -64,11 +64,11 @@ class StillPictures:
         return self._exposed(targets, radiance, view, state)
 
     def forget(self) -> None:
-        """Let the last still go: another picture is drawn, perhaps into its targets."""
+        """Drop the last still: another picture may overwrite its targets."""
         self._last = None
 
     def draw(self, shot: FrameInputs, still: bool, finished: bool) -> Picture:
-        """Draw a shot, `finished` by several pictures; a `still` is kept.
+        """Draw a shot, the mean of several pictures if `finished`; a `still` is kept.
 
         Raises:
             GivenUp: see `Patience`.
@@ -100,7 +100,7 @@ class StillPictures:
     def _mean(
         self, shot: FrameInputs, targets: Targets, shifts: tuple[tuple[float, float], ...]
     ) -> NDArray[np.float32]:
-        """The mean (h, w, 4) of pictures shifted so, row 0 at the top."""
+        """The mean (h, w, 4) of shifted pictures, row 0 at the top."""
         passes, state = self._passes, shot.state
         passes.meshes.picture_count = len(shifts)
         total: NDArray[np.float32] | None = None
@@ -137,9 +137,9 @@ class StillPictures:
         return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
     def _draw_seen(self, targets: Targets, shot: FrameInputs, sample: int) -> None:
-        """Solid surfaces, the sky in what they leave, parts, and what shows all these.
+        """Draw opaque surfaces, the sky, frame parts, and blended surfaces.
 
-        Of values in false colours solid surfaces alone.
+        False colours show opaque surfaces only.
         """
         passes, state = self._passes, shot.state
         solid, blended = in_order(shot.seen, shot.view.eye_m)
@@ -175,7 +175,7 @@ class StillPictures:
         defines: Defines,
         blended: bool = False,
     ) -> None:
-        """Draw meshes in pieces of the picture, solid ones after their depth."""
+        """Draw meshes in pieces of the picture, opaque ones after their depth."""
         passes = self._passes
 
         def draw(piece: Piece) -> None:
@@ -185,7 +185,7 @@ class StillPictures:
                 within = [p for p in placed if in_view(p, part)]
             if not blended:
                 passes.meshes.draw_depth_of_solid(within, shot.view)
-                # Where two are equally near the last one shows: the nearer mesh.
+                # At equal depth the last fragment shows: that of the nearer mesh.
                 within = within[::-1]
             passes.draw_meshes(shot, within, defines, blended)
 
@@ -208,7 +208,7 @@ class StillPictures:
 
 
 def _defines(shot: FrameInputs) -> Defines:
-    """What meshes' shaders are compiled with."""
+    """Defines of the mesh shaders."""
     if shot.state.shows == "picture":
         return shot.defines.surfaces
     if shot.state.shows == "illuminance":

@@ -1,6 +1,6 @@
-"""What glTF's extensions add to surfaces, for shaders: a block of numbers, maps and defines.
+"""Terms of glTF's material extensions for shaders: a uniform block, maps and defines.
 
-A material without any has programs without any: it costs nothing.
+Materials without extensions have programs without them, at no cost.
 """
 
 from typing import Any
@@ -17,7 +17,7 @@ from vrut_lite.render.uniform_blocks import SURFACE_TERMS
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
-# As surface_terms.glsl binds them.
+# Texture units of surface_terms.glsl.
 _MAP_UNITS: dict[MapName, int] = {
     "specular": 18,
     "specular_colour": 19,
@@ -28,7 +28,7 @@ _MAP_UNITS: dict[MapName, int] = {
 }
 _FILM_UNIT = 33
 BACKDROP_UNIT = 22
-# What is smoother than this and no body shows what is behind it as it is.
+# Roughness up to which a pane shows the background without blur.
 _SMOOTH = 0.05
 _PLAIN = SurfaceTerms()
 Film = tuple[float, float, float]
@@ -42,7 +42,7 @@ _LINEAR_AND_CLAMPED = {
 
 
 def term_defines(material: Any, blended: bool) -> Defines:
-    """What the programs of a material are compiled with, by its terms."""
+    """Defines of a material's programs, by its terms."""
     terms: SurfaceTerms = material.terms
     if terms.unlit:
         return ("UNLIT",)
@@ -65,7 +65,7 @@ def term_defines(material: Any, blended: bool) -> Defines:
 
 
 def needs_backdrop(material: Any) -> bool:
-    """Whether what is behind a material is seen bent or blurred."""
+    """Whether a material refracts or blurs the background."""
     terms: SurfaceTerms = material.terms
     return terms.transmits and (not terms.is_pane or material.roughnessFactor > _SMOOTH)
 
@@ -82,8 +82,7 @@ class SurfaceTermsOnGpu:
         self._films: dict[Film, int] = {}
 
     def bind(self, material: Any, world_from_model: np.ndarray) -> None:
-        """Hand a material's numbers and maps to the mesh that is drawn next, which a matrix (4, 4)
-        places."""
+        """Bind a material's terms and maps for the next mesh, which a matrix (4, 4) places."""
         if not _has_terms(material):
             return
         terms: SurfaceTerms = material.terms
@@ -143,5 +142,5 @@ class SurfaceTermsOnGpu:
 
 
 def _scale_of(world_from_model: np.ndarray) -> float:
-    """How many times larger a matrix (4, 4) makes what it moves, on average."""
+    """Mean scale factor of a matrix (4, 4)."""
     return float(np.abs(np.linalg.det(world_from_model[:3, :3])) ** (1 / 3))

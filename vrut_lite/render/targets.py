@@ -12,7 +12,7 @@ SAMPLES = 4
 
 
 class Targets:
-    """Radiance with one sample a pixel or several, resolved radiance, and the picture for display.
+    """Radiance with one or several samples per pixel, resolved radiance, and the displayed picture.
 
     `buffer` is drawn into. Radiance is in 32-bit floats: the sun's disc is brighter than half
     precision can hold.
@@ -29,7 +29,7 @@ class Targets:
         if samples > 1:
             self._colour = context.renderbuffer(size, 4, samples=samples, dtype="f4")
             self.buffer = context.framebuffer([self._colour])
-        # Of OpenGL's, 0 is one sample, whose depth is tested before it is shaded.
+        # In OpenGL 0 means one sample, whose depth is tested before it is shaded.
         self._depth = FloatDepth(self.buffer, size, samples if samples > 1 else 0)
         self._display = context.texture(size, 4)
         self.display = context.framebuffer([self._display])
@@ -46,7 +46,7 @@ class Targets:
         return read_rgba(self.radiance)
 
     def write_resolved(self, radiance: NDArray[np.float32]) -> None:
-        """Let this (h, w, 4), row 0 at the top, be the resolved picture."""
+        """Replace the resolved radiance by (h, w, 4), row 0 at the top."""
         self.radiance.write(np.ascontiguousarray(radiance[::-1]))
 
     def read_display(self) -> NDArray[np.uint8]:

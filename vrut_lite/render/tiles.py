@@ -1,4 +1,4 @@
-"""A pass drawn piece by piece, so that a picture can be given up while it is being drawn.
+"""A pass drawn in pieces, so that a picture can be given up while it is being drawn.
 
 A software renderer takes seconds for a finished picture. After each piece the caller may give the
 picture up, so that a user need not wait for it.
@@ -16,10 +16,10 @@ from vrut_lite.scene.backend import IsGivenUp
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
-# Pixels: pieces begin where a software renderer's tiles do, and no 2 x 2 pixels, of which
-# derivatives are taken, are parted. Its threads take a tile each.
+# Pixels: pieces are aligned to a software renderer's tiles, of which each thread draws one, and do
+# not split the 2 x 2 pixels of derivatives.
 TILE, _LEAST_TILES = 64, 2
-# Time of a piece, unless most of it is spent before its first pixel, or a picture would have many.
+# Time of a piece, longer if triangle setup dominates or a picture would have more than _MANY.
 _PIECE_S, _MANY = 0.15, 6
 
 
@@ -33,7 +33,7 @@ class Piece(NamedTuple):
 
     @property
     def tiles(self) -> float:
-        """Its area."""
+        """Its area, in tiles."""
         return (self.right - self.left) * (self.upper - self.lower) / TILE**2
 
 
@@ -97,7 +97,7 @@ class TiledPass:
                 lower = lower if left else piece.upper
         finally:
             GL.glDisable(GL.GL_SCISSOR_TEST)
-        # The next picture begins by the mean: what comes last is sky, and quick.
+        # The next picture begins with the mean: the last pieces are sky, and quick.
         placed_s, shaded_s = map(sum, zip(*times_s, strict=True))
         self._piece_s = max(_PIECE_S, (placed_s + shaded_s) / _MANY)
         self._adapt(Piece(0, 0, *size), placed_s / len(times_s), shaded_s)
@@ -108,10 +108,10 @@ class TiledPass:
 
 
 def _timed(draw: Callable[[Piece], None], piece: Piece) -> tuple[float, float]:
-    """Draw a piece; seconds of placing its triangles, and of shading.
+    """Draw a piece; seconds of triangle setup, and of shading.
 
-    A software renderer places triangles on this thread, and on others shades pixels, for which this
-    one may wait: when it asks whether any are seen, or at the end.
+    A software renderer sets up triangles on this thread and shades pixels on others, for which this
+    one may wait: at an occlusion query, or at the end.
     """
     start_s, start_cpu_s = perf_counter(), thread_time()
     draw(piece)
@@ -121,7 +121,7 @@ def _timed(draw: Callable[[Piece], None], piece: Piece) -> tuple[float, float]:
 
 
 def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:
-    """A piece of so many tiles from a corner on: whole rows, or the remainder of one row."""
+    """A piece of a number of tiles from a corner: whole rows, or the remainder of one row."""
     width, height = size
     rows = 1 if left else max(1, tiles // -(-width // TILE))
     right = width if rows > 1 else min(left + tiles * TILE, width)
@@ -131,9 +131,9 @@ def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:
 def next_tiles(
     asked: int, drawn: float, placed_s: float, shaded_s: float, piece_s: float = _PIECE_S
 ) -> int:
-    """Tiles of the next piece, from the seconds that placing and shading the last one took.
+    """Tiles of the next piece, from the seconds of triangle setup and shading of the last one.
 
-    Every piece places triangles again, which must take no longer than shading its pixels. The
+    Every piece repeats the triangle setup, which must take no longer than shading its pixels. The
     next piece has at most twice the tiles that were `asked` for, since a piece of bare sky says
     little about the next; `drawn` are fewer at the picture's edge.
     """

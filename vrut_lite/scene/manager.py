@@ -1,4 +1,4 @@
-"""The scene manager: opens scenes, demands light and what parts hear, and owns the `SceneState`."""
+"""The scene manager: opens scenes, demands light and parts' messages, owns the `SceneState`."""
 
 from dataclasses import replace
 from types import MappingProxyType
@@ -40,8 +40,8 @@ from vrut_lite.scene.settings import SCENE, SceneSettings
 class SceneManager(Module):
     """Owns the state of a `SceneView`; draws nothing itself.
 
-    It demands light (the sky's cube map in `cube_size` texels, if given) and what frame parts show;
-    of the part that lights surfaces only if the view's backend draws by it.
+    It demands light (the sky's cube map in `cube_size` texels, if given) and the messages of frame
+    parts; those of the part that lights surfaces only with `lights_surfaces`.
     """
 
     manifest = Manifest(name=SCENE, title="Scene", version=__version__)
@@ -61,7 +61,7 @@ class SceneManager(Module):
         self._time_s: float | None = None
         self._lights_surfaces = lights_surfaces
         self._empty_slots: set[str] = set()
-        # What parts that are switched on hear, but for what they get on demand.
+        # Demanded messages of the parts that are switched on.
         self._demanded: set[type[Derived]] = set()
         self._change(tolerance=tolerance_of(link))
         self._follow_settings()
@@ -103,11 +103,11 @@ class SceneManager(Module):
 
     @handles(ClockMoved)
     def on_clock(self, message: ClockMoved) -> None:
-        """Move what the clock moves."""
+        """Move animations with the clock."""
         self._move()
 
     def _move(self) -> None:
-        """Show the scene's animations at their present time, if that is another."""
+        """Show the scene's animations at their present time, if it has changed."""
         if self._animated is None or self._animation_time_s() == self._time_s:
             return
         self._time_s = self._animation_time_s()
@@ -142,12 +142,12 @@ class SceneManager(Module):
 
     @handles(SetExposure)
     def on_exposure(self, message: SetExposure) -> None:
-        """Expose like this."""
+        """Set the exposure."""
         self._view.look(exposure=message)
 
     @handles(SetTolerance)
     def on_tolerance(self, message: SetTolerance) -> None:
-        """Let frames err as far as this."""
+        """Set the tolerance of frames."""
         self._change(tolerance=message.tolerance)
 
     def settings_changed(self, name: str) -> None:
@@ -190,12 +190,12 @@ class SceneManager(Module):
 
     @handles(KeyLightChanged)
     def on_key_light(self, message: KeyLightChanged) -> None:
-        """Let this light cast shadows."""
+        """Set the light that casts shadows."""
         self._take_light(key_light=message)
 
     @handles(AmbientChanged)
     def on_ambient(self, message: AmbientChanged) -> None:
-        """Light with this sky."""
+        """Set the irradiance of the clear sky."""
         self._take_light(ambient=message)
 
     def _take_light(self, **light: Any) -> None:
@@ -208,12 +208,12 @@ class SceneManager(Module):
 
     @handles(*heard_by_parts())
     def on_part(self, message: Derived) -> None:
-        """Hand it to the frame part that hears it; air may have to reach as far as it draws."""
+        """Pass it to the frame parts that hear it; the air's range may follow theirs."""
         self._take_parts(heard_with(self.state.parts, message))
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
-        """Say from where the scene is seen, when somebody wants light for that view."""
+        """Post the camera when a consumer demands light for that view."""
         if message.message == ViewLightChanged.__name__:
             self._ask_for_still()
 
@@ -245,7 +245,7 @@ class SceneManager(Module):
     def _change(self, **parts: Any) -> None:
         self._view.pending = replace(self.state, **parts)
 
-    # --- what that needs ----------------------------------------------------------------
+    # --- needs of the view ---------------------------------------------------------------
 
     def _look(self) -> None:
         """Post the light and the reach of the air that this camera needs."""
@@ -276,7 +276,7 @@ class SceneManager(Module):
         return max(reach_m, part_reach_m(self.state.parts, camera))
 
     def _want_parts(self) -> None:
-        """Switch frame parts on and off, and demand what those hear that are on."""
+        """Switch frame parts on and off, and demand the messages of those that are on."""
         before, installed = self.state.parts, frame_parts()
         on = {name: part for name, part in installed.items() if self._is_on(name, part)}
         if on.keys() != before.keys():
@@ -305,7 +305,7 @@ class SceneManager(Module):
         return name not in self._empty_slots
 
     def _heard(self, part: type[FramePart]) -> Heard:
-        """What a part shows that is switched on: the last messages that it hears."""
+        """The latest messages of a part that is switched on."""
         heard: Heard = MappingProxyType({})
         for kind in part.hears:
             last = self.state.scene if kind is SceneOpened else self.link.last(kind)

@@ -1,11 +1,11 @@
 #version 430 core
-// The air in the direction of each node of a picture, over a distance that stands for all near ones:
-// near_air.glsl looks it up. Nodes lie from edge to edge.
+// Air in the direction of each node of a picture, over a distance that represents all near ones;
+// sampled by near_air.glsl. The outer nodes lie on the picture's edges.
 
 uniform float metres;
 
 in vec3 ray;
-layout(location = 0) out vec4 mean_radiance;   // of a mean along the ray, as `AirVolume` has it
+layout(location = 0) out vec4 mean_radiance;   // mean along the ray, as in `AirVolume`
 layout(location = 1) out vec4 mean_extinction; // m^-1
 
 //!include air.glsl

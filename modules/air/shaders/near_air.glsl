@@ -1,4 +1,4 @@
-// The air before a point that is near, as near_air.py defines it, which fills the tables.
+// Air in front of a near point; near_air.py defines near and fills the tables.
 
 //!include air_block.glsl
 // A mean along the ray.
@@ -6,7 +6,7 @@
 // In m^-1.
 //!sampler sampler2D near_extinction
 
-// As air.glsl's, of an optical depth so small that its square is the last that is seen.
+// As in air.glsl, to second order in the small optical depth.
 vec3 through_air(vec3 radiance, vec3 d, float metres, float share) {
     vec2 nodes = vec2(textureSize(near_radiance, 0));
     vec2 at = (gl_FragCoord.xy / air.picture_px * (nodes - 1.0) + 0.5) / nodes;

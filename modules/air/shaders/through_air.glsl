@@ -1,4 +1,4 @@
-// All of the air, or the small table of what is near.
+// Air in front of any surface, or the small table for near surfaces.
 #ifdef NEAR_AIR
 //!include near_air.glsl
 #else

@@ -1,4 +1,4 @@
-"""A background that a module's own shader draws, pixel by pixel."""
+"""A background that a module's own shader draws for every pixel."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ class ViewScreen(FullScreen):
 
 
 class BackgroundView:
-    """The present shader, compiled once for each text, and its inputs.
+    """The current background shader, compiled once per source, and its inputs.
 
     Made and used on the GL thread only.
     """
@@ -37,10 +37,10 @@ class BackgroundView:
         self._shown: ViewShader | None = None
 
     def show(self, view: ViewShader | None) -> None:
-        """Draw this from the next frame on; the cube map with None or where it does not compile.
+        """Draw this from the next frame on, or the cube map with None or after an error.
 
         Raises:
-            UserError: it does not compile; raised once for each text.
+            UserError: the shader does not compile; raised once per source.
         """
         self._shown = view
         self._release_buffers()
@@ -86,7 +86,7 @@ class BackgroundView:
             try:
                 self._screens[key] = ViewScreen(self._context, source, defines)
             except Exception:
-                # moderngl has no error of its own kind for a shader that does not compile.
+                # moderngl has no specific exception for a shader that does not compile.
                 self._screens[key] = None
         return self._screens[key]
 

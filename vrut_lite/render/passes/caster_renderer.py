@@ -1,6 +1,6 @@
-"""Meshes as the sun and other lights see them: depth of what casts shadows, and what glass leaves.
+"""Shadow casters from a light's view: their depth, and the transmittance of glass.
 
-What is solid needs no material: one program draws it all. Holes and glass are looked up.
+Opaque meshes need no material: one program draws them all. Cut-outs and glass sample their maps.
 """
 
 from typing import Any
@@ -25,7 +25,7 @@ from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 
 
 class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
-    """Draws depth of a pyrender scene's meshes into whatever framebuffer is bound."""
+    """Draws depth of a pyrender scene's meshes into the bound framebuffer."""
 
     def __init__(self) -> None:
         super().__init__(1, 1)
@@ -33,21 +33,21 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         self._terms = SurfaceTermsOnGpu()
 
     def __del__(self) -> None:
-        """Do nothing: pyrender would free GL objects from whatever thread collects garbage."""
+        """Do nothing: pyrender would free GL objects on the thread that collects garbage."""
 
     def delete(self) -> None:
-        """Free all that it keeps on the GPU."""
+        """Free its GPU objects."""
         self._terms.release()
         super().delete()
 
     def update(self, scene: PyrenderScene) -> None:
-        """Bring the scene's buffers and textures to the GPU, and free those that left it."""
+        """Upload the scene's new buffers and textures, and free those no longer in it."""
         # Rows of 3-channel textures are packed; GL's default would skew odd widths.
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
         self._update_context(scene.uploads, RenderFlags.NONE)
 
     def _depth_program(self, *defines: str) -> Program:
-        """The program that draws depth of solid surfaces, bound."""
+        """The program that draws depth of opaque surfaces, bound."""
         self._program_cache.also = defines
         program = self._program_cache.get_program("mesh.vert", "depth_alone.frag")
         if not program._in_context():
@@ -69,9 +69,9 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glUseProgram(0)
 
     def draw_tint(self, scene: PyrenderScene, shadow: Shadow, texels: int) -> None:
-        """Multiply what blended surfaces before the bound depth leave of sunlight.
+        """Multiply the transmittance of blended surfaces in front of the bound depth.
 
-        Alpha becomes the depth of the one that is nearest to the sun.
+        Alpha becomes the depth of the surface nearest to the sun.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glEnable(GL.GL_DEPTH_CLAMP)
@@ -124,7 +124,7 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         self._reset_active_textures()
 
     def _set_cut_out(self, program: Program, material: Any) -> None:
-        """A masked surface casts by its own cut-off, a blended one where nothing shows through."""
+        """Set the alpha cut-off: its own for a masked surface, of opaque texels if blended."""
         cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": SOLID_ALPHA}
         cut_off = cut_offs.get(material.alphaMode, 0.0)
         looked_up = cut_off > 0.0 or material.terms.transmits
@@ -138,7 +138,7 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
 
 
 class SceneCasters:
-    """What casts in a scene, as `frame_part.Casters` has it."""
+    """The shadow casters of a scene, for `frame_part.Casters`."""
 
     def __init__(self, renderer: CasterRenderer, scene: PyrenderScene):
         self._renderer, self.scene = renderer, scene
@@ -152,17 +152,17 @@ class SceneCasters:
 
 
 def is_all_solid(material: Any) -> bool:
-    """Whether all of a surface is there and hides what is behind it."""
+    """Whether a surface is opaque everywhere, without holes."""
     return material.alphaMode == "OPAQUE" and not material.terms.transmits
 
 
 def cut_out_defines(material: Any) -> Defines:
-    """What programs of a surface with holes are compiled with."""
+    """Defines of the programs of a surface with holes."""
     return ("CUT_OUT",) if material.is_cut_out else ()
 
 
 def _casters(scene: PyrenderScene, shadow: Shadow) -> list[PlacedPrimitive]:
-    """What may cast into a map."""
+    """Meshes that may cast a shadow into a map."""
     return [
         placed
         for placed in scene.placed

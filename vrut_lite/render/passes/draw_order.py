@@ -1,9 +1,9 @@
-"""In which order meshes are drawn, by what glTF's alphaMode says of their materials.
+"""Draw order of meshes, by the glTF alphaMode of their materials.
 
-What is solid is drawn from near to far, which spares hidden fragments, with depth. What is blended
-follows from far to near and leaves depth as it is, so that nothing behind it vanishes. Texels of a
-blended material that let nothing through are drawn among the solid ones: a leaf hides the leaf
-behind it, though both are one mesh.
+Opaque meshes are drawn from near to far, which spares hidden fragments, with depth writes. Blended
+meshes follow from far to near without depth writes, so that nothing behind them is lost. Opaque
+texels of a blended material are drawn with the opaque meshes: a leaf hides the leaf behind it,
+though both belong to one mesh.
 """
 
 from collections.abc import Iterable
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 
-# 254 of 255 lets nothing through that eyes see.
+# Least alpha of an opaque texel: 254 of 255 transmits nothing visible.
 SOLID_ALPHA = 0.996
 _NO_END = 2.0
 
@@ -22,7 +22,7 @@ _NO_END = 2.0
 def in_order(
     seen: Iterable[PlacedPrimitive], eye_m: NDArray
 ) -> tuple[list[PlacedPrimitive], list[PlacedPrimitive]]:
-    """What has solid texels, from near to far, and what has blended ones, from far to near."""
+    """Meshes with opaque texels from near to far, and with blended ones from far to near."""
     by_distance = sorted(seen, key=lambda placed: float(np.linalg.norm(placed.centre_m - eye_m)))
     solid = [placed for placed in by_distance if has_solid_texels(placed.primitive)]
     blended = [placed for placed in by_distance if is_blended(placed.primitive.material)]
@@ -30,12 +30,12 @@ def in_order(
 
 
 def is_blended(material: Any) -> bool:
-    """Whether what is behind a material shows through it."""
+    """Whether a material lets the background show through."""
     return bool(material.alphaMode == "BLEND" or material.terms.transmits)
 
 
 def has_solid_texels(primitive: Any) -> bool:
-    """Whether something of a mesh may hide all that is behind it."""
+    """Whether a mesh may have opaque texels."""
     material = primitive.material
     if material.terms.transmits:
         return "transmission" in material.further
@@ -47,10 +47,10 @@ def has_solid_texels(primitive: Any) -> bool:
 
 
 def alpha_range(primitive: Any, blended: bool) -> tuple[float, float]:
-    """From which alpha on, and below which, fragments are drawn: among the blended or the solid."""
+    """Range of alpha, its end excluded, of the fragments in the blended or the opaque pass."""
     material = primitive.material
     if material.is_cut_out:
-        # Shaders cover samples by it.
+        # The shader turns alpha into sample coverage.
         return 0.0, _NO_END
     if material.alphaMode == "MASK":
         return float(material.alphaCutoff), _NO_END

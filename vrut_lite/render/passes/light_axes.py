@@ -1,15 +1,15 @@
-"""Axes and clip matrices of what the sun sees."""
+"""Axes and clip matrices of the sun's orthographic view."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
 def light_matrix(direction: ArrayLike, radius_m: float, depth_m: float) -> NDArray[np.float64]:
-    """Clip matrix (4, 4), a cylinder to [-1, 1]^3, of a sun in world `direction` (3,).
+    """Clip matrix (4, 4) from a cylinder to [-1, 1]^3, of a sun in world `direction` (3,).
 
-    Positions count from the cylinder's centre, in world axes; it reaches `depth_m` towards the sun
-    and away. Shadows fall along the view direction, so what lies outside is covered in x and y by
-    whatever casts on it; only its depth exceeds 1, which the look-up clamps.
+    Positions are relative to the cylinder's centre, in world axes; it reaches `depth_m` towards the
+    sun and away. Shadows fall along the view direction, so a receiver outside has the x and y of
+    its casters; only its depth exceeds 1, which the look-up clamps.
     """
     view = np.eye(4)
     view[:3, :3] = light_axes(direction)
@@ -24,7 +24,7 @@ def light_axes(direction: ArrayLike) -> NDArray[np.float64]:
 
 
 def _perpendicular(axis: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Two unit vectors that make a right-handed frame with a unit vector, without a bad case."""
+    """Two unit vectors that make a right-handed frame with any unit vector."""
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     right = np.cross(helper, axis)
     right /= np.linalg.norm(right)

@@ -1,7 +1,7 @@
-"""pyrender's renderer with our shaders: buffers and textures are its, the light is ours.
+"""pyrender's renderer with our passes and shaders.
 
 pyrender keeps vertex buffers, textures and programs in the shared GL context. Its own passes
-are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
+are not used: they draw into framebuffer 0, clamp to 8 bits and have no sky.
 """
 
 import math
@@ -33,9 +33,9 @@ import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 
-# As mesh.frag binds them; the first units are a material's textures, which pyrender numbers.
+# Texture units of mesh.frag; the first ones are a material's, which pyrender numbers.
 _SKY_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 10, 11
-# From this roughness on both lobes of `sky_image` are as wide as the first level of the map.
+# Roughness from which both lobes of `sky_image` are as wide as the first level of the map.
 _NO_MIRROR = (0.8 - math.sqrt(0.64 - 1.44 * LEVEL_ROUGHNESS[0])) / 0.72
 _LAYER_UNIFORMS: dict[str, MapName] = {
     "base_color_layer": "base_colour",
@@ -53,36 +53,36 @@ class SurfaceLighting(Protocol):
         """Defines of the program of a surface that it lights."""
 
     def bind_surface(self, surface: PlacedSurface) -> Mapping[str, Any]:
-        """Bind what the surface looks up; values of its program's uniforms."""
+        """Bind the surface's textures; returns values of its program's uniforms."""
 
 
 class MeshRenderer(CasterRenderer):
-    """Draws the meshes of a pyrender scene into whatever framebuffer is bound."""
+    """Draws the meshes of a pyrender scene into the bound framebuffer."""
 
     def __init__(self) -> None:
         super().__init__()
-        # What cuts the scene's meshes, but neither the ground's disc nor shadows.
+        # Clip plane of the scene's meshes, but not of the ground disc and of shadows.
         self.section: Section | None = None
         self._levels_finer = 0.0
-        # What a mesh's program is told of its place, as the last view sees it.
+        # Uniforms of a mesh's placement, cached for the last view.
         self._uploads: Uploads | None = None
         self._places: dict[PlacedPrimitive, dict[str, NDArray[np.float64]]] = {}
         self._places_seen_by: View | None = None
-        # What it is told of a mesh's surface, drawn solid and blended.
+        # Uniforms of a mesh's surface, by whether it is drawn blended.
         self._surfaces: dict[tuple[PlacedPrimitive, bool], dict[str, Any]] = {}
-        # Programs by primitive and what they are compiled with.
+        # Programs by primitive and defines.
         self._programs: dict[tuple[Any, Defines], Program] = {}
-        # Of the pictures that one is the mean of: each has other pixels of what is cut out,
-        # and other parts of the sun.
+        # Number and count of the pictures averaged into one: each covers other pixels of cut-outs
+        # and samples another part of the sun.
         self.picture_number, self.picture_count = 0, 1
 
     def draw_depth_of_solid(self, placed_in_order: Iterable[PlacedPrimitive], view: View) -> None:
-        """Draw the depth of what is all solid; drawn thereafter, it passes where it is as near."""
+        """Draw the depth of opaque meshes; the next pass shades fragments of equal depth."""
         solid = (p for p in placed_in_order if is_all_solid(p.primitive.material))
         self.draw_whole_depth(solid, view)
 
     def draw_whole_depth(self, placed_in_order: Iterable[PlacedPrimitive], view: View) -> None:
-        """Draw the depth of triangles, also where they are cut out."""
+        """Draw the depth of whole triangles, including cut-out texels."""
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthMask(GL.GL_TRUE)
         GL.glColorMask(*4 * [GL.GL_FALSE])
@@ -99,7 +99,7 @@ class MeshRenderer(CasterRenderer):
         return ("SECTION",) if self.section is not None and not placed.is_ground else ()
 
     def _set_place(self, program: Program, placed: PlacedPrimitive, view: View) -> None:
-        """Where a mesh stands as seen from the eye, and what of it is cut away."""
+        """Set a mesh's matrices relative to the eye, and its clip plane."""
         if self._places_seen_by is not view:
             self._places_seen_by, self._places = view, {}
         place = self._places.get(placed)
@@ -118,7 +118,7 @@ class MeshRenderer(CasterRenderer):
             direct_gl.enable(GL.GL_CLIP_DISTANCE0)
 
     def update(self, scene: PyrenderScene) -> None:
-        """Bring the scene's buffers and textures to the GPU, and free those that left it."""
+        """Upload the scene's new buffers and textures, and free those no longer in it."""
         if scene.uploads is not self._uploads:
             self._uploads, self._places_seen_by = scene.uploads, None
             self._programs.clear()
@@ -126,7 +126,7 @@ class MeshRenderer(CasterRenderer):
         super().update(scene)
 
     def read_finer(self, scene: PyrenderScene, levels: float) -> None:
-        """Read maps so many of their levels finer than pixels ask for."""
+        """Sample maps `levels` mip levels finer than their level of detail."""
         if levels == self._levels_finer:
             return
         self._levels_finer = levels
@@ -152,8 +152,8 @@ class MeshRenderer(CasterRenderer):
     ) -> None:
         """Draw meshes of the scene, one after another, with reversed depth.
 
-        `defines`: further features of the shader, on a mesh also those of `defines_on`. Of blended
-        materials the solid texels are drawn, or else, if `blended`, the others.
+        `defines` apply to all programs, `defines_on` adds those of a mesh. Blended materials draw
+        their opaque texels, or with `blended` the others.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
@@ -195,14 +195,14 @@ class MeshRenderer(CasterRenderer):
                 direct_gl.disable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
-        # Glass takes its factor from a shader's second output. While that is set, Mesa draws into
-        # no two targets, blending or not.
+        # Glass uses dual-source blending. While that blend function is set, Mesa cannot draw into
+        # two targets, even without blending.
         direct_gl.blend_function(GL.GL_ONE, GL.GL_ZERO)
         GL.glDepthMask(GL.GL_TRUE)
         GL.glDepthFunc(GL.GL_GREATER)
 
     def _mesh_program(self, primitive: Any, defines: Defines) -> Program:
-        """The program of a mesh with these features, bound."""
+        """The program of a mesh with these defines, bound."""
         program = self._programs.get((primitive, defines))
         if program is None:
             self._program_cache.also = defines
@@ -214,7 +214,7 @@ class MeshRenderer(CasterRenderer):
 
     def _set_surface(self, program: Program, placed: PlacedPrimitive, blended: bool) -> None:
         uniforms = self._surfaces.get((placed, blended))
-        # The ground is painted anew by the hour.
+        # The ground's albedo changes with the hour.
         if uniforms is None or placed.is_ground:
             uniforms = self._surfaces[placed, blended] = _surface_uniforms(placed, blended)
         program.set_uniforms("surface", uniforms)
@@ -227,7 +227,7 @@ class MeshRenderer(CasterRenderer):
 
 
 def _lobe_defines(material: Any) -> Defines:
-    """What a surface has none of: reflections, by its roughness, and holes."""
+    """Defines that omit reflections, mirror images or the alpha test where not needed."""
     solid: Defines = ("SOLID",) if is_all_solid(material) else ()
     if material.matte:
         return ("MATTE", *solid)
@@ -252,7 +252,7 @@ def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
 
 
 def _surface_uniforms(placed: PlacedPrimitive, blended: bool) -> dict[str, Any]:
-    """What a mesh's program is told of its surface; textures are bound in their order."""
+    """Uniforms of a mesh's surface; texture units follow the order of `_textures`."""
     material = placed.primitive.material
     first, end = alpha_range(placed.primitive, blended)
     uniforms = {
@@ -275,7 +275,7 @@ def _surface_uniforms(placed: PlacedPrimitive, blended: bool) -> dict[str, Any]:
 
 
 def _seen_from(section: Section | None, eye_m: NDArray[np.float64]) -> NDArray[np.float32]:
-    """The plane (4,) in positions that are relative to an eye."""
+    """The plane (4,) for positions relative to an eye."""
     assert section is not None
     distance_m = section.offset_m - float(np.dot(section.normal, eye_m))
     return np.array([*section.normal, distance_m], np.float32)

@@ -1,4 +1,4 @@
-"""Where a view meets the scene, on a coarse grid of its pixels: for what is fitted to the seen."""
+"""Visible surface points of a view on a coarse pixel grid, to which shadow maps are fitted."""
 
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ _SIZE = (128, 80)
 
 
 class SeenPoints(NamedTuple):
-    """Points (n, 3) from the eye, world axes, metres, and how wide a pixel (n,) is there."""
+    """Points (n, 3) from the eye, world axes, and a pixel's width (n,) there, in metres."""
 
     from_eye_m: NDArray[np.float64]
     pixel_m: NDArray[np.float64]
@@ -38,7 +38,7 @@ class SeenGrid:
         view: View,
         size_px: tuple[int, int],
     ) -> SeenPoints:
-        """Of whatever is not blended; cut-out surfaces count as whole."""
+        """Visible points of surfaces that are not blended; cut-out surfaces count as whole."""
         self._depth.bind()
         GL.glViewport(0, 0, *_SIZE)
         with reversed_depth():
@@ -53,9 +53,9 @@ class SeenGrid:
 
 
 def points_at(depth: NDArray[np.floating], view: View, size_px: tuple[int, int]) -> SeenPoints:
-    """Points that a view sees at reversed depths (rows, columns), row 0 at the bottom, 0 for none.
+    """Visible points at reversed depths (rows, columns), row 0 at the bottom, 0 for none.
 
-    `size_px` is of the picture whose pixels are measured.
+    `size_px`: size of the picture whose pixel widths are returned.
     """
     rows, columns = depth.shape
     y, x = np.nonzero(depth > 0.0)

@@ -1,11 +1,11 @@
-"""The sun's shadow maps: orthographic depth from the sun, of the scene, and finer of a part of it.
+"""The sun's shadow maps: orthographic depth of the whole scene and, finer, around the eye.
 
-Each holds all the scene's depth, so that penumbras are as wide as their casters are far away.
+Each spans the whole scene's depth, so that penumbra widths follow the casters' distances.
 
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
-A second map then covers the eye's surroundings. Each is drawn when scene, sun or place have
-changed, in quick pictures with fewer texels and when the sun has moved by its own
-width. Finished stills have a map of their own.
+A second map then covers the eye's surroundings. Maps are redrawn when scene, sun or place change,
+in quick pictures with fewer texels and when the sun has moved by its diameter. Finished stills use
+`StillShadowMap`.
 """
 
 import math
@@ -24,14 +24,14 @@ from vrut_lite.render.passes.still_shadow import StillShadowMap
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 
-# Of stills, of quick pictures, and of those of few pixels across.
+# Texels along an edge for stills, quick pictures, and quick pictures up to _FEW_PX wide.
 _SIZES, _FEW_PX = (4096, 2048, 1024), 512
 SHADOW_SIZE = _SIZES[0]
-# Half the width of the near map: its texels are then a hand's breadth.
+# Half the width of the near map; a texel of a still's map is 0.2 m wide.
 NEAR_RADIUS_M = 400.0
-# One map is enough for a scene that is not many times larger.
+# Scene radius from which a near map is drawn, in units of its radius.
 _LARGE_RADII = 4.0
-# The near map follows the eye in steps of this share of its radius. Its rim fades over more.
+# Step of the near map's centre, as a fraction of its radius; its rim fades over more.
 _STEP = 1.0 / 64.0
 
 
@@ -64,7 +64,7 @@ class ShadowMap:
         radius_m: float,
         always: bool,
     ) -> Shadow:
-        """The shadows in a sphere of the scene; `always` draws them also when nothing changed."""
+        """The shadows in a sphere of the scene; `always` draws them without a change too."""
         depth_m = scene.radius_m + float(np.linalg.norm(centre_m - scene.centre_m))
         texel_m = 2.0 * radius_m / self._size
         shadow = Shadow(
@@ -100,17 +100,17 @@ class ShadowMap:
 
 
 class ShadowMaps:
-    """The scene's map, one around the eye and that of stills, each made when it is first needed.
+    """The scene's map, one around the eye and that of stills, each created on first use.
 
-    A quick picture draws maps of fewer texels, unless the fine ones are of its sun, or shows those
-    of a sun that stood less than its diameter away: shadows then lie within half of their penumbra.
+    A quick picture draws maps of fewer texels, unless finer ones show its sun. It reuses the maps
+    of a sun less than a diameter away: shadows are then displaced by less than a penumbra's width.
     """
 
     def __init__(self, context: Any, counters: WorkCounters):
         self._context = context
         self._counters = counters
         self._maps: dict[tuple[str, int], ShadowMap] = {}
-        # Of the sun whose maps were drawn last.
+        # Direction of the sun whose maps were drawn last.
         self._direction = (0.0, 0.0, 0.0)
         self._still: StillShadowMap | None = None
 
@@ -123,14 +123,14 @@ class ShadowMaps:
         always: bool,
         size: int = SHADOW_SIZE,
     ) -> Shadows:
-        """The shadows that a view shows; `always` draws them also when nothing changed."""
+        """The shadows of a view; `always` draws them without a change too."""
         moved = math.dist(light.sun_direction, self._direction)
         if size < SHADOW_SIZE and moved < 2.0 * light.sun_radius_rad:
             light = replace(light, sun_direction=self._direction)
         self._direction = light.sun_direction
 
         def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
-            # A finer map is not made only to be asked: the first picture would wait for it.
+            # Only existing finer maps count: creating one here would delay the first picture.
             finer = [self._maps.get((name, other)) for other in _SIZES if other > size]
             of_sun = (m for m in finer if m and m.shows(scene, light, centre_m, radius_m))
             shown = next(of_sun, None) or self._map(name, size)
@@ -154,7 +154,7 @@ class ShadowMaps:
         always: bool,
         shafts: bool,
     ) -> Shadows:
-        """Those of a finished still, and of the whole scene where its air has `shafts`."""
+        """The shadows of a finished still; the scene's map too if its air has light `shafts`."""
         if self._still is None:
             self._still = StillShadowMap(self._context, self._counters)
         still = self._still.update(meshes, scene, seen, light, view, size_px, always)
@@ -186,7 +186,7 @@ def quick_size(width_px: int) -> int:
 def _content(
     scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64], radius_m: float
 ) -> tuple[PyrenderScene, Any, tuple[float, ...]]:
-    """What a map is drawn of."""
+    """Inputs of a map, to compare."""
     return scene, light.sun_direction, (*centre_m, radius_m)
 
 
@@ -195,8 +195,8 @@ def near_centre_m(
 ) -> NDArray[np.float64] | None:
     """Centre (3,) of the near map's sphere, None where the scene's own map is enough.
 
-    It lies on a grid in the sun's axes, so that a step of the eye moves no texel to half its
-    place, and most steps move none at all.
+    It is snapped to a grid in the sun's axes: a step of the eye moves texels by whole texels, and
+    most steps move none.
     """
     away_m = np.asarray(eye_m, dtype=float) - scene_centre_m
     large = scene_radius_m > _LARGE_RADII * NEAR_RADIUS_M

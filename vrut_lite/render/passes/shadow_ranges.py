@@ -1,22 +1,22 @@
-"""How near to the sun and how far from it a shadow map's surfaces are, over wider and wider cells.
+"""Hierarchy of minimum and maximum depth in a shadow map's cells.
 
-What lies in a cone of the sun's width before a point is bounded by one look-up a level, so that
-only half shadows take many (after Dmitriev and Uralsky 2007, "Soft shadows using hierarchical
-min-max shadow maps").
+One look-up per level bounds the casters in a cone of the sun's width in front of a point, so that
+only penumbras need many (after Dmitriev and Uralsky 2007, "Soft shadows using hierarchical min-max
+shadow maps").
 """
 
 from typing import Any
 
 from vrut_lite.render.passes.full_screen import FullScreen
 
-# Texels along a cell of the first level; sun_shadow.glsl has it and the last level too.
+# Texels along a cell of the first level; sun_shadow.glsl repeats it and the last level's.
 FIRST_CELL = 8
-# Of the coarsest level, 256 texels wide: no penumbra is followed farther than half of it.
+# Levels; a cell of the last is 256 texels wide, which limits penumbra radii to 128.
 LEVELS = 6
 
 
 class ShadowRanges:
-    """Nearest and farthest depth around the corners of cells, of each width.
+    """Nearest and farthest depth around the corners of each level's cells.
 
     Made and used on the GL thread only.
     """
@@ -30,14 +30,14 @@ class ShadowRanges:
         cells = size // FIRST_CELL
         self._cells = [_ranges(context, cells >> level, cells >> level) for level in range(LEVELS)]
         self._buffers = [context.framebuffer([texture]) for texture in self._cells]
-        # All levels side by side: software renderers are slow at fetching from a level.
+        # All levels side by side: software renderers are slow at fetching from a mip level.
         self.texture = _ranges(context, 2 * cells, cells)
         self._buffer = context.framebuffer([self.texture])
-        # Looked up before the first sun too, whose light of zero no garbage may multiply.
+        # Cleared, since it is sampled before the first sun too: garbage may be NaN.
         self._buffer.clear(0.0, 1.0)
 
     def update(self, depths: Any, changed: tuple[int, int, int, int]) -> None:
-        """Follow a depth texture (size, size) that `changed` in these cells: corner and size."""
+        """Update from depths (size, size) that `changed` in these cells: corner and size."""
         context = self._context
         context.disable(context.DEPTH_TEST | context.CULL_FACE | context.BLEND)
         compared = depths.compare_func

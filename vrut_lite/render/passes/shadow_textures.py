@@ -1,7 +1,7 @@
-"""The textures of a shadow map: depth from the sun, its ranges, and what glass leaves of light.
+"""The textures of a shadow map: depth from the sun, its ranges, and transmittance of glass.
 
-A map is as wide as the scene from any side. Only texels that the scene covers now, or did before,
-are cleared and read.
+A map is as wide as the scene from any side. Only texels that the scene covers now, or covered
+before, are cleared and read.
 """
 
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ from vrut_lite.render.pyrender_scene import PyrenderScene
 
 
 class Box(NamedTuple):
-    """Texels from the left and from below, up to others."""
+    """A box of texels from the left and from below; right and upper are excluded."""
 
     left: int
     lower: int
@@ -24,12 +24,12 @@ class Box(NamedTuple):
     upper: int
 
     def joined(self, other: "Box") -> "Box":
-        """The smallest that holds both."""
+        """The smallest box that contains both."""
         low, high = np.minimum(self, other), np.maximum(self, other)
         return Box(int(low[0]), int(low[1]), int(high[2]), int(high[3]))
 
     def scissor(self, texels: int = 1) -> tuple[int, int, int, int]:
-        """Corner and size for OpenGL, in cells of so many texels along an edge."""
+        """Corner and size for OpenGL, in cells of `texels` along an edge."""
         left, lower = (side // texels for side in self[:2])
         return left, lower, -(-self.right // texels) - left, -(-self.upper // texels) - lower
 
@@ -48,7 +48,7 @@ class ShadowTextures:
         self._tint: Any = None
         self._tint_buffer: Any = None
         self._tint_alone: Any = None
-        # What may hold anything.
+        # Texels that may have been drawn.
         self._filled = Box(0, 0, size, size)
 
     @property
@@ -57,7 +57,7 @@ class ShadowTextures:
         return self._ranges.texture
 
     def tint_of(self, scene: PyrenderScene) -> Any:
-        """The texture of what glass leaves, made when a scene first has some; None without."""
+        """The transmittance of glass, created for the first scene with glass; None without."""
         if not scene.dims_sun:
             return None
         if self._tint is None:
@@ -75,7 +75,7 @@ class ShadowTextures:
         shadows: Iterable[tuple[Shadow, tuple[int, int]]],
         texels: int,
     ) -> None:
-        """Draw shadows into squares of so many texels, each from its lower left corner on."""
+        """Draw shadows into squares of `texels` a side, each with its lower left corner."""
         shadows = list(shadows)
         has_tint = self.tint_of(scene) is not None
         filled = covered(scene, shadows, texels)
@@ -91,7 +91,7 @@ class ShadowTextures:
             self._buffer.use()
             meshes.draw_depth(scene, shadow)
             if has_tint:
-                # With the depth: what is behind solid things tints nothing.
+                # With the depth test: glass behind opaque surfaces tints nothing.
                 self._tint_buffer.viewport = (*corner, texels, texels)
                 self._tint_buffer.use()
                 meshes.draw_tint(scene, shadow, texels)
@@ -109,7 +109,7 @@ class ShadowTextures:
 def covered(
     scene: PyrenderScene, shadows: Iterable[tuple[Shadow, tuple[int, int]]], texels: int
 ) -> Box:
-    """Texels of squares, each from its lower left corner on, that a scene may cover."""
+    """Texels that a scene may cover in squares, each with its lower left corner."""
     found: Box | None = None
     for shadow, corner in shadows:
         middle = shadow.matrix[:2, :3] @ (scene.centre_m - shadow.centre_m) + shadow.matrix[:2, 3]

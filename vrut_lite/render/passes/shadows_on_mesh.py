@@ -1,7 +1,7 @@
-"""Which shadow maps a mesh is looked up in, as sun_shadow.glsl binds them.
+"""Selection of the shadow maps that a mesh samples in sun_shadow.glsl.
 
-A mesh that lies wholly off the near map's rim needs one map alone: on a software renderer the
-other's look-ups cost as much whether their result is used or not.
+A mesh entirely inside or outside the near map's rim needs one map only: a software renderer spends
+as much on the other's look-ups whether their result is used or not.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from vrut_lite.render.shader_files import Defines
 SHADOW_UNIT, _NEAR_SHADOW_UNIT, _GLASS_SHADOW_UNIT = 9, 15, 23
 _RANGES_UNIT, _NEAR_RANGES_UNIT = 29, 30
 _STILL_UNIT, _STILL_RANGES_UNIT = 34, 35
-# As sun_shadow.glsl has it: of the near map's half width, where it goes over into the other.
+# Blend width of the near map as a fraction of its half width, as in sun_shadow.glsl.
 NEAR_RIM = 0.25
 
 
@@ -49,8 +49,8 @@ def shadows_on(
 ) -> OnMesh:
     """Defines and uniforms of a mesh's program.
 
-    `known` has what was found for other meshes of the same picture: a program that is told the
-    same again need not compare it.
+    `known` caches the results of the picture's other meshes: a program need not compare the values
+    of an identical object.
     """
     kind, make = _maps_of(placed, shadows, view)
     if kind not in known:
@@ -61,7 +61,7 @@ def shadows_on(
 def _maps_of(
     placed: PlacedPrimitive, shadows: Shadows, view: View
 ) -> tuple[str, Callable[[], OnMesh]]:
-    """Which maps a mesh needs, by name, and what makes their defines and uniforms."""
+    """Name of the maps that a mesh needs, and the maker of their defines and uniforms."""
     still = shadows.still
     if still is not None:
         return "still", lambda: _squares(still)
@@ -72,7 +72,7 @@ def _maps_of(
     if near is not None:
         off = near.matrix[:2, :3] @ (placed.centre_m - near.centre_m)
         radius = placed.radius_m * float(np.linalg.norm(near.matrix[0, :3]))
-        # The receiver is moved off its surface by a few texels.
+        # The receiver is offset from its surface by a few texels.
         radius += 5.0 * near.texel_m * float(np.linalg.norm(near.matrix[0, :3]))
         if np.max(np.abs(off)) + radius <= 1.0 - NEAR_RIM:
             units = _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT

@@ -1,4 +1,4 @@
-"""The sky and the sun's disc, behind everything or under it."""
+"""The sky and the sun's disc, drawn after opaque meshes or before them."""
 
 from typing import Any
 
@@ -15,14 +15,14 @@ from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.shader_files import Defines
 
-# Less of the sun than can be told from none.
+# Least fraction of the sun left by an eclipse, to divide by.
 _LEAST_LEFT = 1e-6
-# Sine of the altitude from where on the horizon is surely below: it dips, but never rises.
+# Sine of an altitude that is surely above the horizon, which dips but never rises.
 _OVER_HORIZON = 0.01
 
 
 class VisibleSun:
-    """The sun as it is seen: mean radiance (3,), radius, limb darkening (3, 6)."""
+    """The sun's visible disc: mean radiance (3,), radius, limb darkening (3, 6)."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class VisibleSun:
 
 
 class SkyPass:
-    """Draws with reversed depth into the framebuffer that is bound."""
+    """Draws with reversed depth into the bound framebuffer."""
 
     def __init__(self, context: Any):
         self._context = context
@@ -57,7 +57,7 @@ class SkyPass:
         self._samples = context.query(samples=True)
 
     def show_view(self, view: ViewShader | None) -> None:
-        """Draw the background by a module's own shader, or from the cube map again.
+        """Draw the background by a module's own shader, or with None from the cube map.
 
         Raises:
             UserError: the shader does not compile; the cube map is drawn.
@@ -74,14 +74,14 @@ class SkyPass:
         defines: Defines,
         pictures: int = 1,
     ) -> None:
-        """Draw the sky, also where something was drawn unless `only_uncovered`.
+        """Draw the sky in all pixels, or in those that are still `only_uncovered`.
 
         Args:
             defines: further features of the shader.
-            pictures: of how many, shifted by parts of a pixel, this is one: all together they make
-                the horizon and the sun's edge as wide as a pixel.
+            pictures: number of pictures, shifted by parts of a pixel, that are averaged: their mean
+                has a horizon and an edge of the sun one pixel wide.
         """
-        # At infinity, where nothing was drawn, depth is exactly the sky's.
+        # Cleared depth, at infinity, equals the sky's exactly.
         GL.glDepthFunc(GL.GL_GEQUAL if only_uncovered else GL.GL_ALWAYS)
         self._context.enable(self._context.DEPTH_TEST)
         self._context.disable(self._context.CULL_FACE | self._context.BLEND)
@@ -100,7 +100,7 @@ class SkyPass:
         GL.glDepthFunc(GL.GL_GREATER)
 
     def count_samples(self) -> int:
-        """Samples that were drawn last; waits for them."""
+        """Samples drawn by the last pass; waits for the query."""
         return int(self._samples.samples)
 
     def _prepared(self, view: View, light: Light, disc: VisibleSun, defines: Defines) -> FullScreen:
@@ -137,9 +137,9 @@ class SkyPass:
 
 
 def rows_over_horizon(size: tuple[int, int], view: View) -> int:
-    """The lowest row of a picture from which on all rays look up, counted from below.
+    """The lowest row of a picture, counted from below, from which all rays point upwards.
 
-    Directions over a level form a cone: where both ends of a row are in it, all of the row is.
+    Directions above an altitude form a cone: a row with both ends inside is entirely inside.
     """
     height = size[1]
     y = np.arange(height + 1) / height * 2.0 - 1.0
@@ -155,7 +155,7 @@ def rows_over_horizon(size: tuple[int, int], view: View) -> int:
 def _set_flattening(
     screen: FullScreen, sun_direction: ArrayLike, radius_rad: float, eye_m: ArrayLike
 ) -> None:
-    """What refraction does to the disc, seen from the eye's height."""
+    """Set the disc's flattening by refraction at the eye's height."""
     sun = np.asarray(sun_direction, dtype=float)
     right = np.cross(sun, [0.0, 1.0, 0.0])
     right /= max(float(np.linalg.norm(right)), 1e-9)

@@ -1,6 +1,6 @@
-"""The sky as glossy surfaces reflect it, filtered on the GPU a slice at a time.
+"""The sky prefiltered for glossy reflections, on the GPU, a slice at a time.
 
-Compute shaders: on real GPUs the same arithmetic is much faster there than in fragments.
+On graphics cards compute shaders are much faster at this than fragment shaders.
 """
 
 from collections import deque
@@ -16,17 +16,16 @@ from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.unlocked import average_down_for_compute, run_compute
 from vrut_lite.sky.relight_scale import age_factor
 
-# Roughness of the filtered map's mip levels; a mirror looks up the sky itself.
+# Roughness of the filtered map's mip levels; a mirror samples the sky itself.
 LEVEL_ROUGHNESS = (0.2, 0.35, 0.6, 1.0)
-# Edge of the filtered map, no larger than needed for the sky's own, and of the copy it is made of.
+# Texels: least and largest edge of the filtered map, largest edge of its source.
 _SMALLEST, _LARGEST, _SOURCE_SIZE = 32, 64, 128
-# Wider lobes take more samples, and have fewer texels.
+# Samples of the first level, doubled for each wider lobe, which has fewer texels.
 _SAMPLES = 64
-# No coarse cell of the sky may be off by more than this share of it (or of 1 % of the
-# brightest cell, if that is more), unless a tolerance says otherwise: half a step of 8 bits at
-# the display's white.
+# Largest relative error of a coarse cell of the sky (relative to 1 % of the brightest cell, if that
+# is more) without a tolerance: half a step of 8 bits at the display's white.
 CHANGE_SEEN = 0.005
-# Ratio of two skies' levels from which the earlier one's pattern says nothing of the later one's.
+# Ratio of two skies' levels from which the earlier map is not scaled to the later sky.
 _LEAP = 2.0
 _CELLS = 8
 _DARKEST_CELL = 0.01
@@ -37,9 +36,9 @@ _FACES = 6
 def reflection_change(tolerance: float) -> float:
     """Largest relative difference of a coarse cell between the sky and its reflected copy.
 
-    The one knob of the frame that follows the tolerance; it bounds the change itself, so that no
-    front has to be measured. Sizes and samples of the filtered map do not follow: they err by 1 %
-    of the brightest at most.
+    The only parameter of the frame that follows the tolerance; it bounds the change itself and
+    needs no error-cost table. Size and samples of the filtered map are fixed, with an error of at
+    most 1 % of the brightest value.
     """
     return budget(tolerance, CHANGE_SEEN, 0.5)
 
@@ -47,9 +46,9 @@ def reflection_change(tolerance: float) -> float:
 class SpecularFilter:
     """Filters the latest sky; used on the GL thread only.
 
-    Work is done on a copy and shown when it is whole, so that a sky that changes in every
-    frame neither tears a reflection nor starves it. The counters count each "reflection slice",
-    and skips where the sky is the same or differs by `change_seen` at most.
+    A map is filtered from a copy and shown when it is complete, so that a sky that changes in
+    every frame neither tears reflections nor stops their updates. The counters count each
+    "reflection slice", and skips where the sky is the same or differs by `change_seen` at most.
     """
 
     def __init__(self, context: Any, counters: WorkCounters):
@@ -79,7 +78,7 @@ class SpecularFilter:
 
     @property
     def scale(self) -> float:
-        """The factor from the texture's values to radiance, as bright as the present sky."""
+        """The factor from the texture's values to radiance, scaled to the present sky's level."""
         if self._shown is None:
             return 1.0
         return self._shown[1] * age_factor(self._level, self._shown[2])
@@ -87,11 +86,10 @@ class SpecularFilter:
     def update(
         self, sky: SkyTexture, slices: int | None, always: bool = False, level: float = 1.0
     ) -> None:
-        """Follow the sky by so many slices of work, or without a number until it is done.
+        """Filter the next slices of the sky, or with None all that remain.
 
-        The first sky is done at once, and so is one after a leap into another light. `always`
-        filters an unchanged sky too. A map of an earlier sky is shown as bright as this one,
-        by its `level`.
+        The first sky is filtered at once, as is one after a large change of `level`. `always`
+        filters an unchanged sky too. A map of an earlier sky is scaled to the level of this one.
         """
         self._level = level
         if self._shown is None or _is_leap(level, self._shown[2]):
@@ -133,7 +131,7 @@ class SpecularFilter:
         self._source = self._cube(self._source, min(size, _SOURCE_SIZE))
         self._next = self._cube(self._next, min(max(size, _SMALLEST), _LARGEST))
         self._copy()
-        # The quick ones first: the next picture is waited for.
+        # Quick slices first, so that the next picture is not delayed.
         self._slices.extend(
             (level, face) for level in range(len(LEVEL_ROUGHNESS))[::-1] for face in range(_FACES)
         )
@@ -151,7 +149,7 @@ class SpecularFilter:
         return values[:, :3].astype(np.float64)
 
     def _copy(self) -> None:
-        """Keep the cube map in texture unit 0, averaged down."""
+        """Copy the cube map in texture unit 0, averaged down."""
         self._source.bind_to_image(0, read=False, write=True)
         groups = -(-self._source.size[0] // _GROUP)
         run_compute(self._programs["cube_copy"], groups, groups, _FACES)
@@ -171,14 +169,13 @@ class SpecularFilter:
         self._counters.did("reflection slice")
 
     def _show(self) -> None:
-        """Show what was filtered; the map that was shown so far becomes the next to fill."""
+        """Show the filtered map; the map shown before becomes the next target."""
         self._context.memory_barrier()
         self._next, shown = self.texture, self._next
         self._shown = (shown, self._source_scale, self._source_level)
 
     def _cube(self, old: Any, size: int) -> Any:
-        """A cube map of this size in half precision with all its mip levels; the old one if it
-        fits."""
+        """A half-precision cube map of this size with all mip levels; the old one if it fits."""
         if old is not None and old.size[0] == size:
             return old
         if old is not None:
@@ -194,7 +191,7 @@ def _is_leap(now: float, then: float) -> bool:
 
 
 def change(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
-    """The largest relative change of any value, dark ones counted by 1 % of the brightest."""
+    """The largest relative change; values below 1 % of the brightest are relative to that."""
     larger = np.maximum(before, after)
     floor = max(_DARKEST_CELL * float(larger.max()), np.finfo(np.float64).tiny)
     return float(np.max(np.abs(after - before) / np.maximum(larger, floor)))

@@ -1,9 +1,9 @@
-"""The sun's shadow map of a finished still: four squares, each finer and of what is nearer.
+"""The sun's shadow map of a finished still: four squares, the finer ones nearer to the eye.
 
-They are fitted to the points that the picture shows (Lauritzen et al. 2010, "Sample distribution
-shadow maps"), so that texels are as fine, measured in pixels, near and far: a penumbra that is
-too narrow for the map is too narrow for the picture. Each is as deep as what may cast into it: in
-a landscape too depth tells centimetres apart.
+They are fitted to the visible points (Lauritzen et al. 2010, "Sample distribution shadow maps"), so
+that texels have a similar size in pixels near and far: a penumbra too narrow for the map is too
+narrow for the picture. Each spans the depth of its casters only, which resolves centimetres in a
+landscape too.
 """
 
 import math
@@ -22,23 +22,22 @@ from vrut_lite.render.passes.shadow_textures import ShadowTextures
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 
-# As sun_shadow.glsl has them: squares, two in a row, texels along a side, and the part of their
-# half width inside which the widest filter stays in a square.
+# As in sun_shadow.glsl: squares, two in a row, texels along a side, and the fraction of their half
+# width inside which the widest filter stays in a square.
 SQUARES, SQUARE_TEXELS, INSIDE = 4, 2048, 1.0 - 2.0 * 132.0 / 2048.0
-# Texels of the radius of the widest penumbra that is followed.
+# Largest penumbra radius (texels).
 MOST_RADIUS = 128.0
-# Pixels: texels of a quarter would do but for a low sun, which lengthens them on the ground.
+# Finest and coarsest texel (pixels): a quarter would do, but a low sun stretches it on the ground.
 _FINEST_PX, _COARSEST_PX = 1.0 / 16.0, 1e6
-# Between the points that are known others are seen, and deeper ones.
+# Margins of width and depth for visible points between those of the grid.
 _ROOM, _DEEPER = 1.03, 1.1
 _HALVINGS = 24
-# Of depths, and of corners of triangles, which may be as large as the scene.
+# Relative rounding error of depths and of vertices, whose triangles may be as large as the scene.
 _ROUNDING = 2e-7
 
 
 class Square(NamedTuple):
-    """What a square covers: its centre (3,), right, up and towards the sun from the eye, and half
-    its width and its depth."""
+    """Centre (3,) of a square, right, up and towards the sun from the eye; half width and depth."""
 
     centre_m: FloatArray
     half_m: float
@@ -55,7 +54,7 @@ class StillShadowMap:
     def __init__(self, context: Any, counters: WorkCounters):
         self._counters = counters
         self._textures = ShadowTextures(context, 2 * SQUARE_TEXELS)
-        # Each texel is compared with a depth of its own.
+        # The shader compares each texel with another depth.
         self._textures.depth.compare_func = ""
         self._grid = SeenGrid()
         self._drawn: tuple[Any, ...] = ()
@@ -71,7 +70,7 @@ class StillShadowMap:
         size_px: tuple[int, int],
         always: bool,
     ) -> StillShadow:
-        """The shadows on what a view shows; `always` draws them also when nothing changed."""
+        """The shadows of a view; `always` draws them without a change too."""
         eye = (view.eye_m.tobytes(), view.clip_from_eye.tobytes(), meshes.section)
         now = (scene, light.sun_direction, light.sun_radius_rad, size_px, *eye)
         if not always and self._shadow is not None and self._drawn == now:
@@ -138,13 +137,13 @@ def fitted(
     middle_m: NDArray[np.float64],
     half_extent_m: NDArray[np.float64],
 ) -> list[Square]:
-    """At most four squares, from the widest, that hold points under a sun in world `direction`.
+    """At most four squares, from the widest, that contain points under a sun in `direction`.
 
-    What casts lies in a box around `middle_m` (3,) from the eye, half as large as `half_extent_m`
-    (3,) each way. The first square holds all points in the sphere around the box, as the sun sees
-    it, and is wide enough for the widest penumbra, of a sun whose radius has this tangent; each
-    further one holds those for which the texels before are too wide. How many pixels a texel may be
-    wide is the least for which four suffice.
+    Casters lie in a box around `middle_m` (3,) from the eye that extends by `half_extent_m` (3,)
+    each way. The first square contains all points within the box's bounding sphere, in the sun's
+    view, and is wide enough for the widest penumbra; `spread` is the tangent of the sun's radius.
+    Each further square contains the points for which the previous texels are too wide. The texel
+    width (pixels) is the least for which four squares suffice.
     """
     axes, radius_m = light_axes(direction), float(np.linalg.norm(half_extent_m))
     at = points.from_eye_m @ axes.T
@@ -163,7 +162,7 @@ def fitted(
     halves_m[-1] = max(halves_m[-1], 0.5 * SQUARE_TEXELS * widest_m / MOST_RADIUS)
 
     def counts(most_px: float) -> tuple[list[int], bool]:
-        """How many of the points each square holds, and whether the last is fine enough."""
+        """Number of points in each square, and whether the last is fine enough."""
         found = [len(at)]
         while True:
             texel_m = 2.0 * halves_m[found[-1] - 1] / SQUARE_TEXELS
@@ -199,7 +198,7 @@ def _nearest_to_sun(
     middle_m: NDArray[np.float64],
     half_extent_m: NDArray[np.float64],
 ) -> float:
-    """How far towards the sun a box reaches, at most, over a square."""
+    """Largest coordinate towards the sun (m) of a box above a square."""
     across = half_extent_m + half_m * np.abs(axes[:2]).sum(axis=0)
     away, along = middle_m - centre_m[:2] @ axes[:2], axes[2]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -208,5 +207,5 @@ def _nearest_to_sun(
 
 
 def _numbers(rows: list[tuple[float, float, float]]) -> NDArray[np.float32]:
-    """Numbers of all squares (4, 3); those that are missing hold nothing."""
+    """Numbers of all squares (4, 3); missing squares contain no point."""
     return np.array([*rows, *[(1e18, 1e18, 1e18)] * (SQUARES - len(rows))], np.float32)

@@ -1,4 +1,4 @@
-"""Draw calls of pyrender's primitives, by the sides that show."""
+"""Draw calls of pyrender's primitives, by visible side."""
 
 from typing import Any, NamedTuple
 
@@ -12,17 +12,17 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
 
 class Side(NamedTuple):
-    """Faces that are drawn in one go: which GL hides, none for 0, and defines of their programs."""
+    """Faces drawn in one call: GL's cull face, 0 without culling, and defines of their programs."""
 
     hidden: int
     defines: Defines = ()
 
 
 def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
-    """The sides of a mesh that show, one after another: of a blended one the backs first.
+    """The visible sides of a mesh in draw order; back faces first if it is blended.
 
-    Where normals agree with the triangles' winding, programs of the front need no light of the
-    back, which on a software renderer costs as much whether it is seen or not.
+    Where normals agree with the triangles' winding, the front's program omits the back's light,
+    which costs a software renderer as much whether it is seen or not.
     """
     primitive = placed.primitive
     if not placed.is_two_sided:
@@ -39,7 +39,7 @@ def draw_side(primitive: Any, side: Side, blended: bool = False) -> None:
     if blended:
         direct_gl.enable(GL.GL_BLEND)
         if primitive.material.terms.transmits:
-            # What is behind times a colour that the shader says.
+            # Multiplies the destination by the shader's second output.
             direct_gl.blend_function(GL.GL_ONE, GL.GL_SRC1_COLOR)
         else:
             direct_gl.blend_function(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
@@ -54,7 +54,7 @@ def draw_side(primitive: Any, side: Side, blended: bool = False) -> None:
 
 
 def draw_triangles(primitive: Any) -> None:
-    """Draw all of a primitive with the state that is set."""
+    """Draw a whole primitive with the current GL state."""
     direct_gl.bind_vertices(primitive._vaid)
     if primitive.indices is not None:
         direct_gl.draw_elements(primitive.mode, primitive.indices.size, GL.GL_UNSIGNED_INT, None)

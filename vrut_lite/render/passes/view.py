@@ -1,4 +1,4 @@
-"""A camera's matrices, and those of placed meshes as it sees them."""
+"""Matrices of a camera, and of placed meshes in its view."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class View:
-    """A camera: the eye (3,), and matrices (4, 4) of its orientation alone."""
+    """A camera: the eye (3,), and matrices (4, 4) without the eye's translation."""
 
     eye_m: NDArray[np.float64]
     rotation: NDArray[np.float64]
@@ -21,13 +21,13 @@ class View:
         return self.projection @ self.rotation
 
     def pixel_rad(self, size_px: tuple[int, int]) -> float:
-        """The angle that a pixel in the middle of such a picture sees; 0 in parallel projection."""
+        """Angle of a pixel in the middle of a picture (rad); 0 in parallel projection."""
         if self.projection[3, 3] != 0.0:
             return 0.0
         return 2.0 / (size_px[1] * float(self.projection[1, 1]))
 
     def shifted(self, shift_px: tuple[float, float], size_px: tuple[int, int]) -> "View":
-        """The view whose picture shows what lies so far to the right and up."""
+        """The view shifted by pixels to the right and up."""
         projection = self.projection.copy()
         for axis in range(2):
             projection[axis] -= 2.0 * shift_px[axis] / size_px[axis] * projection[3]
@@ -42,10 +42,10 @@ def translation(offset_m: NDArray) -> NDArray[np.float64]:
 
 
 def normal_matrix(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Matrix (3, 3) of normals where positions go by a matrix (4, 4).
+    """Matrix (3, 3) of normals where a matrix (4, 4) transforms positions.
 
-    The cofactors, the inverse transpose times the determinant: also under uneven scale, and where
-    one axis is flattened to nothing.
+    The cofactors, the inverse transpose times the determinant, are also valid under non-uniform
+    scale, and where one axis is scaled to zero.
     """
     a, b, c = matrix[:3, :3].T.tolist()
     rows = np.array([_cross(b, c), _cross(c, a), _cross(a, b)])
@@ -54,5 +54,5 @@ def normal_matrix(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _cross(a: list[float], b: list[float]) -> list[float]:
-    """Of three numbers each, where numpy takes ten times as long."""
+    """Cross product of two vectors; numpy takes ten times as long."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

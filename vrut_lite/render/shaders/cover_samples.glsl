@@ -1,6 +1,6 @@
 //!include cut_out.glsl
 
-// A threshold by the pixel, even over 4 x 4 of them (Bayer), and over the pictures of one.
+// Threshold of a pixel, uniform over 4 x 4 pixels (Bayer) and over the pictures of a still.
 float threshold() {
     ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;
     at &= 1;
@@ -10,12 +10,12 @@ float threshold() {
     return (float(step) + (float(picture_number) + 0.5) / float(picture_count)) / 16.0;
 }
 
-// Leave out of the pixel's samples what is cut away.
+// Mask the pixel's samples that a cut-out map does not cover.
 void cover(float alpha) {
     float share = covered_share(material.base_color_texture, uv_of(base_color_layer), alpha);
     int samples = int(float(gl_NumSamples) * share + threshold());
     if (samples == 0) discard;
-    // Another one first in each pixel.
+    // The first sample differs between pixels.
     int first = (int(gl_FragCoord.x) + 2 * int(gl_FragCoord.y)) % gl_NumSamples;
     int mask = (1 << samples) - 1;
     gl_SampleMask[0] = (mask << first) | (mask >> (gl_NumSamples - first));

@@ -1,4 +1,4 @@
-// Irradiance of what is seen, normal maps left out: as a light meter on the surface has it.
+// Irradiance of the visible surface without normal maps, as a light meter on it measures.
 
 vec3 irradiance_of(vec3 face, vec3 n, bool behind) {
 #ifdef IRRADIANCE

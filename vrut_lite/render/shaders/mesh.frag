@@ -4,12 +4,12 @@
 
 const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
-const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
-const float FEWEST_THINGS = 0.05;    // share of all directions below which things are too few to tell
-const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
-const float HOLDS_RAD = 2.0;         // angle of view over which a coat of roughness 1 looks alike
-const float EDGE = 0.49;             // from the middle of a shadow's edge to its end, of the sun
-const float GLINTS_COUNT = 7.0;      // times more than what else a coat mirrors
+const float MOST_TILTED = 2.0;       // largest change of reflected light by a normal map
+const float FEWEST_THINGS = 0.05;    // share of all directions, regularises the density of things
+const float SMALLEST_ALPHA = 0.005;  // about the blur of a mirror image by the sun's radius
+const float HOLDS_RAD = 2.0;         // view angle over which a coat of roughness 1 looks alike
+const float EDGE = 0.49;             // largest difference from half of the sun within a penumbra
+const float GLINTS_COUNT = 7.0;      // additional weight of highlights in a coat's radiance
 
 struct Material {
     vec3 emissive_factor;
@@ -34,22 +34,22 @@ struct Material {
 };
 
 uniform Material material;
-uniform float alpha_cutoff;          // below it a fragment is dropped; 0 for opaque and blended
-uniform float alpha_end;             // and from it on: what is solid is drawn before
+uniform float alpha_cutoff;          // fragments below are discarded; 0 for opaque and blended
+uniform float alpha_end;             // and from it on: opaque texels are drawn before
 uniform float opaque;                // 1: alpha is ignored
-uniform int base_color_layer;        // of texture coordinates: 0 the first, 1 the second
+uniform int base_color_layer;        // set of texture coordinates, 0 or 1
 uniform int metallic_roughness_layer;
 uniform int normal_layer;
 uniform int occlusion_layer;
 uniform int emissive_layer;
 uniform float normal_scale;
 uniform float occlusion_strength;
-uniform float dielectric_f0;         // reflectance at normal incidence of what is no metal
-const float TABLE_F0 = 0.04;         // of the table's means
+uniform float dielectric_f0;         // reflectance of dielectrics at normal incidence
+const float TABLE_F0 = 0.04;         // f0 of the table's means
 
 uniform vec3 sun_direction;          // towards the sun
 uniform vec3 sun_irradiance;         // on a plane that faces it
-uniform int picture_number;          // of those that a still is the mean of
+uniform int picture_number;          // of the pictures averaged into a still
 uniform int picture_count;
 
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
@@ -118,7 +118,7 @@ vec4 base_color() {
 #endif
 #endif
 #ifdef COLOR_0_LOC
-    // Some rasterisers reach beyond the triangle for the centroid too.
+    // Some rasterisers extrapolate beyond the triangle even for a centroid.
     base *= clamp(vertex_color, 0.0, 1.0);
 #endif
     return base;
@@ -148,7 +148,7 @@ void main() {
     cover(alpha_of_map);
 #endif
 #ifndef SOLID
-    // A software renderer leaves out hidden fragments at a third of the cost without this.
+    // Without discard a software renderer rejects hidden fragments at a third of the cost.
     if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
 #endif
 #ifdef ILLUMINANCE
@@ -159,7 +159,7 @@ void main() {
     return;
 #endif
 #ifdef UNLIT
-    // As bright as level ground of its colour in the open.
+    // Radiance of level ground of this colour in the open.
     vec3 on_ground = sky_irradiance(vec3(0.0, 1.0, 0.0)) + sun_irradiance * max(sun_direction.y, 0.0);
     vec3 shown = base.rgb * on_ground / PI;
 #ifdef THROUGH_AIR
@@ -204,14 +204,14 @@ void main() {
     transmission *= 1.0 - metallic;
     albedo *= 1.0 - transmission;
 #ifdef HAS_TRANSMISSION_TEX
-    if (transmission <= 0.0) discard;  // drawn among what is solid
+    if (transmission <= 0.0) discard;  // drawn with opaque surfaces
 #endif
 #elif defined(HAS_TRANSMISSION_TEX)
-    if (transmission > 0.0) discard;   // drawn after all that is solid
+    if (transmission > 0.0) discard;   // drawn after opaque surfaces
 #endif
 
-    float holds_rad = 1.0;  // over which angle of view the radiance holds
-    bool at_edge = false;   // of a shadow: told by the sign of alpha
+    float holds_rad = 1.0;  // view angle over which the radiance is valid
+    bool at_edge = false;   // of a shadow: stored in the sign of alpha
 
     vec3 view = normalize(-eye_to_sample);
     vec3 face = face_normal(view);
@@ -233,11 +233,11 @@ void main() {
     vec3 share = shares(nv, roughness);
     vec3 more = bounces(f0, share.xy);
     // The coat transmits the rest to the paint below it (Kelemen and Szirmay-Kalos
-    // 2001): reciprocal, and a white surface gives back all of any light.
+    // 2001): reciprocal, and a white surface loses no energy.
     float through = 1.0 - coat(share.xy, coat_peak, coat_f90);
 #endif
 #ifdef SHEEN
-    // Fibres take their light from all that is below them.
+    // Light reflected by fibres is lost to all layers below.
     float below_sheen = 1.0 - peak(terms.sheen_rgb) * sheen_share(nv);
     through *= below_sheen;
     more *= below_sheen;
@@ -252,7 +252,7 @@ void main() {
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
     float mean = share.z * coat_f90;
 #ifdef TERMS
-    // In proportion: all at an f0 of 1, and the table's own at that of the table.
+    // Linear in f0: 1 at an f0 of 1, the table's mean at the table's f0.
     mean += (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
     mean = min(mean, 0.999);
 #endif
@@ -263,7 +263,7 @@ void main() {
     seen.clearcoat = clearcoat;
 #endif
 #ifdef NO_SKY
-    // Shadow maps let the sun through where walls meet.
+    // Shadow maps leak sunlight where walls meet.
     nl = 0.0;
 #endif
     if (nl > 0.0 && cos_face > 0.0) {
@@ -302,12 +302,12 @@ void main() {
     if (coat_f90 + metallic > 0.0) {
         SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
         vec3 far_light = once * far.direct + at_grazing * far.grazing;
-        // Of the sky the share that is seen where each lobe looks; all else that arrives comes
-        // evenly from where the sky is not.
+        // Visible share of the sky in each lobe; all other light arrives evenly from directions
+        // without sky.
         vec3 around = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
         float sky_in_all = max(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 1e-4);
         vec2 of_sky = sky_seen(found.sky, sky_in_all, n, view, nv, roughness);
-        // What is seen of the sky may be brighter than the lobe's own image of all of it.
+        // The visible part of the sky may be brighter than the lobe's image of the whole sky.
         float brighter = mix(1.0, min(reached.a / sky_in_all, 4.0), roughness * roughness);
         vec2 things = (1.0 - of_sky + FEWEST_THINGS) / (1.0 - min(sky_in_all, 1.0) + FEWEST_THINGS);
         vec2 seen = of_sky * brighter;
@@ -316,7 +316,7 @@ void main() {
 #ifdef LOBES
         if (found.mirrors) {
 #ifdef HAS_NORMAL_TEX
-            // They know no normal map: what it tilts changes as the sky's image does.
+            // Lobes ignore normal maps: a tilt changes them as it changes the sky's image.
             float even_nv = max(dot(smooth_n, view), 1e-4);
             SkyImage even = sky_image(reflect(-view, smooth_n), smooth_n, even_nv, roughness);
             found.direct *= mix(vec3(1.0), ratio(far.direct, even.direct, MOST_TILTED), of_sky.x);
@@ -336,7 +336,7 @@ void main() {
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
-    // A wide lobe turns slowly past what it mirrors, and evens out all but sun and extra lights.
+    // A wide lobe changes slowly with the view and blurs all but sun and extra lights.
     vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT + GLINTS_COUNT * glints;
     float share_of_coat = dot(of_coat, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-30);
     holds_rad = min(HOLDS_RAD * roughness * roughness * roughness / max(share_of_coat, 1e-3), 1.0);
@@ -350,7 +350,7 @@ void main() {
     radiance += terms.sheen_rgb * sheen_share(nv) * on_sheen / PI;
 #endif
 #ifdef GLASS
-    // The coat reflects; of what it lets in, what is behind is seen, tinted by the base colour.
+    // The coat reflects; the rest transmits the background, tinted by the base colour.
     vec3 tint = base.rgb * (transmission * through);
 #ifdef BACKDROP
     radiance += tint * seen_through(eye_to_sample, n, view, roughness);
@@ -379,7 +379,7 @@ void main() {
     radiance = through_air(radiance, -view, metres, lit_air);
 #endif
 #ifdef GLASS
-    // A blended pane is there by the share alpha.
+    // Alpha is the coverage of a blended pane.
     frag_radiance = vec4(radiance * base.a, 1.0);
     share_of_behind = vec4(mix(vec3(1.0), tint, base.a), 1.0);
 #else

@@ -1,6 +1,6 @@
 #version 430 core
-// A cut-out leaf casts the shadow of the leaf, not of its quad; glass is no part of it. With TINT,
-// what glass and blended surfaces leave of the sun's light, to be multiplied, and their depth.
+// Depth of shadow casters, without cut-out texels and glass. With TINT, transmittance of glass and
+// blended surfaces, to be multiplied, and their depth.
 
 uniform float base_alpha;
 uniform float alpha_cutoff;
@@ -16,7 +16,7 @@ in vec2 uv;
 #endif
 
 #ifdef TINT
-uniform float blended;     // 1: alpha says how much of the surface is there
+uniform float blended;     // 1: alpha is the surface's coverage
 uniform float map_aspect;  // of the shadow map, its width over its depth
 out vec4 left;
 #ifdef GLASS
@@ -30,7 +30,7 @@ vec3 left_by_glass(vec3 texel) {
     float f0 = max(terms.f0.r, max(terms.f0.g, terms.f0.b));
     float through = 1.0 - mix(f0, terms.f90, pow(1.0 - nl, 5.0));
     vec3 tint = base_tint * texel;
-    // The sides of a body tint half each.
+    // Each side of a body contributes half of the tint.
     if (terms.thickness_m > 0.0) tint = sqrt(tint * exp(-terms.extinction_per_m * terms.thickness_m));
     return tint * (through * terms.transmission);
 }
@@ -60,7 +60,7 @@ void main() {
 #ifdef GLASS
     tint = left_by_glass(texel.rgb);
 #endif
-    // Depth within what is as deep as the map is wide, of which half floats tell enough apart.
+    // Depth within a range as deep as the map is wide, which half floats resolve.
     float depth = clamp((gl_FragCoord.z - 0.5) / map_aspect + 0.5, 0.0, 1.0);
     left = vec4(mix(vec3(1.0), tint, mix(1.0, base_alpha * texel.a, blended)), depth);
     return;

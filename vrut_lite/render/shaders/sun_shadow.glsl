@@ -1,6 +1,6 @@
-// What of the sun arrives: by the shadow maps, and through glass.
+// Visibility of the sun by the shadow maps, and transmittance of glass.
 
-uniform float shadow_spread;         // texels of a penumbra's radius, by its caster's distance in depth
+uniform float shadow_spread;         // penumbra radius (texels) per distance of its caster in depth
 #ifdef STILL_SHADOW
 layout(binding = 34) uniform sampler2D still_map;
 layout(binding = 35) uniform sampler2D still_ranges;   // passes/shadow_ranges.py
@@ -24,28 +24,27 @@ uniform mat4 near_shadow_matrix;
 uniform float near_shadow_texel_m;
 uniform float near_shadow_spread;
 uniform float near_shadow_aspect;
-const float NEAR_RIM = 0.25;         // of its half width, where it goes over into the other
+const float NEAR_RIM = 0.25;         // of its half width, blended with the scene's map
 #endif
 
 const float FIRST_CELL = 8.0;        // texels along cells of ranges
 const float LAST_CELL = 256.0;
 const float MOST_RADIUS = 0.5 * LAST_CELL;
-const float TAP_VARIANCE = 0.67;     // texels^2: what linear filtering adds to a disc's radius^2
+const float TAP_VARIANCE = 0.67;     // texels^2 that linear filtering adds to a disc's radius^2
 #ifdef STILL_SHADOW
-const float HARD_RADIUS = 0.82;      // texels: a disc's, of the same variance as the least filter
-const float OFF_PLANE = 0.15;        // texels: what a surface may be off its plane
-const int STILL_TAPS = 64;           // of all pictures
+const float HARD_RADIUS = 0.82;      // texels, of a disc with the variance of the smallest filter
+const float OFF_PLANE = 0.15;        // texels: depth bias for surfaces off their plane
+const int STILL_TAPS = 64;           // in all pictures of a still
 const float GOLDEN_RAD = 2.3999632;
 #else
 const float HARD_RADIUS = 1.83;
 const int SOFT_TAPS = 32;
 const mat2 GOLDEN_TURN = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
 #endif
-const float OWN_SLOPE = 1.0;         // off its plane, what rises less is the surface's own
+const float OWN_SLOPE = 1.0;         // depth bias by radius: smaller rises belong to the receiver
 
-// Radius in texels of the disc through which a place, in texels and depth, is lit, 0 where all of it
-// is shaded. Ranges bound how far a caster in the sun's cone can be, and so the cone: three times,
-// closer and closer.
+// Radius (texels) of the filter disc of a place, in texels and depth; 0 in full shadow. Ranges
+// bound the distance of casters in the sun's cone, and so the cone, in three iterations.
 float sun_radius(sampler2D ranges, vec3 at, float spread, vec2 steep, float texel) {
     float texels = float(textureSize(ranges, 0).y) * FIRST_CELL, radius = spread * at.z;
     vec2 found;
@@ -63,16 +62,15 @@ float sun_radius(sampler2D ranges, vec3 at, float spread, vec2 steep, float texe
     return found.y < at.z - reach - texel ? 0.0 : max(radius, HARD_RADIUS);
 }
 
-// Of a gather's comparisons, by the weights of its columns and rows. Components are left and right of
-// the upper row, right and left of the lower: w z / x y.
+// Sum of a gather's comparisons, weighted by columns and rows: w z are its upper row, x y the lower.
 float weighed(vec4 hit, vec2 first, vec2 second) {
     vec2 rows = hit.wx * first.x + hit.zy * second.x;
     return dot(rows, vec2(first.y, second.y));
 }
 
 #ifndef STILL_SHADOW
-// One linearly filtered comparison, in texels, with the depth of a plane that changes by `steep` a
-// texel: below the middle of a gather (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques").
+// One linearly filtered comparison at a place (texels) with a plane whose depth changes by `steep`
+// per texel, at the gather's middle (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques").
 float lit_linearly(sampler2DShadow map, vec2 place, float depth, vec2 steep) {
     vec2 within = fract(place), size = vec2(textureSize(map, 0));
     float below = depth + dot(steep, 0.5 - within);
@@ -82,11 +80,12 @@ float lit_linearly(sampler2DShadow map, vec2 place, float depth, vec2 steep) {
 
 // Share of the sun at a place in a shadow map. A penumbra is the mean over the disc that the sun's
 // cone cuts at the farthest caster (Fernando 2005, "Percentage-closer soft shadows"), of linearly
-// filtered comparisons along a spiral (Vogel 1979). Where it is narrower than texels can tell,
-// the mean of 3 x 3: they meet 4 x 4 texels, which four gathers fetch once each. One loop serves both,
-// as a software renderer runs both sides of an `if`.
-// The surface's depth changes by `steep` across the map, in widths of it: a gather is compared with
-// the surface below its middle, less what half a texel each way can span. So shadows begin a texel off a surface, where they are.
+// filtered comparisons along a spiral (Vogel 1979). Where it is narrower than texels resolve, the
+// mean of 3 x 3: they cover 4 x 4 texels, which four gathers fetch once each. One loop serves both,
+// since a software renderer executes both sides of an `if`.
+// `steep` is the change of the surface's depth across the map's width: a gather is compared with
+// the surface at its middle, less the depth that half a texel each way can span. Shadows then begin
+// a texel off the surface.
 float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, float spread,
                 float aspect) {
     at.xy = at.xy * 0.5 + 0.5;
@@ -99,8 +98,8 @@ float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, floa
     float disc = sqrt(max(radius * radius - TAP_VARIANCE, 0.0));
     vec2 place = at.xy * size - 0.5, f = fract(place);
     float depth = at.z - 0.5 * texel.x * (abs(steep.x) + abs(steep.y) + aspect);
-    // Where the middle is lit, what is farther than it shades nothing: beyond an inner corner that
-    // is the other surface, which the plane lies behind.
+    // Where the middle is lit, casters farther than it are ignored: beyond an inner corner they are
+    // the other surface, in front of the plane.
     float shaded = 1.0 - lit_linearly(map, place, depth, steep * texel);
     float lit = 0.0;
     vec2 turned = vec2(1.0, 0.0);
@@ -124,7 +123,7 @@ float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, floa
 #endif
 
 #ifdef STILL_SHADOW
-// The finest square that holds a place, in metres as the sun sees.
+// The finest square that contains a place, in metres along the sun's axes.
 int square_at(vec2 at) {
     int found = 0;
     for (int i = 1; i < SQUARES; ++i) {
@@ -134,7 +133,7 @@ int square_at(vec2 at) {
     return found;
 }
 
-// A place in texels of the map, from a square's lower left corner on.
+// Texels of the map at a place in a square.
 vec2 place_in(int square, vec2 at) {
     vec2 within = clamp((at - shadow_squares[square].xy) * shadow_squares[square].z, -1.0, 1.0);
     return SQUARE_TEXELS * (vec2(square & 1, square >> 1) + 0.5 + 0.5 * within);
@@ -146,8 +145,8 @@ float depth_in(int square, float towards_sun_m) {
     return min(0.5 + away, 1.0);
 }
 
-// One linearly filtered comparison, in texels, with a plane that changes by `steep` a texel: each of
-// the four texels with the plane below its own middle.
+// One linearly filtered comparison at a place (texels) with a plane whose depth changes by `steep`
+// per texel: each of the four texels with the plane at its own middle.
 float lit_linearly(vec2 place, float depth, vec2 steep) {
     vec2 within = fract(place), size = vec2(textureSize(still_map, 0));
     float below = depth + dot(steep, 0.5 - within), up = 0.5 * (steep.y - steep.x);
@@ -157,15 +156,15 @@ float lit_linearly(vec2 place, float depth, vec2 steep) {
     return weighed(hit, 1.0 - within, within);
 }
 
-// Share of the sun that reaches this point, through a part of the sun's disc: all pictures of a still
-// have all of it. As `lit_share`, but texels are finer than pixels, and one gather the least filter.
+// Share of the sun that reaches this point, from a part of the sun's disc; all pictures of a still
+// cover the disc. As `lit_share`, but texels are finer than pixels; the smallest filter is a gather.
 float sun_visibility(vec3 face) {
     vec3 slope = shadow_axes * face;
     vec2 steep = slope.xy / max(slope.z, 1e-3 * length(slope));
     vec3 at = shadow_axes * point_in_triangle(face);
     vec2 off = abs(at.xy - shadow_squares[0].xy) * shadow_squares[0].z;
     if (max(off.x, off.y) > 1.0) return 1.0;
-    // Where a penumbra is wider than can be followed, the next square's texels are wide enough.
+    // Where a penumbra exceeds MOST_RADIUS, the next square has wider texels.
     float radius, texel;
     vec3 place;
     for (int square = square_at(at.xy); square >= 0; --square) {
@@ -221,10 +220,10 @@ float sun_visibility(vec3 face) {
 #endif
 
 #ifdef GLASS_SHADOW
-layout(binding = 23) uniform sampler2D glass_shadow;  // of the nearest of the maps
-const float GLASS_DEPTH = 2e-3;                      // half floats tell no less apart
+layout(binding = 23) uniform sampler2D glass_shadow;  // of the finest map
+const float GLASS_DEPTH = 2e-3;                      // resolution of half floats
 
-// What glass before this point leaves of the sun; off its own surface as in `sun_visibility`.
+// Transmittance of the glass in front of this point, offset from its own surface.
 vec3 sun_through_glass(vec3 face) {
     vec3 p = point_in_triangle(face);
 #ifdef STILL_SHADOW

@@ -1,4 +1,4 @@
-// What glTF's extensions add to a surface; render/surface_terms.py uploads it and defines which.
+// Terms of glTF's material extensions; render/surface_terms.py uploads them and sets the defines.
 //!include surface_terms_block.glsl
 
 #ifdef HAS_SPECULAR_TEX
@@ -14,8 +14,8 @@ layout(binding = 20) uniform sampler2D clearcoat_map;
 layout(binding = 21) uniform sampler2D transmission_map;
 #endif
 
-// Factors by the maps' texels: reflectance at normal incidence and at grazing angles of what is
-// no metal, the share under a second coat, and the share that lets light through.
+// Terms times their maps' texels: reflectance of dielectrics at normal incidence and at grazing
+// angles, clearcoat factor, and transmission.
 void look_up_terms(out vec3 f0, out float f90, out float clearcoat, out float transmission) {
     f0 = terms.f0;
     f90 = terms.f90;
@@ -58,7 +58,7 @@ vec3 sheen_brdf(float nl, float nv, float nh) {
 #endif
 
 #ifdef SHEEN
-// Of an even sky, the share that white fibres send back: the table's fourth channel.
+// Share of a uniform sky that white fibres reflect: the table's fourth channel.
 float sheen_share(float mu) {
     float last = float(textureSize(reflectance, 0).x - 1);
     vec2 at = vec2(sqrt(clamp(mu, 0.0, 1.0)), terms.sheen_roughness) * last + 0.5;
@@ -71,13 +71,13 @@ float clearcoat_share(float mu) {
     return coat(shares(mu, terms.clearcoat_roughness).xy, TABLE_F0, 1.0);
 }
 
-// Of light from one direction, the share that a second coat lets in, in proportion to even light's.
+// Transmittance of the clearcoat for light from one direction, relative to that of uniform light.
 float below_clearcoat(float clearcoat, float nl) {
     float mean = shares(1.0, terms.clearcoat_roughness).z;
     return (1.0 - clearcoat * clearcoat_share(max(nl, 0.0))) / (1.0 - clearcoat * mean);
 }
 
-// What a second coat reflects of light from one direction; `light` falls on a plane that faces it.
+// Clearcoat reflection of light from one direction; `light` falls on a plane that faces it.
 vec3 clearcoat_highlight(vec3 light, vec3 towards, float clearcoat, vec3 n, vec3 view) {
     float nv = max(dot(n, view), 1e-4), nl = dot(n, towards);
     if (nl <= 0.0) return vec3(0.0);
@@ -90,8 +90,9 @@ vec3 clearcoat_highlight(vec3 light, vec3 towards, float clearcoat, vec3 n, vec3
     return light * (clearcoat * more * nl) * lobe;
 }
 
-// A surface below a second coat, which reflects and lets in the rest: KHR_materials_clearcoat,
-// coupled as paint and coat are. `sky_seen` is the mean radiance over the coat's lobe.
+// Radiance of a surface under a clearcoat, which transmits the unreflected rest:
+// KHR_materials_clearcoat, coupled as paint and coat are. `sky_seen` is the mean over the coat's
+// lobe.
 vec3 under_clearcoat(vec3 below, float clearcoat, vec3 n, vec3 view, vec3 highlights,
                      vec3 sky_seen) {
     float nv = max(dot(n, view), 1e-4);
@@ -101,7 +102,7 @@ vec3 under_clearcoat(vec3 below, float clearcoat, vec3 n, vec3 view, vec3 highli
 #endif
 
 #ifdef ANISOTROPY
-// Along which the facets' slopes are steepest, and across (unit vectors beside n).
+// Directions of the steepest facet slopes, and across (unit vectors perpendicular to n).
 void anisotropy_axes(vec3 n, out vec3 along, out vec3 across) {
     along = vec3(1.0, 0.0, 0.0);
 #ifdef TEXCOORD_0_LOC
@@ -112,7 +113,7 @@ void anisotropy_axes(vec3 n, out vec3 along, out vec3 across) {
     along -= n * dot(n, along);
     if (!(dot(along, along) > 0.0)) along = abs(n.y) < 0.9 ? cross(n, vec3(0, 1, 0)) : cross(n, vec3(1, 0, 0));
     along = normalize(along);
-    // Texture coordinates run down in the file, and up here.
+    // Texture coordinates run downwards in the file, upwards here.
     across = cross(n, along);
     float c = cos(terms.anisotropy_rad), s = sin(terms.anisotropy_rad);
     vec3 turned = along * c + across * s;
@@ -135,7 +136,7 @@ vec3 stretched_brdf(vec3 n, vec3 l, vec3 v, vec3 h, float nl, float nv, float vh
     return distribution * visibility * (f0 + (f90 - f0) * pow(1.0 - vh, 5.0));
 }
 
-// About which a stretched highlight mirrors the sky.
+// Normal about which an anisotropic highlight mirrors the sky.
 vec3 bent_normal(vec3 n, vec3 v, float roughness) {
     vec3 along, across;
     anisotropy_axes(n, along, across);
@@ -147,10 +148,10 @@ vec3 bent_normal(vec3 n, vec3 v, float roughness) {
 #endif
 
 #ifdef BACKDROP
-layout(binding = 22) uniform sampler2D backdrop;  // what was drawn before, smaller and smaller
+layout(binding = 22) uniform sampler2D backdrop;  // mipmapped copy of the framebuffer
 uniform mat4 clip_from_eye;
 
-// What is seen through the side of a body, or blurred by a rough one, before it is tinted.
+// Background refracted by a body or blurred by its roughness, before the tint.
 vec3 seen_through(vec3 point, vec3 n, vec3 view, float roughness) {
     vec3 d = -view;
     if (terms.thickness_m > 0.0) {
@@ -159,9 +160,9 @@ vec3 seen_through(vec3 point, vec3 n, vec3 view, float roughness) {
     }
     vec4 clip = clip_from_eye * vec4(point + (terms.thickness_m > 0.0 ? d : vec3(0.0)), 1.0);
     vec2 at = clamp(0.5 + 0.5 * clip.xy / clip.w, 0.0, 1.0);
-    // Facets tilt by alpha (GGX's median) and turn light by twice as much; of that angle the eye
-    // sees a half at most where things stand nearer behind than it stands before. A body of ior 1
-    // blurs nothing, however rough it is.
+    // Facets tilt by alpha (GGX's median) and deflect light by twice as much; the eye sees half of
+    // that angle at most where objects are nearer behind the surface than the eye is in front. A
+    // body of ior 1 does not blur, however rough it is.
     float spread_rad = roughness * roughness * clamp(2.0 * terms.ior - 2.0, 0.0, 1.0);
     float focal = length(vec3(clip_from_eye[0][1], clip_from_eye[1][1], clip_from_eye[2][1]));
     float pixel_rad = 2.0 / (focal * float(textureSize(backdrop, 0).y));

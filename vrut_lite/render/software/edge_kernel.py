@@ -1,8 +1,8 @@
-"""Smooths the steps that one sample a pixel leaves at edges, after the tone map.
+"""Antialiasing of pictures with one sample per pixel, after the tone map.
 
-Where contrast is seen a picture is averaged along the edge, as far as the mean stays within the
-neighbours' lightness (Lottes 2009, "FXAA", the short form). That is a tenth of a picture's pixels.
-Only a processor draws such pictures. llvmpipe would look all pixels up, at eight times the cost.
+Pixels of visible contrast are averaged along the edge if the mean stays within the neighbours'
+lumas (Lottes 2009, "FXAA", the short form). That is a tenth of a picture's pixels. Only a processor
+draws such pictures; a shader on llvmpipe would sample all pixels, at eight times the cost.
 """
 
 import numpy as np
@@ -10,32 +10,32 @@ import numpy as np
 from vrut_lite.njit import njit
 
 _LONGEST = np.float32(8.0)  # pixels along an edge
-# Of sums of four lumas: the least contrast that is smoothed, and the least slope of a direction.
+# Sums of four lumas: least contrast that is smoothed, and least slope of an edge's direction.
 _LEAST_CONTRAST = np.int32(0.03 * 255 * 4)
 _LEAST_SHARE, _LEAST_SLOPE = np.float32(0.03), np.float32(4 * 255.0 / 128.0)
 _ONE, _TWO, _SIX = np.float32(256.0), np.float32(2.0), np.float32(6.0)
 _1, _QUARTER_LOG2, _BYTE_LOG2, _PAIR_LOG2, _LUMA = (np.uint32(n) for n in (1, 2, 8, 16, 24))
 _BYTE, _EIGHT = np.uint32(0xFF), np.int32(8)
-# Two numbers of 16 bits each in one of 32.
+# Pairs of 16-bit numbers in one of 32 bits.
 _PAIR, _ROUND, _HALVES = np.uint32(0x00FF00FF), np.uint32(0x00800080), np.uint32(0x00020002)
-# What is known of each pixel at an edge, in rows of whole numbers: lumas of its corners and its
-# own, the least and the largest of them, and steps along the edge, near and far.
+# Rows of integers for each pixel at an edge: lumas of its corners and its own, their minimum and
+# maximum, and steps along the edge, near and far.
 _SW, _SE, _NW, _NE, _OWN, _DARKEST, _BRIGHTEST, _NEAR_X, _NEAR_Y, _FAR_X, _FAR_Y = range(11)
 _KINDS = 11
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def smooth_edges(toned, display, first, end):  # type: ignore[no-untyped-def]
-    """Write rows from `first` to before `end` of a picture (h, w), whose uint32 are red, green,
-    blue and luma from the lowest byte on, into one for display (h, w, 3), uint8.
+    """Smooth rows `first` to `end`, excluded, of a picture (h, w) into `display` (h, w, 3), uint8.
 
-    Row 0 of what comes is at the bottom, of what is written at the top.
+    The uint32 of `toned` are red, green, blue and luma from the lowest byte; its row 0 is at the
+    bottom, that of `display` at the top.
     """
     height, width = toned.shape
-    # Of the 2 x 2 pixels about each corner of a row's pixels.
+    # Luma sums of the 2 x 2 pixels about each corner of a row's pixels.
     below, above = np.empty(width + 1, np.int32), np.empty(width + 1, np.int32)
     contrast = np.empty(width, np.int32)
-    # Of the pixels at edges: their columns, numbers and colours at four places.
+    # Pixels at edges: their columns, `edge` rows, and colours at four places.
     at, edge = np.empty(width, np.uint32), np.empty((_KINDS, width), np.int32)
     texel, weight = np.empty((4, width), np.uint32), np.empty((4, width), np.uint32)
     warm, cold = np.empty((4, width), np.uint32), np.empty((4, width), np.uint32)
@@ -92,8 +92,7 @@ def _write(out, x, pixel):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _find_steps(edge, count):  # type: ignore[no-untyped-def]
-    """How far along an edge is looked, in parts of 256 of a pixel, and between which lumas the mean
-    may be."""
+    """Find the steps along an edge, in 1/256 pixel, and the range of lumas of the mean."""
     for i in range(count):
         sw, se, nw, ne, own = edge[_SW, i], edge[_SE, i], edge[_NW, i], edge[_NE, i], edge[_OWN, i]
         edge[_DARKEST, i] = min(own, min(min(sw, se), min(nw, ne)))
@@ -109,10 +108,10 @@ def _find_steps(edge, count):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _look_up(toned, y, at, count, step, sign, texel, weight, warm, cold):  # type: ignore[no-untyped-def]
-    """Red and blue (`warm`), green and luma (`cold`) a step, times `sign`, from pixels of a row.
+    """Sample red and blue (`warm`), green and luma (`cold`) at `sign` times a step from pixels.
 
-    Linear between the middles of pixels, by shares in parts of 256. `texel` and `weight` (4, w) are
-    written over. A compiler makes vectors of all loops but the one that looks up.
+    Bilinear, with weights in 1/256. `texel` and `weight` (4, w) are overwritten. The compiler
+    vectorises all loops but the look-up.
     """
     flat, row = toned.reshape(-1), np.int32(toned.shape[1])
     first, last_x, last_y = np.int32(0), np.int32(toned.shape[1] - 1), np.int32(toned.shape[0] - 1)
@@ -141,7 +140,7 @@ def _look_up(toned, y, at, count, step, sign, texel, weight, warm, cold):  # typ
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _average(edge, count, warm, cold, pixel):  # type: ignore[no-untyped-def]
-    """Pixels of the mean of four places, of the two near ones where the far ones leave the edge."""
+    """Average four places, or the two near ones where the far ones leave the edge."""
     for i in range(count):
         near_warm, near_cold = warm[0, i] + warm[1, i], cold[0, i] + cold[1, i]
         far_warm, far_cold = warm[2, i] + warm[3, i], cold[2, i] + cold[3, i]

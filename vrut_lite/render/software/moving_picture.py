@@ -1,4 +1,4 @@
-"""Pictures while something moves: one sample a pixel, much of it taken over from the one before."""
+"""Moving pictures: one sample per pixel, many of them reprojected from the previous picture."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from vrut_lite.render.unlocked import read_rgba
 
 
 class MovingPictures:
-    """Draws a shot; the next one takes over what still holds. On the GL thread only."""
+    """Draws a shot; the next one reuses its valid pixels. On the GL thread only."""
 
     def __init__(self, passes: PicturePasses):
         self._passes = passes

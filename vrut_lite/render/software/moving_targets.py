@@ -1,4 +1,4 @@
-"""The framebuffers of a picture while something moves: one sample a pixel."""
+"""The framebuffers of moving pictures, with one sample per pixel."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from vrut_lite.render.unlocked import read_bytes
 
 
 class Drawn:
-    """Radiance and depth in 32-bit floats, both of which shaders read."""
+    """Radiance and depth in 32-bit floats, both sampled by shaders."""
 
     def __init__(self, context: Any, size: tuple[int, int]):
         self.size = size
@@ -24,7 +24,7 @@ class Drawn:
         self.depth.attach()
 
     def take(self, other: "Drawn") -> None:
-        """Be the copy of another picture."""
+        """Copy another picture's radiance and depth."""
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, other.buffer.glo)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self.buffer.glo)
         box, both = (0, 0, *self.size), GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT
@@ -38,11 +38,10 @@ class Drawn:
 
 
 class MovingTargets:
-    """What is drawn into, and what is shown.
+    """Framebuffers of radiance, and the picture for display.
 
-    `now` is what is solid and the sky, and then a copy with what shows these too, where there is
-    any. `buffer` is that of the pictures that passes draw into just now, by the name that it
-    has in `Targets`.
+    `now` contains opaque surfaces and the sky, and then a copy of them with frame parts and blended
+    surfaces, if there are any. `buffer` is its framebuffer, by the name that it has in `Targets`.
     """
 
     def __init__(self, context: Any, size: tuple[int, int]):
@@ -70,19 +69,19 @@ class MovingTargets:
         return self.size[0] * self.size[1]
 
     def begin(self) -> None:
-        """Draw what is solid from now on."""
+        """Draw opaque surfaces and the sky from now on."""
         self.now = self._solid
         self.now.buffer.use()
 
     def draw_over(self) -> None:
-        """Draw into a copy from now on: what is solid stays as it is."""
+        """Draw into a copy from now on; the opaque picture stays for the next one."""
         if self._over is None:
             self._over = Drawn(self._context, self.size)
         self._over.take(self.now)
         self.now = self._over
 
     def read_toned(self) -> NDArray[np.uint32]:
-        """What is shown (h, w): red, green, blue and luma from the lowest byte on, from below."""
+        """Tone-mapped picture (h, w) from below: red, green, blue, luma from the lowest byte."""
         return read_bytes(self._toned).view("<u4")[..., 0]
 
     def release(self) -> None:

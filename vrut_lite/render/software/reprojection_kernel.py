@@ -1,35 +1,35 @@
-"""What of the picture before still holds, where it has moved to: each pixel is found there again.
+"""Temporal reprojection: each pixel's surface is sampled in the previous picture.
 
-Only a processor draws such pictures. llvmpipe would look up four pixels each at twice the cost.
+Only a processor draws such pictures; a shader on llvmpipe would sample at twice the cost.
 """
 
 import numpy as np
 
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 
-# Of a camera that comes from too far away places are no numbers: comparisons must hold for them.
+# Places are NaN or infinite for a camera that moved too far: comparisons must respect them.
 _WITH_NAN = SUMS_IN_ORDER - {"nnan", "ninf"}
-# Pixels along a side that a software renderer shades at once.
+# Edge (log2 of pixels) of the blocks that a software renderer shades at once.
 _BLOCK_LOG2 = 2
-# Of depth, as bits: nearer than infinity, farther than anything.
+# Depth, and its bits, nearer than infinity and farther than any surface.
 _BEFORE_SKY = np.float32(1e-25)
 _BEFORE_SKY_BITS = np.float32(1e-25).view(np.int32)
-# Of clip coordinates: what is less is behind the eye of before.
+# Least clip w in the previous view; smaller ones are behind its eye.
 _BEFORE_EYE = np.float32(1e-9)
-# Pixels of a row that are handled together, and where each kind of their numbers begins: a compiler
-# makes vectors of such loops.
+# Pixels of a row that are processed together, in loops that the compiler vectorises, and the offset
+# of each kind of their numbers.
 _CHUNK = 128
 _DEPTH, _SLOPE_X, _SLOPE_Y, _NEAR, _EXPECTED, _OLD_X, _OLD_Y, _SHARE_X, _SHARE_Y, _OLD_DEPTHS = (
     kind * _CHUNK for kind in range(10)
 )
 _WEIGHTS = _OLD_DEPTHS + 4 * _CHUNK
 _KINDS = 17
-# Of the four pixels about a place, what is on its surface.
+# Least weight of the four pixels about a place that are on its surface.
 _LEAST_WEIGHT = np.float32(0.4)
 _0, _1, _2, _3, _CHANNELS = (np.uint32(number) for number in range(5))
 _NEXT = _1
 _ZERO, _HALF, _ONE, _THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 3.0))
-# Of depth: what a surface may be off, by rounding, by its slope, and at most.
+# Depth tolerance: for rounding, for slope, and the largest for slope.
 _ROUNDING, _OF_SLOPE, _MOST_OFF = np.float32(2e-4), np.float32(0.1), np.float32(0.01)
 
 
@@ -38,19 +38,19 @@ def take_over(  # type: ignore[no-untyped-def]
     front, old_radiance, old_depth, edges, old_from_pixel, brighter, seen_turned, turn, most_apart,
     radiance, depth, first, end,
 ):  # fmt: skip
-    """Write rows from `first` to before `end` of what is taken over, and of its depth.
+    """Write rows `first` to `end`, excluded, of reprojected radiance and of depth.
 
-    `front` (h, w) is the depth of solid surfaces now, `old_radiance` (oh, ow, 4) and `old_depth`
-    (oh, ow) all that was drawn before; alpha is the angle of view over which radiance holds, less
-    than zero on a shadow's edge, and a surface of depth 1 has turned by `seen_turned`. What `edges`
-    of `edge_blocks` name is drawn anew. `old_from_pixel` (4, 4) makes of a pixel's
-    column, row, depth and 1 those of before, times the last of its rows. Light is `brighter` (3,)
-    than then. A pixel that is drawn anew, such as those in `turn`, keeps its depth, which surfaces
-    pass; all others get one just before it.
+    `front` (h, w) is the depth of opaque surfaces, `old_radiance` (oh, ow, 4) and `old_depth`
+    (oh, ow) are the previous picture; alpha is the view angle over which radiance is valid,
+    negative on a shadow's edge, and a surface of depth 1 has turned by `seen_turned`. Pixels in
+    `edges` of `edge_blocks` are shaded. `old_from_pixel` (4, 4) maps a pixel's column, row, depth
+    and 1 to the previous ones, homogeneous. Light is `brighter` (3,) times the previous one. A
+    shaded pixel, such as those in `turn`, keeps its depth, at which surfaces pass the depth test; a
+    reused pixel gets the next nearer depth.
     """
     height, width = front.shape
     old_height, old_width = old_depth.shape
-    # Counted without a sign: numba takes an index below zero for one from the end, and asks.
+    # Unsigned: numba tests a signed index for one that counts from the end.
     old_row = np.uint32(old_width)
     old, depths = old_radiance.reshape(-1), old_depth.reshape(-1)
     front_bits, depth_bits = front.view(np.int32), depth.view(np.int32)
@@ -92,7 +92,7 @@ def take_over(  # type: ignore[no-untyped-def]
                     shadows_move and (edges[_block(chunk[_OLD_Y + i]), _block(chunk[_OLD_X + i])])
                 )
                 apart = _apart(holds, seen_turned * row[x]) & most_apart
-                # By a lattice in which neighbours are far apart in time.
+                # Turns by a lattice in which neighbours are far apart in time.
                 has_its_turn = ((x >> _BLOCK_LOG2) + 3 * (y >> _BLOCK_LOG2) - turn) & apart == 0
                 out = radiance[y, x]
                 if holds > _ZERO and not has_its_turn and not shadow_moves:
@@ -108,10 +108,10 @@ def take_over(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def edge_blocks(radiance, moved):  # type: ignore[no-untyped-def]
-    """What a moved sun shades or lights, of a picture (h, w, 4): whole blocks of 4 x 4 pixels.
+    """Blocks of 4 x 4 pixels of a picture (h, w, 4) that a moved sun may shade or light.
 
-    They lie at a shadow's edge or next to one, with one more all around the picture; an empty array
-    where no shadow has `moved`.
+    They lie at a shadow's edge or next to one, with a border of one block around the picture; the
+    array is empty if no shadow has `moved`.
     """
     if not moved:
         return np.zeros((0, 0), np.bool_)
@@ -129,7 +129,7 @@ def edge_blocks(radiance, moved):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
 def _find(chunk, first_x, y, m, old_width, old_height):  # type: ignore[no-untyped-def]
-    """Where pixels of a row were in the picture before, and how deep their surfaces lie there."""
+    """Places of a row's pixels in the previous picture, and the expected depth there."""
     last_x, last_y = np.float32(old_width - 1), np.float32(old_height - 1)
     most_x, most_y = np.float32(old_width - 1.5), np.float32(old_height - 1.5)
     xx, xd, x0 = m[0, 0], m[0, 2], m[0, 0] * first_x + m[0, 1] * y + m[0, 3]
@@ -158,13 +158,13 @@ def _find(chunk, first_x, y, m, old_width, old_height):  # type: ignore[no-untyp
 
 @njit(cache=True, nogil=True, fastmath=_WITH_NAN, error_model="numpy")
 def _weigh(chunk):  # type: ignore[no-untyped-def]
-    """Weights of the four pixels about each place: their sum is 1, or 0 where too few are seen."""
+    """Weights of the four pixels about each place: their sum is 1, or 0 at disocclusions."""
     for i in range(_CHUNK):
         slope_x, slope_y = chunk[_SLOPE_X + i], chunk[_SLOPE_Y + i]
         expected, near = chunk[_EXPECTED + i], chunk[_NEAR + i]
         sx, sy = chunk[_SHARE_X + i], chunk[_SHARE_Y + i]
-        # Half of the way to steeper than linear: blurs less where pictures are moved again and
-        # again, and moves what is seen less than all of it.
+        # Mean of linear and smoothstep weights: less blur than linear ones under repeated
+        # reprojection, less displacement than smoothstep.
         sx *= _HALF + sx * (_HALF * _THREE - sx)
         sy *= _HALF + sy * (_HALF * _THREE - sy)
         rx, ry = _ONE - sx, _ONE - sy
@@ -187,19 +187,19 @@ def _smaller(one, other):  # type: ignore[no-untyped-def]
 
 @njit(inline="always")
 def _block(place):  # type: ignore[no-untyped-def]
-    """The row or column among blocks with edges."""
+    """Row or column of a place in `edges`."""
     return (np.uint32(np.int32(place)) >> np.uint32(_BLOCK_LOG2)) + _NEXT
 
 
 @njit(inline="always")
 def _index(chunk, i, old_row):  # type: ignore[no-untyped-def]
-    """Where the lower left of the four pixels about a place is."""
+    """Index of the lower left of the four pixels about a place."""
     return np.uint32(np.int32(chunk[_OLD_Y + i])) * old_row + np.uint32(np.int32(chunk[_OLD_X + i]))
 
 
 @njit(inline="always")
 def _mean(old, lower, upper, k, k0, k1, k2, k3):  # type: ignore[no-untyped-def]
-    """Of one channel of four pixels, by weights."""
+    """Weighted mean of one channel of four pixels."""
     return (k0 * old[lower + k] + k1 * old[lower + _CHANNELS + k]) + (
         k2 * old[upper + k] + k3 * old[upper + _CHANNELS + k]
     )
@@ -207,7 +207,7 @@ def _mean(old, lower, upper, k, k0, k1, k2, k3):  # type: ignore[no-untyped-def]
 
 @njit(inline="always")
 def _apart(holds, turned):  # type: ignore[no-untyped-def]
-    """Pictures between two turns of a pixel, less one, if its view turns by so much in each."""
+    """Pictures between two turns of a pixel, less one, by the angle `turned` in each."""
     if holds >= 16 * turned:
         return 15
     if holds >= 8 * turned:

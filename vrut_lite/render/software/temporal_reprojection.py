@@ -1,9 +1,8 @@
-"""Pictures while something moves take over from the picture before what still holds there.
+"""Temporal reprojection: moving pictures reuse valid pixels of the previous picture.
 
-Radiance does not depend on the camera but for what coats mirror. Of each picture a sixteenth is
-drawn anew in turns, an eighth where the light changes, more of what mirrors, what was not seen
-before, and what lies about the edges of shadows that move; all else moves to where the camera sees
-it now.
+Radiance does not depend on the camera except for reflections. Each picture shades a sixteenth of
+its pixels in turns, an eighth while the light changes, reflections more often, disoccluded pixels,
+and those about the edges of moving shadows; all others are reprojected.
 """
 
 from typing import NamedTuple
@@ -21,7 +20,7 @@ from vrut_lite.render.software.reprojection_kernel import edge_blocks, take_over
 from vrut_lite.render.software.row_threads import run_in_halves
 from vrut_lite.render.unlocked import read_rgba
 
-# Pictures from one turn of a pixel to the next, and while the light changes.
+# Pictures from one turn of a pixel to the next, the same while the light changes, and their step.
 _TURNS, _TURNS_OF_LIGHT, _STEP = 16, 8, 3
 _NOTHING = np.array([0.0, 0.0, 0.0, 1.0], np.float32)
 
@@ -37,15 +36,15 @@ class TemporalReprojection:
 
     def __init__(self) -> None:
         self._before: _Before | None = None
-        # Written anew for each picture: fresh memory takes a tenth as long as all of the rest.
+        # Overwritten by each picture: allocating them would add a tenth to the time.
         self._filled: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._turn = 0
 
     def begin(self, targets: MovingTargets, shot: FrameInputs) -> None:
-        """Fill a target, in which the depth of solid surfaces is, with what is taken over.
+        """Fill a target that contains the depth of opaque surfaces with reprojected radiance.
 
-        Depth is then such that surfaces and sky are drawn elsewhere alone. Of what is not solid
-        nothing is taken over, and nothing at all when another reflection has been finished.
+        Surfaces and sky then pass the depth test in the other pixels only. Blended surfaces are
+        never reused, and nothing is after another reflection has been finished.
         """
         before, brighter = self._before, None
         if before is not None and before.shot.reflection.texture is shot.reflection.texture:
@@ -61,7 +60,7 @@ class TemporalReprojection:
         self._turn = (self._turn + _STEP) % _TURNS
         view = shot.view
         shadows_move = not np.array_equal(_sun_matrix(before.shot), _sun_matrix(shot))
-        # The edges of shadows are enough to draw for one picture.
+        # The edges of moving shadows take the time of the additional turns.
         has_time = np.any(brighter != 1.0) and not shadows_move
         turns = _TURNS_OF_LIGHT if has_time else _TURNS
         moved_m = float(np.linalg.norm(view.eye_m - before.shot.view.eye_m))
@@ -88,27 +87,27 @@ class TemporalReprojection:
         drawn.depth.write(depth)
 
     def keep(self, targets: MovingTargets, shot: FrameInputs) -> NDArray[np.float32]:
-        """Let the next picture take over what is drawn now; returns it (h, w, 4), from below."""
+        """Keep the drawn picture for the next one; returns its radiance (h, w, 4), from below."""
         drawn = targets.now
         radiance = read_rgba(drawn.radiance)
-        # Between pixels of a single row or column nothing is looked up.
+        # A single row or column cannot be interpolated.
         before = _Before(radiance, drawn.depth.read(), shot)
         self._before = before if min(drawn.size) > 1 else None
         return radiance
 
     def release(self) -> None:
-        """Forget the picture before."""
+        """Forget the previous picture."""
         self._before = self._filled = None
 
 
 def _sun_matrix(shot: FrameInputs) -> NDArray[np.float64]:
-    """The matrix (4, 4) of the shadow map, which may be that of an earlier sun near by."""
+    """The matrix (4, 4) of the shadow map, perhaps of an earlier sun near by."""
     assert shot.shadows.scene is not None
     return shot.shadows.scene.matrix
 
 
 def _old_from_pixel(before: _Before, now: View, shape: tuple[int, ...]) -> FloatArray:
-    """Matrix (4, 4) from column, row, depth and 1 to those of before, times the last of them."""
+    """Matrix (4, 4) from column, row, depth and 1 to the previous ones, homogeneous."""
     eye_from_clip = np.linalg.inv(now.clip_from_eye)
     old = before.shot.view
     old_from_clip = old.clip_from_eye @ translation(now.eye_m - old.eye_m)

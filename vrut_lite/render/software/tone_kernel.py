@@ -1,7 +1,7 @@
-"""The tone map of moving pictures, as `passes/tone_pass.py` has it: each channel by a table.
+"""The tone map of moving pictures, as in `passes/tone_pass.py`: each channel by a table.
 
-Only a processor draws such pictures. llvmpipe takes three times as long, most of it for looking
-pixels up and for logarithms.
+Only a processor draws such pictures. A shader on llvmpipe takes three times as long, mostly for
+texture look-ups and logarithms.
 """
 
 from functools import lru_cache
@@ -16,13 +16,13 @@ from vrut_lite.pictures import display, tone_map
 from vrut_lite.render.passes.tone_pass import from_radiance, outset
 from vrut_lite.render.software.row_threads import run_in_halves
 
-# A table has as many numbers an octave as so many bits of a float's fraction tell apart. One of
-# them is within 0.3 of 255 of its neighbours.
+# Entries of a table per octave, as bits of a float's fraction. Neighbours differ by at most 0.3 of
+# 255.
 _FRACTION_BITS = 8
 _DROPPED = 23 - _FRACTION_BITS
 _DARKEST_LOG2, _BRIGHTEST_LOG2 = -14, 5
 _FIRST = (127 + _DARKEST_LOG2) << _FRACTION_BITS
-# Noise takes 20 ms, and moving pictures change their size: it is made for more than they need.
+# Dither is made in whole tiles: it takes 20 ms, and moving pictures change their size.
 _TILE_PX = 1024
 _CHUNK = 256  # pixels
 _ZERO, _HALF, _ONE, _BYTE = (np.float32(number) for number in (0.0, 0.5, 1.0, 255.0))
@@ -30,11 +30,11 @@ _ZERO, _HALF, _ONE, _BYTE = (np.float32(number) for number in (0.0, 0.5, 1.0, 25
 
 @lru_cache(maxsize=4)
 def _table(curve: ToneMap) -> NDArray[np.float32]:
-    """Encoded values (n,) of one channel by the first bits of a float."""
+    """Encoded values (n,) of one channel by the leading bits of a float."""
     count = (_BRIGHTEST_LOG2 - _DARKEST_LOG2) << _FRACTION_BITS
     bits = ((_FIRST + np.arange(count)) << _DROPPED) + (1 << (_DROPPED - 1))
     values = bits.astype(np.int32).view(np.float32).astype(float)
-    # All that is darker is looked up there.
+    # All darker values use this entry.
     values[0] = 0.0
     # Grey: neither of AgX's matrices changes it.
     encoded = tone_map.tone_mapped(np.repeat(values[:, None], 3, axis=1), curve)[:, 1]
@@ -43,7 +43,7 @@ def _table(curve: ToneMap) -> NDArray[np.float32]:
 
 @lru_cache(maxsize=2)
 def _dither(tiles_down: int, tiles_across: int) -> NDArray[np.float32]:
-    """What is added to bytes before they are rounded, of pictures up to so many tiles."""
+    """Dither and one half, added before truncation to bytes, for pictures of so many tiles."""
     noise = display.dither(tiles_down * _TILE_PX, tiles_across * _TILE_PX)
     return (noise + 0.5).astype(np.float32)
 
@@ -51,9 +51,9 @@ def _dither(tiles_down: int, tiles_across: int) -> NDArray[np.float32]:
 def tone_mapped(
     radiance: NDArray[np.float32], ev100: float, wish: SetExposure
 ) -> NDArray[np.uint32]:
-    """Bytes (h, w) as `smooth_edges` takes them of radiance (h, w, 4), row 0 at the bottom.
+    """Bytes (h, w) for `smooth_edges` of radiance (h, w, 4), row 0 at the bottom.
 
-    The curve "eye" is none of these: it asks for a pixel's neighbours.
+    The curve "eye" is not supported: it depends on a pixel's neighbours.
     """
     height, width = radiance.shape[:2]
     toned = np.empty((height, width), np.uint32)
@@ -72,13 +72,13 @@ def tone_mapped(
 
 @njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
 def tone(radiance, dither, table, inset, outset, weights, toned, first, end):  # type: ignore[no-untyped-def]
-    """Write rows from `first` to before `end` of bytes (h, w): red, green, blue, luma.
+    """Write rows `first` to `end`, excluded, of bytes (h, w): red, green, blue, luma.
 
-    `radiance` (h, w, 4) times `inset` (3, 3) is what the table is looked up by; what is found
-    there times `outset` (3, 3) a colour; `weights` (3,) those of luma. `dither` may be larger.
+    `inset` (3, 3) maps `radiance` (h, w, 4) to the table's argument, `outset` (3, 3) its values to
+    a colour, `weights` (3,) a colour to luma. `dither` may be larger than the picture.
     """
     last = np.int32(len(table) - 1)
-    # Pixels are handled together: a compiler makes vectors of all loops but the one that looks up.
+    # Pixels are processed in chunks: the compiler vectorises all loops but the look-up.
     place, encoded = np.empty((3, _CHUNK), np.uint32), np.empty((3, _CHUNK), np.float32)
     for y in range(first, end):
         for start in range(0, toned.shape[1], _CHUNK):
