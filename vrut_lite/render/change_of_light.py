@@ -1,4 +1,4 @@
-"""Whether a picture may take over what the one before shows, and by how much brighter."""
+"""Whether a picture may reuse pixels of the previous one, and their change of light."""
 
 import math
 
@@ -9,19 +9,19 @@ from vrut_lite.installed_parts import may_reuse_surfaces
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.scene_state import SceneState
 
-# Parts of a state that must be the very same for a picture to be taken over.
+# Parts of a state that must be identical for reprojection.
 _KEPT = ("scene", "section", "shows", "tolerance")
-# Parts that the hour changes; without another hour they have been set by hand.
+# Parts that change with the hour.
 _LIGHT = ("key_light", "background", "ambient", "sky_light")
-# As far as the sun may have moved, and light may have become brighter or darker.
+# Limits of reprojection: move of the sun, and ratio of the light.
 _LARGEST_MOVE_RAD, _LARGEST_RATIO = 0.026, 1.1
 _UP = (0.0, 1.0, 0.0)
 
 
 def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
-    """The light (3,) now of that before, by which a picture may be taken over; None: not at all.
+    """Ratio (3,) of the light to that before, None if the previous picture cannot be reused.
 
-    While time plays both suns stand side by side; light that is set otherwise is seen at once.
+    While time plays both suns are close together; any other change of light is shown at once.
     """
     if any(getattr(before, name) is not getattr(now, name) for name in _KEPT):
         return None
@@ -42,6 +42,6 @@ def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
 
 
 def _level(state: SceneState) -> FloatArray:
-    """Irradiance (3,) of the sky on level ground in the open."""
+    """Irradiance (3,) of the sky on level, unobstructed ground."""
     assert state.sky_light is not None
     return np.asarray(evaluate_irradiance(state.sky_light.ambient.irradiance_sh_rgb.values, _UP))

@@ -9,7 +9,7 @@ from vrut_lite.render.tiles import Piece
 
 
 def in_view(placed: PlacedPrimitive, view: View) -> bool:
-    """Whether the sphere around a mesh reaches into the view: a conservative answer."""
+    """Whether a mesh's bounding sphere may intersect the view; conservative."""
     return reaches(view.clip_from_eye, placed.centre_m - view.eye_m, placed.radius_m)
 
 
@@ -17,7 +17,7 @@ def part_of(view: View, size: tuple[int, int], piece: Piece) -> View:
     """The view of a piece of a picture of this size, for culling."""
     projection = view.projection.copy()
     for axis, (low, high) in enumerate(((piece.left, piece.right), (piece.lower, piece.upper))):
-        # In clip space -1 is to be where 2 low / size - 1 was, and 1 where 2 high / size - 1 was.
+        # Clip coordinates 2 low / size - 1 and 2 high / size - 1 become -1 and 1.
         offset = (size[axis] - low - high) / size[axis]
         scale = size[axis] / (high - low)
         projection[axis] = (projection[axis] + offset * projection[3]) * scale

@@ -46,7 +46,7 @@ SLICES_A_FRAME = 2
 class Frame:
     """GL objects of the frame; made and used on the GL thread only.
 
-    `counters` holds the numbers of done and skipped work.
+    `counters` counts done and skipped work.
     """
 
     def __init__(self, context: Any, choices: Choices, part_failed: PartFailed):
@@ -67,7 +67,7 @@ class Frame:
         self._passes.measure = measure
 
     def begin(self, scene: PyrenderScene) -> None:
-        """Bring what a scene's meshes are drawn from to the GPU, before their first frame."""
+        """Upload a scene's meshes, materials and textures before their first frame."""
         self._passes.meshes.update(scene)
 
     def show_view(self, view: ViewShader | None) -> None:
@@ -76,7 +76,7 @@ class Frame:
         self._passes.sky.show_view(view)
 
     def show_parts(self, heard: PartsHeard) -> Sequence[MeshChart | None] | None:
-        """Let the modules' parts draw these messages from the next frame on.
+        """Let frame parts draw these messages from the next frame on.
 
         Returns the charts of the scene's parts, where they are cut up for it.
         """
@@ -166,13 +166,13 @@ class Frame:
             thing.release()
 
     def _disc(self, light: Light, key: KeyLightChanged, moon: MoonDiscChanged | None) -> VisibleSun:
-        # The moon has a face: it is drawn apart.
+        # The moon's disc has a texture and is drawn separately.
         of_moon = key.body == "moon" and moon is not None
         sun = (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance
         return VisibleSun(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
 
     def _seen(self, scene: PyrenderScene, view: View, skips: FrameSkips) -> list[PlacedPrimitive]:
-        """Meshes that may be in the picture."""
+        """Meshes that may be visible in the picture."""
         if not skips.meshes:
             seen = scene.placed
         else:
@@ -184,7 +184,7 @@ class Frame:
     def _reflection(
         self, light: Light, seen: list[PlacedPrimitive], still: bool, state: SceneState
     ) -> Reflection:
-        """The sky for the surfaces that mirror it."""
+        """The sky for reflections."""
         skips = state.skips
         self._filter.change_seen = reflection_change(state.tolerance)
         glossy = [placed for placed in seen if not placed.primitive.material.matte]
@@ -236,7 +236,7 @@ def _part_frame(
 
 
 def _table_texture(context: Any) -> Any:
-    """The tables of shares and of fibres, for linear look-up between their nodes."""
+    """Texture of the reflectance table, with the sheen table as fourth channel; linear filter."""
     table = np.dstack([reflectance_table(), sheen_table()])
     texture = context.texture(table.shape[1::-1], 4, table.tobytes(), dtype="f4")
     texture.filter = (context.LINEAR, context.LINEAR)

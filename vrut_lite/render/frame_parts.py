@@ -55,10 +55,10 @@ class PartDefines(NamedTuple):
     """Defines of shaders that call hooks of parts in a picture.
 
     Attributes:
-        lights: on surfaces, of their light alone.
-        air: in shaders of parts, before what they draw.
-        surfaces: of both, on surfaces.
-        sky: on the background; a sky that includes its air needs no more.
+        lights: for surfaces, of their light only.
+        air: for shaders of parts, of the air in front of their fragments.
+        surfaces: for surfaces, of light and air.
+        sky: for the background, without air if the sky includes it.
     """
 
     lights: Defines
@@ -77,12 +77,12 @@ class FrameParts:
         self._tell_failed = failed
         self._types = frame_parts()
         self._lights_surfaces = part_with("irradiance", self._types)
-        # Parts are made when they first have something to show.
+        # Parts are created when they first have messages to show.
         self._parts: dict[str, FramePart] = {}
         self._made: dict[str, PartRenderer] = {}
         self._heard: dict[str, Heard] = {}
         self._failed: set[str] = set()
-        # The one that draws the air in the picture that was prepared.
+        # The part that draws the air in the prepared picture.
         self._air: FramePart | None = None
 
     def show(self, heard: PartsHeard) -> None:
@@ -134,22 +134,22 @@ class FrameParts:
 
     @property
     def fill_air(self) -> bool:
-        """Whether there is air to be seen."""
+        """Whether air is visible."""
         return any(part.through_air for part in self._seen().values())
 
     def air_defines_on(self, placed: PlacedPrimitive) -> Defines:
-        """Further defines of the air before a mesh."""
+        """Further defines of the air in front of a mesh."""
         if self._air is None:
             return ()
         return self._air.air_defines_on(placed.centre_m, placed.radius_m)
 
     def draw_over_solid(self, frame: PartFrame, target: PartTarget, sample: int) -> None:
-        """Let parts draw over sky and solid surfaces; depth is reversed."""
+        """Let parts draw over sky and opaque surfaces; depth is reversed."""
         for name, part in self._seen().items():
             self._do(name, partial(part.draw_over_solid, frame, target, sample))
 
     def draw_over_sky(self, size_px: Size, view: View) -> None:
-        """Add what parts draw where nothing was drawn but the sky; depth is reversed."""
+        """Let parts add to the uncovered sky; depth is reversed."""
         seen = self._seen()
         if not seen:
             return
@@ -172,7 +172,7 @@ class FrameParts:
 
     @property
     def charts(self) -> Sequence[MeshChart | None] | None:
-        """Charts of the scene's parts, as messages that were shown last lay them out."""
+        """Charts of the scene's parts, by the messages that were shown last."""
         part = self._parts.get(self._lights_surfaces)
         return None if part is None else self._do(self._lights_surfaces, lambda: part.charts)
 
@@ -181,13 +181,13 @@ class FrameParts:
         return self._of_surfaces(lambda part: part.sees_sky(surface), True)
 
     def surface_defines(self, surface: PlacedSurface) -> Defines:
-        """Defines of the program of a surface that is lit by a part; none under the open sky."""
+        """Defines of the program of a surface that a part lights; empty under the open sky."""
         none: Defines = ()
         defines = self._of_surfaces(lambda part: part.surface_defines(surface), none)
         return ("IRRADIANCE", *defines) if defines else ()
 
     def bind_surface(self, surface: PlacedSurface) -> Mapping[str, Any]:
-        """Bind what a lit surface looks up; values of its program's uniforms."""
+        """Bind a lit surface's textures; returns values of its program's uniforms."""
         return self._of_surfaces(lambda part: part.bind_surface(surface), {})
 
     def _of_surfaces(self, work: Callable[[FramePart], T], otherwise: T) -> T:
@@ -297,7 +297,7 @@ class PartRenderer:
         """Texture unit of a sampler.
 
         Raises:
-            UserError: the driver has fewer units than all installed parts ask for.
+            UserError: the driver has fewer units than all installed parts require.
         """
         unit, limit = part_units()[sampler], self.context.info[_UNITS]
         if unit >= limit:
@@ -305,12 +305,12 @@ class PartRenderer:
         return unit
 
     def average_down(self, texture: Any) -> None:
-        """Make the smaller levels of a texture."""
+        """Generate the mipmaps of a texture."""
         is_volume = len(texture.size) == 3
         build_mipmaps(GL.GL_TEXTURE_3D if is_volume else GL.GL_TEXTURE_2D, texture)
 
     def leave_framebuffers(self) -> None:
-        """Bind a framebuffer that stays."""
+        """Bind a permanent framebuffer."""
         bind_permanent_framebuffer(self.context)
 
     def program(self, vertex_shader: Path, fragment_shader: Path) -> Any:
@@ -329,7 +329,7 @@ class PartRenderer:
 
 
 class _PartScreen(FullScreen):
-    """A shader for every pixel that knows its ray."""
+    """A shader for every pixel, with the pixel's ray as its input."""
 
     def draw(
         self, view: PartView | None = None, box_px: tuple[int, int, int, int] | None = None

@@ -1,11 +1,11 @@
-"""Which spheres a clip matrix can show."""
+"""Culling of spheres by a clip matrix."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 
 def reaches(clip: NDArray[np.float64], centre_m: NDArray[np.float64], radius_m: float) -> bool:
-    """Whether a sphere reaches between the side planes of a matrix (4, 4): a conservative answer.
+    """Whether a sphere may intersect the space between a matrix's (4, 4) side planes; conservative.
 
     The side planes of a perspective also exclude the space behind the eye.
     """

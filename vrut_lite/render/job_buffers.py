@@ -1,4 +1,4 @@
-"""Storage buffers of GPU jobs; buffers of the last job of the same name are not sent again."""
+"""Storage buffers of GPU jobs; those of the last job of the same name are reused."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ class JobBuffers:
     def _bind_all(self, context: Any, job: GpuJob, before: _Sent, now: _Sent) -> int:
         kept = 0
         for binding, content in job.buffers:
-            # The same object: to compare contents might take longer than to send them.
+            # Compared by identity: comparing contents might take longer than the upload.
             if binding in before and before[binding][0] is content:
                 now[binding] = before.pop(binding)
                 kept += 1

@@ -1,4 +1,4 @@
-"""A light meter: lux at points of the scene, from the same light as the picture's."""
+"""A light meter: illuminance at points of the scene, from the same light as the picture's."""
 
 from collections.abc import Callable
 from functools import partial
@@ -19,7 +19,7 @@ ExtraIrradiance = Callable[[FloatArray, FloatArray, IsFree], FloatArray]
 
 
 class Illuminance(NamedTuple):
-    """Lux on a plane, straight by the sun and by lamps, and by all else: sky and surfaces."""
+    """Illuminance (lx) of a plane: direct by sun and lamps, and all other by sky and surfaces."""
 
     sun_lux: float
     sky_lux: float
@@ -27,7 +27,7 @@ class Illuminance(NamedTuple):
 
     @property
     def lux(self) -> float:
-        """All of it."""
+        """Total illuminance."""
         return self.sun_lux + self.sky_lux + self.lamp_lux
 
 
@@ -41,14 +41,14 @@ def illuminance(
     extra: ExtraIrradiance = lambda point_m, normal, is_free: np.zeros(3),
     irradiance_at: Callable[[Hit], FloatArray | None] = lambda hit: None,
 ) -> Illuminance:
-    """Lux on a plane with this normal (3,) at a point (3,), world axes.
+    """Illuminance (lx) of a plane with this normal (3,) at a point (3,), world axes.
 
     The scene (with a sharp edge) and frame parts shade the sun. All other light is as in the
     picture: a frame part's on surfaces, else that of the whole sky with its layers.
 
     Args:
-        sun: before any layer.
-        ambient: of the sky with its layers.
+        sun: the key light, unattenuated by layers.
+        ambient: irradiance of the sky with its layers.
         sun_share: share of the sun in a direction that parts let reach a point.
         extra: irradiance (3,) of parts' lights, where rays from the point are free.
         irradiance_at: irradiance (3,) that a part gives a point of a surface, or None.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from OpenGL import GL
 from OpenGL.platform import PLATFORM
 
-# glClipControl is of OpenGL 4.5 (ARB_clip_control), which PyOpenGL 3.1.0 does not list.
+# Constants of glClipControl (OpenGL 4.5, ARB_clip_control), which PyOpenGL 3.1.0 lacks.
 _ZERO_TO_ONE, _NEGATIVE_ONE_TO_ONE = 0x935F, 0x935E
 # Least depth of surfaces. Pictures of one sample give the sky a smaller one
 # (`software/reprojection_kernel.py`).
@@ -33,7 +33,7 @@ def _clip_control() -> Any:
 
 @contextmanager
 def reversed_depth() -> Iterator[None]:
-    """Draw with reversed depth into the framebuffer that is bound, its depth cleared."""
+    """Draw with reversed depth into the bound framebuffer, its depth cleared."""
     _clip_control()(GL.GL_LOWER_LEFT, _ZERO_TO_ONE)
     GL.glDepthMask(GL.GL_TRUE)
     GL.glClearDepth(0.0)
@@ -42,14 +42,14 @@ def reversed_depth() -> Iterator[None]:
     try:
         yield
     finally:
-        # moderngl and pyrender both count on the defaults.
+        # moderngl and pyrender both rely on the defaults.
         GL.glClearDepth(1.0)
         GL.glDepthFunc(GL.GL_LESS)
         _clip_control()(GL.GL_LOWER_LEFT, _NEGATIVE_ONE_TO_ONE)
 
 
 class DepthTexture:
-    """32-bit float depth, one sample a pixel, that shaders read; moderngl has none.
+    """32-bit float depth texture with one sample per pixel, which moderngl lacks.
 
     Its own framebuffer `glo` holds nothing else.
     """
@@ -70,17 +70,17 @@ class DepthTexture:
         self.attach()
 
     def attach(self) -> None:
-        """Be the depth of the framebuffer that is bound."""
+        """Attach it to the bound framebuffer as its depth."""
         GL.glFramebufferTexture2D(
             GL.GL_DRAW_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self._texture, 0
         )
 
     def bind(self) -> None:
-        """Draw into it alone; the viewport stays."""
+        """Bind its own framebuffer; the viewport is unchanged."""
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.glo)
 
     def copy(self, framebuffer: Any) -> None:
-        """Take the depth of a moderngl framebuffer as it is now."""
+        """Copy the depth of a moderngl framebuffer."""
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, framebuffer.glo)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self.glo)
         box = (0, 0, *self.size)
@@ -94,7 +94,7 @@ class DepthTexture:
         return out
 
     def write(self, depth: NDArray[np.float32]) -> None:
-        """Be this depth (h, w)."""
+        """Replace its depth (h, w)."""
         self.use(0)
         box = (0, 0, *self.size)
         GL.glTexSubImage2D(GL.GL_TEXTURE_2D, 0, *box, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, depth)

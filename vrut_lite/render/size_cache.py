@@ -32,7 +32,7 @@ class SizeCache(Generic[T]):
         self._kept: dict[Size, T] = {}
 
     def get(self, size: Size) -> T:
-        """The objects for this size, made if they are not kept."""
+        """The objects for this size, created if they are not cached."""
         thing = self._kept.pop(size, None)
         if thing is None:
             while len(self._kept) >= _KEPT:

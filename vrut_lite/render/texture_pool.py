@@ -35,7 +35,7 @@ class TexturePool:
         return handle
 
     def _free_one(self, kind: Kind) -> Any:
-        """A texture of this kind whose holders have let go, or None."""
+        """A texture of this kind whose handles are released, or None."""
         # Read once: another thread may release its handle at any moment.
         held = [lent.handle() is not None for lent in self._lent]
         free = [lent for lent, is_held in zip(self._lent, held, strict=True) if not is_held]

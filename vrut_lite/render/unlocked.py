@@ -1,4 +1,4 @@
-"""Slow GL calls, made without Python's lock so that other threads run meanwhile.
+"""Slow GL calls that release Python's lock, so that other threads run meanwhile.
 
 A software renderer computes inside the call that needs a result, sometimes for seconds. moderngl
 holds Python's lock meanwhile, which stops a window; PyOpenGL, by ctypes, releases it. All of
@@ -23,7 +23,7 @@ def draw_triangle(program: Any, vertex_array: Any) -> None:
 
 
 def run_compute(program: Any, x: int, y: int, z: int) -> None:
-    """Run a moderngl compute shader in so many groups."""
+    """Run a moderngl compute shader in a number of groups."""
     from OpenGL import GL
 
     GL.glUseProgram(program.glo)
@@ -31,7 +31,7 @@ def run_compute(program: Any, x: int, y: int, z: int) -> None:
 
 
 def build_mipmaps(target: int, texture: Any) -> None:
-    """Average a moderngl texture of this GL target down; its filter is the caller's."""
+    """Generate the mipmaps of a moderngl texture of this GL target; the caller sets its filter."""
     from OpenGL import GL
 
     GL.glBindTexture(target, texture.glo)
@@ -40,7 +40,7 @@ def build_mipmaps(target: int, texture: Any) -> None:
 
 
 def average_down_for_compute(cube: Any) -> None:
-    """Make the mipmaps of a moderngl cube map, and wait for them.
+    """Generate the mipmaps of a moderngl cube map, and wait for them.
 
     Mesa's llvmpipe lets a compute shader read levels that its own threads still draw.
     """

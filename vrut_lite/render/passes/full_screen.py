@@ -24,7 +24,7 @@ class FullScreen:
             self.program[name].value = value if number else tuple(map(float, value))
 
     def draw(self) -> None:
-        """Draw into the framebuffer that is bound."""
+        """Draw into the bound framebuffer."""
         draw_triangle(self.program, self._triangle)
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""Programs of our shaders, compiled with what a mesh has and no more."""
+"""Programs of our shaders, compiled with a mesh's attributes and features only."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +16,7 @@ from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E
 
 
 class Program(ShaderProgram):
-    """A program of our shaders, with pyrender's names defined as GLSL has it."""
+    """A program of our shaders, with pyrender's names defined in GLSL's syntax."""
 
     def __init__(self, *shaders: str, defines: Mapping[str, int]):
         super().__init__(*shaders, defines=defines)
@@ -28,7 +28,7 @@ class Program(ShaderProgram):
         return defined(shader_source(Path(shader_filename).name), self.defines)
 
     def place(self, name: str) -> int:
-        """Where a uniform is, -1 where the compiler found it unused."""
+        """Location of a uniform, -1 if the compiler found it unused."""
         if name not in self._places:
             self._places[name] = int(GL.glGetUniformLocation(self._program_id, name))
         return self._places[name]
@@ -37,7 +37,7 @@ class Program(ShaderProgram):
         direct_gl.use_program(self._program_id)
 
     def set_uniforms(self, kind: str, values: Mapping[str, Any]) -> None:
-        """Set those of a kind, unless this very mapping was the last of it."""
+        """Set the uniforms of a kind, unless this mapping object was the last one set."""
         if self._last.get(kind) is not values:
             self._last[kind] = values
             for name, value in values.items():

@@ -13,7 +13,7 @@ from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.shader_files import Defines
 
-# As tone_map.frag has it.
+# As in tone_map.frag.
 _DEGREE = 7
 _CURVES: dict[str, Defines] = {
     "none": (),
@@ -36,7 +36,7 @@ def _curve_in_one() -> list[float]:
 
 
 def from_radiance(ev100: float, wish: SetExposure) -> FloatArray:
-    """Matrix (3, 3) from radiance to what each channel's curve is of."""
+    """Matrix (3, 3) from radiance to the arguments of the channels' curves."""
     matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
     if "AGX" in _CURVES[wish.tone_map]:
         matrix = tone_map.INSET @ matrix
@@ -44,7 +44,7 @@ def from_radiance(ev100: float, wish: SetExposure) -> FloatArray:
 
 
 def outset(curve: ToneMap) -> FloatArray:
-    """Matrix (3, 3) from there to colours: what mixes each with its grey, and the way out."""
+    """Matrix (3, 3) from the curves' values to colours: AgX's saturation and outset."""
     if "AGX" not in _CURVES[curve]:
         return np.eye(3)
     grey = np.outer(np.ones(3), (1.0 - tone_map.SATURATION) * np.asarray(LUMINANCE_WEIGHTS))
@@ -52,7 +52,7 @@ def outset(curve: ToneMap) -> FloatArray:
 
 
 class TonePass:
-    """Made and used on the GL thread only; compiles the curves that are asked for."""
+    """Made and used on the GL thread only; compiles a curve on first use."""
 
     def __init__(self, context: Any):
         self._context = context

@@ -1,5 +1,5 @@
 #version 430 core
-// The means of a cube map's coarse cells, to tell how much it changed.
+// The means of a cube map's coarse cells, to measure its change.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = 0) writeonly buffer Summary { vec4 cells[]; };

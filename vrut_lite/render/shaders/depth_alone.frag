@@ -1,4 +1,4 @@
 #version 430 core
-// Of solid surfaces: depth is all there is.
+// Depth of opaque surfaces, without colour.
 
 void main() {}

@@ -1,7 +1,7 @@
-// What a surface does to light that comes from one direction: the sun's, or an extra light's.
+// Reflection of light from one direction, the sun's or an extra light's.
 
-// A surface as it is seen. `more` is what bounces between facets add; `through` the share of light
-// that comes from the paint out through the coat, over the share of even light that goes in.
+// A visible surface. `more` is the gain by bounces between facets; `through` the share of light
+// that leaves the paint through the coat, over the share of uniform light that enters.
 struct Seen {
     vec3 n;
     vec3 smooth_n;
@@ -18,8 +18,8 @@ struct Seen {
     float clearcoat;
 };
 
-// Add what reaches the paint to `diffuse`, what the coat reflects to `radiance` and what a second
-// coat does to `highlights`. `light` is the irradiance of a plane that faces it, nl its cosine.
+// Add light on the paint to `diffuse`, the coat's reflection to `radiance` and the clearcoat's to
+// `highlights`. `light` is the irradiance of a plane that faces it, nl its cosine.
 void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse,
                inout vec3 radiance, inout vec3 highlights) {
 #ifdef CLEARCOAT
@@ -32,7 +32,7 @@ void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse
 #else
     vec2 share = shares(nl, seen.roughness).xy;
     diffuse += light * (seen.through * (1.0 - coat(share, seen.coat_peak, seen.coat_f90)));
-    // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
+    // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are equal.
     vec3 h = normalize(towards + seen.view);
     float nh = clamp(dot(seen.n, h), 0.0, 1.0), vh = clamp(dot(seen.view, h), 0.0, 1.0);
 #ifdef ANISOTROPY

@@ -1,4 +1,4 @@
-// Facets of a surface under light from one direction, and what they do to light from all around.
+// Reflection by a surface's facets, of light from one direction and of uniform light.
 
 layout(binding = 11) uniform sampler2D reflectance;   // render/reflection.py's table
 

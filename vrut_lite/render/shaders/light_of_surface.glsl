@@ -1,4 +1,4 @@
-// Light that a frame part gives a surface, in place of the open sky's irradiance.
+// Light on a surface by a frame part, in place of the open sky's irradiance.
 
 #ifdef IRRADIANCE
 // Light without the direct sun: RGB irradiance in W m^-2, and in alpha the share of the open sky that

@@ -24,10 +24,10 @@ uniform mat4 clip_from_model;
 uniform mat4 eye_from_model;   // in world axes
 uniform mat3 normal_matrix;
 #ifdef SECTION
-uniform vec4 section;  // points with dot(section.xyz, point) <= section.w are seen
+uniform vec4 section;  // points with dot(section.xyz, point) <= section.w are kept
 #endif
 
-// Depth that was drawn before colours is met to the bit.
+// Equal to the depth of the depth pass to the bit.
 invariant gl_Position;
 out vec3 eye_to_point;
 #ifndef ONE_SAMPLE

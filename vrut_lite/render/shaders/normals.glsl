@@ -1,6 +1,6 @@
 // Normals of the triangle, of the surface and of its normal map, and the point that is shaded.
 
-// The normal of the triangle itself, on the side that is seen.
+// The normal of the triangle, on its visible side.
 vec3 face_normal(vec3 view) {
     vec3 n = cross(dFdx(eye_to_point), dFdy(eye_to_point));
     float squared = dot(n, n);
@@ -9,7 +9,7 @@ vec3 face_normal(vec3 view) {
     return dot(n, view) < 0.0 ? -n : n;
 }
 
-// The surface's own normal, and whether the surface is seen from behind.
+// The interpolated normal, and whether the back face is visible.
 vec3 smooth_normal(vec3 face, out bool behind) {
     vec3 n = face;
     behind = false;
@@ -29,8 +29,8 @@ vec3 smooth_normal(vec3 face, out bool behind) {
     return n;
 }
 
-// The normal that its map gives a surface. Flanks that lean away from the eye are not seen: those
-// opposite show in their place.
+// The surface's normal by its normal map. Flanks that lean away from the eye are invisible: they
+// are replaced by the opposite ones.
 vec3 mapped_normal(vec3 n, vec3 view) {
 #ifdef HAS_NORMAL_TEX
 #ifdef TEXCOORD_0_LOC

@@ -1,7 +1,7 @@
 #version 430 core
-// Nearest and farthest depth in the cells of a shadow map. FIRST: of cells of 8 x 8 texels. CORNERS:
-// of the four cells around each corner, for a place's nearest corner has half a cell all around it.
-// Else of cells twice as wide. Every gather is in the middle of four texels.
+// Nearest and farthest depth in the cells of a shadow map. FIRST: cells of 8 x 8 texels. CORNERS:
+// the four cells around each corner, so that a place's nearest corner covers half a cell all around
+// it. Otherwise: cells twice as wide. Every gather is in the middle of four texels.
 
 uniform sampler2D source;
 

@@ -31,7 +31,7 @@ uniform float sun_solid_angle;
 //!background
 #endif
 
-// Where a direction truly lies about the sun's middle, right and up, in radians.
+// A direction relative to the sun's centre before refraction, right and up (rad).
 vec2 about_sun(vec3 d) {
     // The cross product keeps its precision where acos of the dot product has none.
     vec3 across = cross(d, sun_direction);
@@ -57,7 +57,7 @@ vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     return mean_radiance * max(darkening, 0.0) * covered;
 }
 
-// With OVER_HORIZON the compiler leaves out all that is for `lower` alone.
+// With OVER_HORIZON the compiler omits the code for `lower`.
 void main() {
     vec3 d = normalize(ray);
     float over_horizon = d.y;

@@ -1,4 +1,4 @@
-// The sky as glossy surfaces mirror it.
+// Reflection of the sky by glossy surfaces.
 
 layout(binding = 8) uniform samplerCube sky;
 uniform float sky_scale;
@@ -16,7 +16,7 @@ vec3 reflected_sky(vec3 d, float roughness) {
                        / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
     vec3 seen = textureLod(reflection, d, level).rgb * reflection_scale;
 #ifndef BLURRED
-    // A loop, as a software renderer runs both sides of an `if`.
+    // A loop, since a software renderer executes both sides of an `if`.
     for (int once = roughness < level_roughness.x ? 1 : 0; once > 0; --once) {
         vec3 mirror = sky_on_side(sky, d, d.y > 0.0 ? 1.0 : -1.0) * sky_scale;
         // Near a mirror the light from afar grows with alpha squared, the blur with alpha.
@@ -26,16 +26,16 @@ vec3 reflected_sky(vec3 d, float roughness) {
     return seen;
 }
 
-// What a lobe shows of the sky: by the share of Fresnel's term that is the same from everywhere,
-// and by that of grazing angles.
+// Mean radiance of the sky over a lobe, for the constant part of Fresnel's term and for its part at
+// grazing angles.
 struct SkyImage {
     vec3 direct, grazing;
 };
 
-// Rough facets are seen from wherever they lie: their lobe stands about the normal, and no light
-// comes from below the surface. At grazing angles another, narrower one stands about the mirror
-// direction, and what the surface cuts off it moves its middle away from the surface. Directions
-// and widths are fitted to the BRDF's integral under clear skies (test_reflection.py).
+// Rough facets are visible at all orientations: their lobe is centred on the normal, and no light
+// comes from below the surface. At grazing angles a narrower lobe is centred on the mirror
+// direction; the surface cuts part of it off, which moves its centre away from the surface.
+// Directions and widths are fitted to the BRDF's integral under clear skies (test_reflection.py).
 SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
     vec3 about = normalize(mix(to_image, n, roughness * roughness));
     float narrower = roughness * (0.8 - 0.36 * roughness);
@@ -44,7 +44,7 @@ SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
 }
 
 #ifdef IRRADIANCE
-// Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
+// Visible shares of the sky in both lobes of `sky_image`: those of a lobe's mean direction, since
 // shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_surface_light.py).
 vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {
     float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
@@ -55,7 +55,7 @@ vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float rou
     vec3 direct = up.x * n + straight * across;
     vec3 at_grazing = up.y * n + (1.0 - 0.18 * roughness) * across;
     vec2 seen = visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing));
-    // A lobe as wide as the hemisphere has all in it, of which a line says too much.
+    // A lobe as wide as the hemisphere contains the whole sky; the linear estimate is too large.
     return clamp(mix(seen, vec2(in_all), r2 * r2), 0.0, 1.0);
 }
 #endif

@@ -62,7 +62,7 @@ float sun_radius(sampler2D ranges, vec3 at, float spread, vec2 steep, float texe
     return found.y < at.z - reach - texel ? 0.0 : max(radius, HARD_RADIUS);
 }
 
-// Sum of a gather's comparisons, weighted by columns and rows: w z are its upper row, x y the lower.
+// Sum of a gather's comparisons, weighted by columns and rows; w z are the upper row, x y lower.
 float weighed(vec4 hit, vec2 first, vec2 second) {
     vec2 rows = hit.wx * first.x + hit.zy * second.x;
     return dot(rows, vec2(first.y, second.y));
@@ -70,7 +70,7 @@ float weighed(vec4 hit, vec2 first, vec2 second) {
 
 #ifndef STILL_SHADOW
 // One linearly filtered comparison at a place (texels) with a plane whose depth changes by `steep`
-// per texel, at the gather's middle (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques").
+// per texel, at its middle (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques").
 float lit_linearly(sampler2DShadow map, vec2 place, float depth, vec2 steep) {
     vec2 within = fract(place), size = vec2(textureSize(map, 0));
     float below = depth + dot(steep, 0.5 - within);
@@ -157,7 +157,7 @@ float lit_linearly(vec2 place, float depth, vec2 steep) {
 }
 
 // Share of the sun that reaches this point, from a part of the sun's disc; all pictures of a still
-// cover the disc. As `lit_share`, but texels are finer than pixels; the smallest filter is a gather.
+// cover it all. As `lit_share`, but texels are finer than pixels; the least filter is a gather.
 float sun_visibility(vec3 face) {
     vec3 slope = shadow_axes * face;
     vec2 steep = slope.xy / max(slope.z, 1e-3 * length(slope));
