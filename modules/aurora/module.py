@@ -67,7 +67,7 @@ class Aurora(Module):
         if shown.edge_km > _FARTHEST_KM or shown.edge_km + shown.width_km < -_FARTHEST_KM:
             self._end("aurora: below the horizon")
             return
-        # Not compared with the last message: enabled again, the scene has dropped that.
+        # Compared with what this instance posted: the scene drops that when the module is disabled.
         if shown != self._shown:
             self._shown = shown
             self.link.post(shown)

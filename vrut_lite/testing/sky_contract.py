@@ -70,6 +70,11 @@ class SkyContract:
         sky.sun(35.0, 120.0)
         return sky
 
+    def test_a_sky_without_a_sun_requires_one(self) -> None:
+        """It gets its slot after the sun's, and safe mode does not keep it alone."""
+        manifest = self.module_type.manifest
+        assert "sun" in (*manifest.provides, *manifest.requires)
+
     # --- posted messages and their time --------------------------------------------------
 
     def test_posts_only_what_is_wanted(self, sky: SkyOnBus) -> None:
