@@ -50,7 +50,8 @@ def solve(atmosphere: Atmosphere) -> "SolvedSky":
 
     The solver is that of the module's own pictures (`bruneton_sky.solver`, sizes for the air at
     hand): some 0.1 s for up to four wavelengths of clear air, as much for every four more, more in
-    haze and fog; the first call on a machine compiles for some 15 s.
+    haze and fog; the first call on a machine compiles for some 15 s. For other sizes or orders:
+    `SolvedSky(field=bruneton_sky.solver.solve(...))`.
 
     Args:
         atmosphere: any number of wavelengths, fog included.
