@@ -1,4 +1,4 @@
-"""What a cache of arrays keeps, and for how long; tests/faults kills, fills and forges it."""
+"""Entries of an array cache, and their lifetime; tests/faults kills, fills and forges it."""
 
 import logging
 import os

@@ -312,7 +312,7 @@ def test_numba_is_imported_in_one_place(package):
 
 
 def test_imports_stand_at_the_top():
-    """A reader sees at once what a file needs; what comes late comes by `vrut_lite.lazy`."""
+    """A reader sees all imports of a file at once; late ones go through `vrut_lite.lazy`."""
     assert not [name for name in files() if local_imports(name)]
 
 

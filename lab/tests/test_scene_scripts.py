@@ -24,7 +24,7 @@ def test_the_scripts_make_the_committed_bytes(name):
 
 
 def test_the_climb_tells_a_jump_of_light_from_what_moves():
-    """A step in brightness between two of many pictures is told; an edge that moves is not."""
+    """A step in brightness between two of many pictures is reported; an edge that moves is not."""
     rows = np.arange(90)[:, None, None]
     pictures = []
     for number in range(40):

@@ -1,4 +1,4 @@
-"""Scenes that need little: what is left out leaves the picture, and the counters tell of it."""
+"""Scenes that need little: skipped work leaves the picture the same, and counters count it."""
 
 from dataclasses import replace
 from datetime import timedelta

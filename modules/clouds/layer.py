@@ -87,7 +87,7 @@ def with_light(layer: CloudLayer, passes: Passes) -> CloudLayer:
     """The layer with the extinction at which this share of a clear sky's light passes, in the mean.
 
     A column counts as a plane layer of its depth over usual ground: light through gaps is in the
-    mean, light from clouds' sides is not. The extinction stays between a tenth of its own and
+    mean, light from clouds' sides is not. The extinction stays between a tenth of the layer's and
     the densest cloud's.
     """
     columns_m = _Samples(layer).column_density(layer.threshold) * layer.thickness_m

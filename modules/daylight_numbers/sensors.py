@@ -65,7 +65,7 @@ def free_sensors(places_m: FloatArray, normals: FloatArray, name: str) -> Sensor
     """Points (P, 3) with directions (P, 3) of any length, which lie in no grid.
 
     Raises:
-        UserError: there are none, or one is not finite or has no direction.
+        UserError: no sensor is given, or one is not finite or has no direction.
     """
     places_m, normals = np.asarray(places_m, float), np.asarray(normals, float)
     if not len(places_m):

@@ -37,7 +37,7 @@ PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
 _MANY_TRIANGLES = 30_000
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
-# Points of a finished still with rays of their own, as a share of the map's texels.
+# Number of points of a finished still that get rays, as a share of the map's texels.
 _POINTS_A_TEXEL = 2.0 / 3.0
 
 

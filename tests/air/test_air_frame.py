@@ -150,7 +150,7 @@ def test_a_pixel_on_an_edge_is_the_mean_of_near_and_far(backend, tmp_path):
 
 
 def test_without_air_the_picture_is_bit_for_bit_the_one_of_before(backend, tmp_path):
-    """Before any air was told, with none, and after some was taken away; the counters say why."""
+    """Before any air is posted, without air, and after its removal; counters name the reason."""
     backend.change(scene=opened(scene_of(tmp_path, wall(1e3, 0.5))))
     show_light(backend, uniform_sky(4.0))
     view = EYE, np.add(EYE, (300.0, 100.0, -1e3)), 0.8

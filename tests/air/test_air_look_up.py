@@ -34,7 +34,7 @@ void main() {
 
 
 def frame_at(eye_m, ground_level_m):
-    """What the look-up needs of a picture."""
+    """The picture's data that the look-up needs."""
     return SimpleNamespace(
         view=SimpleNamespace(eye_m=np.array([0.0, eye_m, 0.0])),
         size_px=(1, 1),

@@ -46,13 +46,13 @@ SMALL = (680, 440)
 
 
 def choose(box, data):
-    """Choose an entry of a drop-down as by the mouse: Qt tells `activated` for that alone."""
+    """Choose an entry of a drop-down as by the mouse: only that makes Qt emit `activated`."""
     box.setCurrentIndex(box.findData(data))
     box.activated.emit(box.currentIndex())
 
 
 def move_pointer(view, position, button):
-    """Move the pointer over a widget with a button held; QTest's own move tells no buttons."""
+    """Move the pointer over a widget with a button held; QTest's own move sends no buttons."""
     event = QMouseEvent(
         QEvent.Type.MouseMove, QPointF(position), view.mapToGlobal(QPointF(position)),
         Qt.MouseButton.NoButton, button, Qt.KeyboardModifier.NoModifier,

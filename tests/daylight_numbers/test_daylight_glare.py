@@ -1,4 +1,4 @@
-"""Glare: the view and the sun's images against what is known."""
+"""Glare: the view and the sun's images against analytic cases."""
 
 import numpy as np
 import pytest

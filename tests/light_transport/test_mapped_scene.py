@@ -1,4 +1,4 @@
-"""What of the light map is shown: what the scene manager demands, and what belongs together."""
+"""The shown light map: messages that the scene manager demands, and that belong together."""
 
 import msgspec
 import numpy as np

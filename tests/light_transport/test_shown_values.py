@@ -30,7 +30,7 @@ def backend(gl_backend):
 
 
 def shown(backend, kind):
-    """Values of a picture, which are told for each pixel of the square and for no other."""
+    """Values of a picture, known for each pixel of the square and for no other."""
     backend.change(shows=kind)
     picture = look(backend, *ABOVE)
     assert np.isfinite(picture.values.values[ON_SQUARE]).all()

@@ -68,7 +68,7 @@ def test_mangled_draco_is_refused_or_read(tmp_path: Path, seed: int) -> None:
 
 @pytest.mark.parametrize("level", [0, 1, 7, 10])
 def test_dracos_own_counts_are_read(level: int) -> None:
-    """Triangles and vertices as Draco's encoder tells them, sequential (level 0) or not."""
+    """Triangles and vertices as Draco's encoder reports them, sequential (level 0) or not."""
     packed = DracoPy.encode(SQUARE, TRIANGLES.astype(np.uint32), compression_level=level)
     assert read_draco_counts(packed) == (2, 4)
 

@@ -189,7 +189,7 @@ def test_observer_above_the_air_sees_what_one_at_its_top_sees() -> None:
     light = light_before(solved, top_m, mu_top, mu_s, nu, metres)
     air = solved.atmosphere
     total = light.molecules * rayleigh_phase(nu) + light.aerosol * mie_phase(air, nu) + light.more
-    # The uppermost air sends next to nothing, a thousandth of what comes from the ground's.
+    # The uppermost air sends a thousandth of the light of the air at the ground.
     assert ours == pytest.approx(rgb_from_spectrum(total, air.wavelength_nm), rel=2e-2, abs=2e-3)
     white = np.asarray(air.solar_irradiance)
     through = rgb_from_spectrum(white * light.transmittance, air.wavelength_nm)

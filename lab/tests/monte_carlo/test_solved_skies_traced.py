@@ -71,7 +71,7 @@ def test_the_light_of_another_planet_is_traced_again():
 
 
 def test_the_blue_of_the_twilights_zenith_is_traced_again():
-    """With fewer paths, to 2 % of what tests/dynamic_skylight holds the table to."""
+    """Fewer paths, within 2 % of the reference that tests/dynamic_skylight holds the table to."""
     mu_s, air = float(np.sin(np.radians(-5.0))), twilight_air.air(2.0)
     first = single_scattering(air, 0.0, 1.0, mu_s, mu_s, samples=48)
     light = monte_carlo_radiance(air, 0.0, 1.0, mu_s, mu_s, paths=16384, seed=7)

@@ -165,7 +165,7 @@ def test_every_setting_can_be_changed_by_its_row_and_taken_back(shared_headless_
 
 
 def can_be_worked(row):
-    """Whether there is something to choose from: the GPU is not offered where there is none."""
+    """Whether there is a choice: the GPU is not offered on a machine without one."""
     return not isinstance(row.editor, QComboBox) or row.editor.count() > 1
 
 

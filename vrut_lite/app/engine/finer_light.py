@@ -67,7 +67,7 @@ def is_only_lit(before: SceneState | None, now: SceneState) -> bool:
 
 
 def _changed(before: SceneState, now: SceneState) -> set[type[Derived]]:
-    """Types of what frame parts show otherwise than before; none if more than that is other."""
+    """Types of changed messages of frame parts; empty if other parts of the state changed too."""
     if not now.shares_all_but(before, "parts"):
         return set()
     return changed_kinds(before.parts, now.parts)
