@@ -12,7 +12,7 @@ import numpy as np
 from vrut_lite.atmosphere.aerosols.mie import spheres_together
 from vrut_lite_lab.checkout import ROOT
 
-TARGET = ROOT / "vrut_lite" / "daylight" / "data" / "fog_droplets.npz"
+TARGET = ROOT / "vrut_lite" / "atmosphere" / "data" / "fog_droplets.npz"
 WAVELENGTH_NM = np.array([400.0, 475.0, 550.0, 625.0, 700.0])
 WATER = np.array([1.339, 1.336, 1.333, 1.332, 1.331])
 
@@ -28,6 +28,8 @@ def main() -> None:
         wavelength_nm=WAVELENGTH_NM,
         angle_rad=water.angle_rad,
         phase_per_sr=water.phase.astype(np.float32),
+        p12_per_sr=water.p12.astype(np.float32),
+        p33_per_sr=water.p33.astype(np.float32),
     )
 
 

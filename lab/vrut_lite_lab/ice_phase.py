@@ -22,7 +22,7 @@ from vrut_lite.njit import njit
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.checkout import ROOT
 
-TARGET = ROOT / "vrut_lite" / "daylight" / "data" / "ice_crystals.npz"
+TARGET = ROOT / "modules" / "clouds" / "model" / "data" / "ice_crystals.npz"
 WAVELENGTH_NM = np.array([475.0, 550.0, 625.0])
 ICE = np.array([1.3138, 1.3110, 1.3089])
 # Half the length over the edge of the hexagon.

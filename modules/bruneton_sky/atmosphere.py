@@ -229,8 +229,7 @@ class Atmosphere:
         weight = np.array(columns)[:, None] * scattering
         table = self.mie_table
         if table is not None and self.aloft_table is not None and weight.any():
-            both = np.stack([table.values, self.aloft_table.values])
-            table = PhaseTable((weight[..., None] * both).sum(axis=0))
+            table = PhaseTable.mixed([table, self.aloft_table], weight)
         return replace(
             self,
             mie_extinction=tuple(np.array(columns) @ extinction),

@@ -14,6 +14,7 @@ from vrut_lite.atmosphere.aerosols import (
 from vrut_lite.atmosphere.aerosols.components import component
 from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
 from vrut_lite.atmosphere.aerosols.mie import lognormal_volume, optics_of_sizes
+from vrut_lite.atmosphere.aerosols.own import OwnAerosol
 from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
 from vrut_lite.atmosphere.aerosols.types import AerosolMixture
 
@@ -163,11 +164,57 @@ def test_spheres_by_mies_theory_are_the_tabulated_component():
         lambda: PhaseTable(np.ones((1, 7))),
         lambda: PhaseTable(-np.ones((1, PHASE_NODES))),
         lambda: PhaseTable.of_angles([0.0, 1.0], [1.0, 1.0]),
+        lambda: PhaseTable(np.ones((1, PHASE_NODES)), np.zeros((1, PHASE_NODES))),
+        lambda: PhaseTable(np.ones((1, PHASE_NODES)), np.full((2, 1, PHASE_NODES), 0.9)),
+        lambda: OwnAerosol(angle_deg=(0, 180), phase=(1, 1), p12=(0, 0)).optics,
     ],
 )
 def test_what_is_impossible_is_refused_in_a_sentence(make):
     with pytest.raises(ValueError, match=r"\w+ \w+"):
         make()
+
+
+def test_spheres_much_smaller_than_a_wavelength_polarise_as_molecules_do():
+    """Rayleigh's limit, whose scattering matrix is known in closed form, holds sign and scale."""
+    pytest.importorskip("miepython", reason="the package miepython is not installed")
+    wavelength = [500.0, 600.0]
+    phase = optics_of_sizes([0.004, 0.005], [1.0, 1.0], wavelength, [1.5, 1.5]).phase
+    nu = np.linspace(-1.0, 1.0, 21)
+    p12, p33 = phase.polarisation(nu)
+    assert p12[:, 0] == pytest.approx(-(1.0 - nu**2) / (1.0 + nu**2), abs=0.005)
+    assert p33[:, 0] == pytest.approx(2.0 * nu / (1.0 + nu**2), abs=0.005)
+
+
+def test_what_is_mixed_polarises_by_what_each_part_scatters():
+    """P12 and P33 add as the phase function does, weighted by it, not by themselves."""
+    nodes = np.zeros((1, PHASE_NODES))
+    dark, bright = PhaseTable(nodes + 1.0, [nodes - 0.6, nodes]), PhaseTable(nodes + 1.0)
+    p12, p33 = PhaseTable.mixed([dark, bright], [[1.0], [3.0]]).polarisation(0.3)
+    assert (p12[0], p33[0]) == pytest.approx((-0.15, 0.75))
+    rows = PhaseTable(
+        np.concatenate([nodes + 1.0] * 2), [nodes - [[0.6], [0.0]], nodes * [[0], [0]]]
+    )
+    assert rows.at_rows([[0.5, 0.5]]).polarisation(0.3)[0] == pytest.approx([-0.3])
+
+
+def test_hazes_of_fine_particles_polarise_more_than_those_of_coarse_ones():
+    """At a right angle; light scattered forward keeps its polarisation in all of them."""
+    at_90 = {
+        name: type_optics(name).phase_at([550.0]).polarisation(0.0)[0][0] for name in OPAC_TYPES
+    }
+    assert at_90["urban"] < at_90["maritime-clean"] < at_90["desert"]
+    assert -0.5 < min(at_90.values()) < -0.4
+    assert max(at_90.values()) == pytest.approx(0.0, abs=0.02)
+    for name in OPAC_TYPES:
+        p12, p33 = type_optics(name).phase_at([550.0]).polarisation(1.0)
+        assert (p12[0], p33[0]) == pytest.approx((0.0, 1.0), abs=1e-3)
+
+
+def test_a_users_scattering_matrix_reaches_the_table():
+    own = OwnAerosol(angle_deg=(0, 90, 180), phase=(2, 1, 2), p12=(0, -0.4, 0), p33=(2, 0, -2))
+    p12, p33 = own.optics.phase.polarisation([1.0, 0.0, -1.0])
+    assert p12[:, 0] == pytest.approx([0.0, -0.4, 0.0], abs=1e-3)
+    assert p33[:, 0] == pytest.approx([1.0, 0.0, -1.0], abs=1e-3)
 
 
 def test_tables_are_equal_by_content():

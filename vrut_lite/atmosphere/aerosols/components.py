@@ -22,7 +22,8 @@ COMPONENTS = (*HYGROSCOPIC, "inso", "soot", "minm", "miam", "micm")
 class Particles(NamedTuple):
     """Optical properties of particles at `wavelength_nm` (C,), for one particle per cm^3.
 
-    `extinction`, `scattering` (C,) in 1/km; `phase` (C, angles) in sr^-1 at `angle_rad` (angles,).
+    `extinction`, `scattering` (C,) in 1/km; at `angle_rad` (angles,), in sr^-1, `phase`, `p12` and
+    `p33` (C, angles): P11, P12 and P33 of the scattering matrix.
     """
 
     wavelength_nm: FloatArray
@@ -30,13 +31,15 @@ class Particles(NamedTuple):
     extinction: FloatArray
     scattering: FloatArray
     phase: FloatArray
+    p12: FloatArray
+    p33: FloatArray
 
     def times(self, count: float) -> "Particles":
         """The optical properties of `count` times as many particles."""
         return self._replace(extinction=self.extinction * count, scattering=self.scattering * count)
 
     def with_others(self, others: "Particles") -> "Particles":
-        """The sum of both; phase functions are averaged with scattering as the weight."""
+        """The sum of both; scattering matrices are averaged with scattering as the weight."""
         scattering = self.scattering + others.scattering
         own = np.divide(
             self.scattering, scattering, out=np.ones_like(scattering), where=scattering > 0.0
@@ -45,6 +48,8 @@ class Particles(NamedTuple):
             extinction=self.extinction + others.extinction,
             scattering=scattering,
             phase=own * self.phase + (1.0 - own) * others.phase,
+            p12=own * self.p12 + (1.0 - own) * others.p12,
+            p33=own * self.p33 + (1.0 - own) * others.p33,
         )
 
 
@@ -71,7 +76,11 @@ def _tabulated(name: str) -> Particles:
     names, tables = _tables()
     k = names.index(name)
     return tables._replace(
-        extinction=tables.extinction[k], scattering=tables.scattering[k], phase=tables.phase[k]
+        extinction=tables.extinction[k],
+        scattering=tables.scattering[k],
+        phase=tables.phase[k],
+        p12=tables.p12[k],
+        p33=tables.p33[k],
     )
 
 
@@ -85,4 +94,6 @@ def _tables() -> tuple[list[str], Particles]:
             data["extinction_per_km"].astype(float),
             data["scattering_per_km"].astype(float),
             data["phase_per_sr"].astype(float),
+            data["p12_per_sr"].astype(float),
+            data["p33_per_sr"].astype(float),
         )

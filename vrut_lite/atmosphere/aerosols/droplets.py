@@ -24,10 +24,11 @@ def droplets_phase(wavelength_nm: tuple[float, ...]) -> PhaseTable:
     """The phase function at wavelengths, linear between the tabulated five."""
     with np.load(FILE) as data:
         known, angle = data["wavelength_nm"], data["angle_rad"]
-        whole = PhaseTable.of_angles(angle, data["phase_per_sr"].astype(float))
+        p11, p12, p33 = (data[f"{name}_per_sr"].astype(float) for name in ("phase", "p12", "p33"))
+    whole = PhaseTable.of_angles(angle, p11, [p12 / p11, p33 / p11])
     place = np.interp(wavelength_nm, known, np.arange(known.size))
-    weights = np.maximum(1.0 - np.abs(place[:, None] - np.arange(known.size)), 0.0)
-    return PhaseTable([_spread_peak(row) for row in weights @ whole.values])
+    mixed = whole.at_rows(np.maximum(1.0 - np.abs(place[:, None] - np.arange(known.size)), 0.0))
+    return PhaseTable([_spread_peak(row) for row in mixed.values], mixed.ratios)
 
 
 def _spread_peak(row: FloatArray) -> FloatArray:

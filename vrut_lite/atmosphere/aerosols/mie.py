@@ -93,7 +93,11 @@ def lognormal_volume(
 def spheres_together(
     radius_um: FloatArray, spheres: FloatArray, wavelength_nm: FloatArray, index: ArrayLike
 ) -> Particles:
-    """Optical properties of spheres (n,) over a square um; extinction and scattering are depths."""
+    """Optical properties of spheres (n,) over a square um; extinction and scattering are depths.
+
+    The scattering matrix is that of Bohren and Huffman 1983, equation 4.77, with P12 < 0 where
+    light vibrates across the scattering plane.
+    """
     try:
         import miepython
     except ImportError as error:
@@ -104,7 +108,7 @@ def spheres_together(
     refraction = _refraction(index)
     cosine = np.cos(_ANGLES_RAD)
     extinction, scattering = np.zeros((2, wavelength_nm.size))
-    phase = np.zeros((wavelength_nm.size, cosine.size))
+    matrix = np.zeros((3, wavelength_nm.size, cosine.size))
     area = spheres * np.pi * radius_um**2
     for c, nm in enumerate(wavelength_nm):
         x = 2.0 * np.pi * radius_um * _NM_PER_UM / nm
@@ -113,6 +117,7 @@ def spheres_together(
             extinction[c] += area[k] * float(np.squeeze(q_ext))
             scattered = area[k] * float(np.squeeze(q_sca))
             scattering[c] += scattered
-            phase[c] += scattered * miepython.i_unpolarized(refraction[c], x[k], cosine, norm="one")
-    phase /= scattering[:, None]
-    return Particles(wavelength_nm, _ANGLES_RAD, extinction, scattering, phase)
+            one = miepython.phase_matrix(refraction[c], x[k], cosine, norm="one")
+            matrix[:, c] += scattered * np.stack([one[0, 0], one[0, 1], one[2, 2]])
+    matrix /= scattering[:, None]
+    return Particles(wavelength_nm, _ANGLES_RAD, extinction, scattering, *matrix)

@@ -91,7 +91,9 @@ def _layer(column: Particles, height_m: float) -> AerosolLayer:
         column.wavelength_nm,
         column.extinction,
         np.divide(column.scattering, column.extinction, out=none, where=column.extinction > 0.0),
-        PhaseTable.of_angles(column.angle_rad, column.phase),
+        PhaseTable.of_angles(
+            column.angle_rad, column.phase, [column.p12 / column.phase, column.p33 / column.phase]
+        ),
         height_m,
     )
 
