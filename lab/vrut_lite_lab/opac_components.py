@@ -10,8 +10,10 @@ dry one and water's by volume. Takes a minute on one core.
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.atmosphere.aerosols.components import HUMIDITIES, HYGROSCOPIC, Particles
 from vrut_lite.atmosphere.aerosols.mie import spheres_together
@@ -80,6 +82,7 @@ def main() -> None:
         "extinction_per_km": [each.extinction for each in found],
         "scattering_per_km": [each.scattering for each in found],
     }
+    values: dict[str, Any] = {name: np.array(table, np.float32) for name, table in tables.items()}
     np.savez_compressed(
         TARGET,
         name=np.array(names),
@@ -87,7 +90,7 @@ def main() -> None:
         angle_deg=np.degrees(found[0].angle_rad),
         size_um=np.array(sizes),
         mixtures=json.dumps({name: dict(each.particles) for name, each in OPAC_TYPES.items()}),
-        **{name: np.array(values, dtype=np.float32) for name, values in tables.items()},
+        **values,
     )
 
 
@@ -111,7 +114,7 @@ def _particles(name: str, size: tuple[float, ...]) -> Particles:
     return spheres_together(r, per_um2, WAVELENGTH_NM, _index(name, radius))
 
 
-def _index(name: str, radius_um: float) -> FloatArray:
+def _index(name: str, radius_um: float) -> NDArray[np.complex128]:
     """Complex refractive index (C,) of a component whose mode radius humidity has made this."""
 
     def at(values: tuple[float, ...]) -> FloatArray:
@@ -119,7 +122,7 @@ def _index(name: str, radius_um: float) -> FloatArray:
 
     if name in _DRY:
         kind = "dust" if name.startswith("mi") else name
-        return (1.75 if name == "soot" else 1.53) - 1j * at(_ABSORPTION[kind])
+        return np.asarray((1.75 if name == "soot" else 1.53) - 1j * at(_ABSORPTION[kind]))
     stem = name[:4]
     salt = stem != "waso"
     dry = at(_SALT if salt else _SOLUBLE) - 1j * at(_ABSORPTION["salt" if salt else stem])
