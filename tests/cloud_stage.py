@@ -6,7 +6,7 @@ from clouds.model.cloud_transport import transport_tables
 from discrete_ordinates import ordinates_of
 
 from vrut_lite.array import Array
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.installed_parts import all_parts, heard_with
 from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 

@@ -19,7 +19,7 @@ from clouds.model.cloud_view import lights_on
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite_lab.cloud_monte_carlo import sun_radiance, without_peak

@@ -16,9 +16,9 @@ from clouds.model.cloud_layers import air_share, clear_light, lights_on
 from clouds.model.cloud_light import ClearLight
 from clouds.model.cloud_view import clouds_seen, sun_share
 from vrut_lite.array import Array
+from vrut_lite.atmosphere.clear_air import COLUMN_M, molecules_per_m
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sunlight_at_altitude import haze_depth
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -31,10 +31,10 @@ from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import FloatArray, Vector, vector
 from vrut_lite.sky.sky_layer import Viewpoint
 
-# Centroid wavelengths (nm) of linear sRGB, and Rayleigh scattering at sea level there.
+# Centroid wavelengths (nm) of linear sRGB.
 _RGB_NM = np.array([635.0, 550.0, 465.0])
-_RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
-_SCALE_HEIGHT_M = 8000.0
+
+
 # An eye higher than this share of the clouds' base sees them otherwise than the ground does.
 _NEAR_GROUND = 0.1
 
@@ -198,9 +198,9 @@ def _air_depths(
     """
     horizontal_m = distance_m * np.sqrt(np.maximum(1.0 - mu * mu, 0.0))
     far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * GROUND_RADIUS_M)
-    of_haze = [(layer.height_m, haze_depth(layer, _RGB_NM) / layer.height_m) for layer in haze]
+    of_haze = [(layer.height_m, layer.depth_at(_RGB_NM) / layer.height_m) for layer in haze]
     before, whole = np.zeros((2, len(mu), 3))
-    for scale_m, per_m in [(_SCALE_HEIGHT_M, _RAYLEIGH_PER_M), *of_haze]:
+    for scale_m, per_m in [(COLUMN_M, molecules_per_m(_RGB_NM)), *of_haze]:
         in_m = distance_m * _mean_density(eye_altitude_m, far_altitude_m, scale_m)
         before += in_m[:, None] * per_m
         # Along the horizon there is as much as along so many scale heights.

@@ -9,12 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from night_sky.night_air import RGB_NM, TOP_M
+from night_sky.night_air import RGB_NM
 from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
+from vrut_lite.atmosphere.clear_air import TOP_ALTITUDE_M
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
+from vrut_lite.atmosphere.sunlight import extinctions_per_m
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.sky.clear_sun import extinctions_per_m
 
 # Elevations, steps along a ray, slopes and azimuths of light that comes up; altitudes.
 _NODES, _STEPS, _SLOPES, _TURNS, _HEIGHTS = 32, 48, 8, 24, 256
@@ -33,11 +34,13 @@ def _shares(haze: SetHaze) -> tuple[FloatArray, FloatArray]:
     x, weight = np.polynomial.legendre.leggauss(_STEPS)
     place, weight = 0.5 * (x + 1.0), 0.5 * weight
     start = GROUND_RADIUS_M * np.sin(elevation)[:, None]
-    length = np.sqrt((GROUND_RADIUS_M + TOP_M) ** 2 - GROUND_RADIUS_M**2 + start**2) - start
+    length = (
+        np.sqrt((GROUND_RADIUS_M + TOP_ALTITUDE_M) ** 2 - GROUND_RADIUS_M**2 + start**2) - start
+    )
     along = length * place**2
     altitude = np.sqrt(GROUND_RADIUS_M**2 + along**2 + 2.0 * start * along) - GROUND_RADIUS_M
     metres = length * (2.0 * place * weight)
-    kinds = extinctions_per_m(haze, altitude, RGB_NM)
+    kinds = extinctions_per_m(altitude, RGB_NM, haze.aerosol_layers)
     step = kinds.sum(axis=0) * metres[..., None]
     through = np.exp(-(np.cumsum(step, axis=1) - 0.5 * step))
     slope, slopes_weight = np.polynomial.legendre.leggauss(_SLOPES)
@@ -53,8 +56,8 @@ def _shares(haze: SetHaze) -> tuple[FloatArray, FloatArray]:
 
 def _depth_below(haze: SetHaze, altitude: FloatArray) -> FloatArray:
     """Vertical optical depth (..., 3) between the ground and altitudes (...,)."""
-    heights = TOP_M * np.linspace(0.0, 1.0, _HEIGHTS) ** 3
-    each = extinctions_per_m(haze, heights, RGB_NM).sum(axis=0)
+    heights = TOP_ALTITUDE_M * np.linspace(0.0, 1.0, _HEIGHTS) ** 3
+    each = extinctions_per_m(heights, RGB_NM, haze.aerosol_layers).sum(axis=0)
     steps = 0.5 * (each[1:] + each[:-1]) * np.diff(heights)[:, None]
     below = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
     return np.stack([np.interp(altitude, heights, below[:, c]) for c in range(3)], axis=-1)

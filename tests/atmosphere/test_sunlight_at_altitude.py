@@ -8,7 +8,7 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_a
 from bruneton_sky.sun_light import haze_layers, sun_irradiance
 
 from vrut_lite.atmosphere.haze_layer import HAZE_NM
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum
 from vrut_lite.kernel.messages import Demand, SetClock

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from light_messages import clear_sky_light, light_messages
 from long_parameters import mostly_long
 
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance

@@ -15,7 +15,7 @@ from clouds.settings import CloudSettings
 from long_parameters import mostly_long
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 
 EYE = np.zeros(3)
 

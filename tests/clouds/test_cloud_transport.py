@@ -13,7 +13,7 @@ from clouds.model.cloud_view import clouds_seen
 from discrete_ordinates import ordinates_of
 from long_parameters import mostly_long
 
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 
 DEPTHS, ELEVATIONS_DEG = (0.3, 1.0, 3.0, 10.0, 30.0, 60.0), (9.0, 20.0, 35.0, 60.0)
 CASES = [(depth, elevation) for depth in DEPTHS for elevation in ELEVATIONS_DEG]

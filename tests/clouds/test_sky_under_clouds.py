@@ -9,7 +9,7 @@ from clouds.sky_under_clouds import light_under_clouds
 from light_messages import clear_sky_light, light_messages
 
 from vrut_lite.atmosphere.haze_layer import HazeLayer
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import (

@@ -7,7 +7,7 @@ import pytest
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
 from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.geometry import colour, cube_map, encoding, frames, panorama
 from vrut_lite.geometry import spherical_harmonics as harmonics
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap

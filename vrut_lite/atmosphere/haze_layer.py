@@ -1,13 +1,16 @@
 """Layers of haze that sunlight passes, as messages carry them."""
 
 import msgspec
+import numpy as np
+from numpy.typing import ArrayLike
 
 from vrut_lite import checks
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import FloatArray, Vector
 
 # Wavelengths of their optical depths.
 HAZE_NM = (680.0, 550.0, 440.0)
 _MOST_HEIGHT_M, _MOST_DEPTH = 1e6, 1e4
+_LEAST_DEPTH = 1e-12
 
 
 class HazeLayer(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -18,6 +21,12 @@ class HazeLayer(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     height_m: float
     optical_depth: Vector
+
+    def depth_at(self, wavelength_nm: ArrayLike) -> FloatArray:
+        """Vertical depth (n,): its logarithm is a parabola of the wavelength's."""
+        log_depth = np.log(np.maximum(self.optical_depth, _LEAST_DEPTH))
+        parabola = np.polyfit(np.log(HAZE_NM), log_depth, 2)
+        return np.asarray(np.exp(np.polyval(parabola, np.log(wavelength_nm))))
 
     def check(self) -> None:
         """A height to divide by, and depths."""

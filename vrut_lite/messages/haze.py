@@ -4,6 +4,7 @@ A sky may have a setting `turbidity`: unset, it follows the host's haze, a
 number on Preetham's scale is that sky's own.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Literal, get_args
 
@@ -16,8 +17,10 @@ from vrut_lite.atmosphere.aerosol import (
     turbidity_of_optical_depth,
 )
 from vrut_lite.atmosphere.aerosols import AerosolOptics, optics_of_aerosol, type_optics
+from vrut_lite.atmosphere.aerosols.optics import AerosolLayer
 from vrut_lite.atmosphere.aerosols.own import OwnAerosol
 from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
+from vrut_lite.atmosphere.clear_air import NITROGEN_DIOXIDE_DU
 from vrut_lite.atmosphere.haze_layer import HAZE_NM, HazeLayer
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
@@ -45,21 +48,25 @@ MOST_OPTICAL_DEPTH = float(optical_depth_of_turbidity(MOST_TURBIDITY))
 # Turbidity 3 is a depth of 0.20: over land MODIS measured 0.19 in the mean of years (Remer et al.
 # 2008, "Global aerosol climatology from the MODIS satellite sensors").
 DEFAULT_TURBIDITY = 3.0
+# Ten times what is above large cities.
+MOST_NITROGEN_DIOXIDE_DU = 20.0
 DEFAULT_AEROSOL: AerosolType = "continental-average"
 
 
 class SetHaze(Input, frozen=True, kw_only=True):
-    """Amount and type of the aerosol above the place.
+    """Amount and type of the aerosol above the place, and its nitrogen dioxide.
 
     `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
     (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
-    of a type of OPAC grow. `own` takes the type's place.
+    of a type of OPAC grow. `own` takes the type's place. `nitrogen_dioxide_du` is the column of the
+    brown gas of exhaust: 0.2 in clean air, 1 and more above a city.
     """
 
     optical_depth_550: float
     aerosol: AerosolType = DEFAULT_AEROSOL
     humidity_percent: float = USUAL_HUMIDITY
     own: OwnAerosol | None = None
+    nitrogen_dioxide_du: float = NITROGEN_DIOXIDE_DU
 
     @property
     def one_lobe(self) -> bool:
@@ -81,13 +88,20 @@ class SetHaze(Input, frozen=True, kw_only=True):
         return type_optics(self.aerosol, self.humidity_percent)
 
     @property
-    def layers(self) -> tuple[HazeLayer, ...]:
-        """Layers of the aerosol between the ground and the sun."""
+    def aerosol_layers(self) -> tuple[AerosolLayer, ...]:
+        """Layers of the aerosol between the ground and the sun, at the actual depth."""
         optics = self.optics
         share = self.optical_depth_550 / optics.optical_depth_550
+        return tuple(
+            replace(layer, optical_depth=share * layer.optical_depth) for layer in optics.layers
+        )
+
+    @property
+    def layers(self) -> tuple[HazeLayer, ...]:
+        """The same layers as messages carry them."""
         layers = []
-        for layer in optics.layers:
-            red, green, blue = (share * layer.depth_at(HAZE_NM)).tolist()
+        for layer in self.aerosol_layers:
+            red, green, blue = layer.depth_at(HAZE_NM).tolist()
             layers.append(HazeLayer(layer.height_m, (red, green, blue)))
         return tuple(layers)
 
@@ -96,6 +110,7 @@ class SetHaze(Input, frozen=True, kw_only=True):
         checks.number(self, "optical_depth_550", 0.0, MOST_OPTICAL_DEPTH, of="haze")
         checks.choice(self, "aerosol", AEROSOL_TYPES)
         checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
+        checks.number(self, "nitrogen_dioxide_du", 0.0, MOST_NITROGEN_DIOXIDE_DU, of="haze")
         if self.own is not None:
             checks.instance(self, "own", OwnAerosol)
             try:

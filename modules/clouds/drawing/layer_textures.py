@@ -17,7 +17,7 @@ from clouds.model.cloud_spread import spread_of
 from clouds.model.cloud_transport import scatterer
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.uniform_block import UniformBlock

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from clouds.model.cloud_density import sun_transmittance
 from clouds.model.cloud_light import ClearLight
 from clouds.model.cloud_transport import even_transmittance, layer_transmittance
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
 from vrut_lite.messages.clouds import CloudLayer

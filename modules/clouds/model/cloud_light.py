@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from clouds.model.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.atmosphere.haze_layer import HazeLayer
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.sky import NO_LAMPS

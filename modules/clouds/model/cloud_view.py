@@ -22,7 +22,7 @@ from clouds.model.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
 from clouds.model.cloud_transport import scatterer, transport_tables
 from vrut_lite.atmosphere.aerosols.phase_table import node_places
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.sunlight_at_altitude import sunlight_at_altitude
+from vrut_lite.atmosphere.sunlight import sunlight_at_altitude
 from vrut_lite.messages.clouds import CloudLayer, Particles
 from vrut_lite.numeric_types import FloatArray, Vector
 
