@@ -62,6 +62,10 @@ class Atmosphere:
         rayleigh_more, rayleigh_more_scale_height_m: exponentials of the molecules' density beside
             that of `rayleigh_scale_height_m`: their shares at altitude zero, of which the first one
             has the rest, and their scale heights. Shares may be negative, the density may not.
+        rayleigh_depolarisation: ratio rho of the molecules for natural light, from 0 to 1: 0.0285
+            in real air. It depolarises their light and makes their phase function more even;
+            scattering coefficients contain King's factor already. The published pipeline
+            leaves it out.
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
@@ -97,6 +101,7 @@ class Atmosphere:
     mu_s_min: float
     rayleigh_more: tuple[float, ...] = (0.0,)
     rayleigh_more_scale_height_m: tuple[float, ...] = (8000.0,)
+    rayleigh_depolarisation: float = 0.0
     mie_phase: MiePhaseForm = "cornette-shanks"
     mie_table: PhaseTable | None = None
     aloft_scattering: tuple[float, ...] = (0.0,)
@@ -310,6 +315,12 @@ class Atmosphere:
         pairs = zip(self.rayleigh_more, self.rayleigh_more_scale_height_m, strict=True)
         more = [(share, height_m) for share, height_m in pairs if share]
         return ((1.0 - sum(self.rayleigh_more), self.rayleigh_scale_height_m), *more)
+
+    @property
+    def rayleigh_anisotropy(self) -> float:
+        """Share (1 - rho) / (1 + rho / 2) of the molecules' light that is scattered as by dipoles;
+        the rest is even and not polarised (Hansen and Travis 1974, equation 2.15)."""
+        return (1.0 - self.rayleigh_depolarisation) / (1.0 + 0.5 * self.rayleigh_depolarisation)
 
     def molecules(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the molecules at altitudes (...,)."""

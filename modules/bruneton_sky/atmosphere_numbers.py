@@ -39,7 +39,7 @@ _POSITIVE = (
 )
 # Accepted lengths: squares of shorter and longer ones lose digits or overflow.
 _LENGTHS, LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
-_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
+_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min", "rayleigh_depolarisation")
 _TABLES = ("mie_table", "aloft_table", "fog_table")
 NO_NUMBERS = ("mie_phase", *_TABLES)
 # Where a density of several exponentials is looked at.
@@ -84,6 +84,8 @@ def check_numbers(values: Mapping[str, Any], molecules: Callable[[FloatArray], F
     places = np.linspace(0.0, values["top_altitude_m"], _PLACES)
     _require(bool((molecules(places) >= 0.0).all()), "rayleigh_more", _NEGATIVE)
     _require(-1 < values["mie_g"] < 1, "mie_g", f"must lie between -1 and 1, not {values['mie_g']}")
+    rho = values["rayleigh_depolarisation"]
+    _require(0 <= rho <= 1, "rayleigh_depolarisation", f"must lie between 0 and 1, not {rho}")
     within = -1 <= values["mu_s_min"] < 1
     _require(within, "mu_s_min", f"must be a cosine below 1, not {values['mu_s_min']}")
     for name in ("mie", "aloft", "fog"):

@@ -57,9 +57,18 @@ def particles_phase(atmosphere: Atmosphere, name: str, nu: ArrayLike) -> NDArray
 
 
 def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:
-    """Rayleigh's phase function (...,) in sr^-1, of the cosine nu of the scattering angle."""
+    """Rayleigh's phase function (...,) in sr^-1, of the cosine nu of the scattering angle.
+
+    Tables and volumes of air divide the molecules' light by it, whatever their depolarisation.
+    """
     cosine = np.asarray(nu, dtype=float)
     return np.asarray(3.0 / (16.0 * np.pi) * (1.0 + cosine * cosine))
+
+
+def molecules_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
+    """The same of the atmosphere's molecules, which depolarise."""
+    dipoles = atmosphere.rayleigh_anisotropy
+    return np.asarray(dipoles * rayleigh_phase(nu) + (1.0 - dipoles) / (4.0 * np.pi))
 
 
 def henyey_greenstein_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ from bruneton_sky.geometry import (
     y_along,
 )
 from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
-from bruneton_sky.phase import particles_phase, rayleigh_phase
+from bruneton_sky.phase import molecules_phase, particles_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering_kernels import fast_by_name
 from bruneton_sky.solver import SourceField
@@ -75,7 +75,7 @@ def light_along(
     cosine = np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0)
     scattering = scattering_at(air, altitude)
     molecules, particles = scattering["molecules"], np.zeros(())
-    once = molecules * rayleigh_phase(cosine_to_sun)[:, None]
+    once = molecules * molecules_phase(air, cosine_to_sun)[:, None]
     for name, peak in forward_shares(field.atmosphere, field.sizes.degree).items():
         if name in scattering:
             once += scattering[name] * particles_phase(air, name, cosine_to_sun) / (1.0 - peak)
@@ -104,7 +104,7 @@ def scattered_once(
     """
     air = field.thinned
     light = fast_by_name(air, altitude_m, mu, mu_s, nu, samples)
-    radiance = light.pop("molecules") * rayleigh_phase(nu)[:, None]
+    radiance = light.pop("molecules") * molecules_phase(air, nu)[:, None]
     peaks = forward_shares(field.atmosphere, field.sizes.degree)
     for name, part in light.items():
         radiance = radiance + part * particles_phase(air, name, nu) / (1.0 - peaks[name])

@@ -5,8 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.phase import henyey_greenstein_phase, mie_phase, mie_phase_parameters
+from bruneton_sky.phase import (
+    henyey_greenstein_phase,
+    mie_phase,
+    mie_phase_parameters,
+    molecules_phase,
+    rayleigh_phase,
+)
 from bruneton_sky.published.single_scattering import scattered_without_phase
+from bruneton_sky.solver import single_scattering_fast, solve
 
 from vrut_lite.atmosphere.aerosol import cornette_shanks_phase
 
@@ -55,3 +62,24 @@ def test_phase_function_changes_only_the_aerosols_light() -> None:
     more = single_scattering(greenstein, *where) - single_scattering(shanks, *where)
     phases = henyey_greenstein_phase(where[3], 0.8) - cornette_shanks_phase(where[3], 0.8)
     assert more == pytest.approx(mie * phases[:, None], rel=1e-9)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.0285, 0.3, 1.0])
+def test_depolarising_molecules_scatter_more_evenly(rho: float) -> None:
+    """The phase function stays normalised, and P(90 deg) / P(0) = (1 + rho) / 2 (Chandrasekhar
+    1950, section 18: natural light of which rho / (1 + rho) vibrates in the scattering plane)."""
+    air = replace(Atmosphere.earth(), rayleigh_depolarisation=rho)
+    assert 2 * np.pi * (WEIGHT * molecules_phase(air, NU)).sum() == pytest.approx(1.0, rel=1e-12)
+    across, along = molecules_phase(air, [0.0, 1.0])
+    assert across / along == pytest.approx((1.0 + rho) / 2.0, rel=1e-12)
+
+
+def test_depolarisation_reaches_the_solvers_first_order(other_planet: Atmosphere) -> None:
+    """The kernels' light off molecules is over Rayleigh's phase function: times that it must be the
+    exact one's with the molecules' own."""
+    plain = replace(other_planet, mie_scattering=0.0, mie_extinction=0.0, ground_albedo=0.0)
+    air = replace(plain, rayleigh_depolarisation=0.3)
+    where = 0.0, np.array([0.9, 0.3, 0.1]), 0.5, np.array([0.3, 0.95, -0.5])
+    shown = [single_scattering_fast(solve(one, 1), *where)[0] for one in (plain, air)]
+    share = molecules_phase(air, where[3]) / rayleigh_phase(where[3])
+    assert shown[1] == pytest.approx(shown[0] * share[:, None], rel=1e-6)

@@ -38,7 +38,12 @@ def fields(other_planet) -> dict[str, SourceField]:
         "fog": air_of(fog_visibility_m=800.0, mie_phase="henyey-greenstein"),
         "molecules": replace(air_of(preset="earth-clear"), mie_scattering=(0.0,) * 4),
         "aerosol": replace(air_of(), rayleigh_scattering=(0.0,) * 4),
-        "another planet": replace(other_planet, wavelength_nm=SKYLIGHT_NM, solar_irradiance=sun),
+        "another planet": replace(
+            other_planet,
+            wavelength_nm=SKYLIGHT_NM,
+            solar_irradiance=sun,
+            rayleigh_depolarisation=0.3,
+        ),
     }
     return {name: solve(air, 3, COARSE) for name, air in airs.items()}
 

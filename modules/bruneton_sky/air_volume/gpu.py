@@ -112,6 +112,7 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             "directions": (suns, source.azimuth_cosine.size, source.mie.shape[1]),
             "sun_grid": floats(source.grid),
             "solar_irradiance": floats(air.solar_irradiance),
+            "anisotropy": floats([air.anisotropy])[0],
         },
     )
 

@@ -43,6 +43,7 @@ uniform ivec2 altitudes;        // of both source functions; 0: no source functi
 uniform ivec3 directions;       // of the source function: suns, azimuths, mu
 uniform vec4 sun_grid;          // see SunGrid.constants
 uniform vec4 solar_irradiance;
+uniform float anisotropy;       // of molecules: see Atmosphere.rayleigh_anisotropy
 
 const float PI = 3.14159265;
 
@@ -188,6 +189,7 @@ void main() {
     vec4 row = rows[at.y];
     float mu_s = suns[at.y * shape.z + at.x].x, nu = suns[at.y * shape.z + at.x].y;
     float molecules_phase = 3.0 / (16.0 * PI) * (1.0 + nu * nu);
+    float over_rayleigh = anisotropy + (1.0 - anisotropy) / (4.0 * PI * molecules_phase);
     Phases kinds = phases_of(nu);
     vec3 phase = max(kinds.channels.rgb, 1e-30);
     vec2 shadow = shadow_of(row, mu_s, nu);
@@ -197,7 +199,7 @@ void main() {
         if (s.place.w > 0.0) {
             float sun = (row.x * mu_s + s.place.x * nu) * s.centre.x;
             vec4 lit = sunlight(s, sun, shadow);
-            off_molecules += s.molecules * lit;
+            off_molecules += s.molecules * lit * over_rayleigh;
             off_aerosol += s.aerosol * lit * mean_phase(s, kinds);
             again += scattered_again(s, clamp(sun, -1.0, 1.0), nu);
         }

@@ -70,7 +70,8 @@ def _path_to_top(scale, top, ray, end):  # type: ignore[no-untyped-def]
 
 @inner
 def gather_first(air, altitude, mu, bins, cells, table, row, once):  # type: ignore[no-untyped-def]
-    """Light scattered once toward a ray's start, without phase functions.
+    """Light scattered once toward a ray's start, by molecules over Rayleigh's phase function
+    3 / (16 pi) (1 + nu^2), by particles over their own.
 
     `once` (parts * cells * 4,): by molecules; then by all particles, or by aerosol, aerosol aloft
     and fog apart. `table` is the transmittance (altitudes, columns * 4), `row` (columns * 4,) is
@@ -97,6 +98,18 @@ def gather_first(air, altitude, mu, bins, cells, table, row, once):  # type: ign
                 _add_suns_apart(row, weight, parts, cells, once)
             else:
                 _add_suns(row, weight, cells, once)
+    if air.anisotropy < 1.0:
+        _depolarise(_f4(air.anisotropy), cells.nu, once)
+
+
+@inner
+def _depolarise(dipoles, nu, once):  # type: ignore[no-untyped-def]
+    """Multiply the molecules' light by their phase function over Rayleigh's."""
+    even = (ONE - dipoles) * _f4(4.0 / 3.0)
+    for n in range(nu.size):
+        share = dipoles + even / (ONE + nu[n] * nu[n])
+        for c in range(4):
+            once[4 * n + c] *= share
 
 
 @inner

@@ -96,7 +96,7 @@ class Nodes(NamedTuple):
         shape = 0, self.sizes.source_mu, self.sizes.source_azimuth, coefficients.shape[-1]
         mie = np.empty(shape, dtype=np.float32)
         if self.air.scattering[0].any():
-            rayleigh = self.operator.scatter_by_molecules(coefficients)
+            rayleigh = self.operator.scatter_by_molecules(coefficients, self.air.anisotropy)
         if self.air.scattering[1:].any():
             mie = self.operator.scatter(coefficients, self.mie_chi)
         return make_source(rayleigh, mie, self.suns)

@@ -91,10 +91,11 @@ class ScatteringOperator(NamedTuple):
             np.matmul(self.polar_out[:, part], scattered[:, part], out=turned[:, :, m])
         return np.matmul(self.turn_out[:, : len(parts)], turned)
 
-    def scatter_by_molecules(self, coefficients: SingleArray) -> SingleArray:
-        """The source function of molecules: coefficients (altitudes, 4, n)."""
+    def scatter_by_molecules(self, coefficients: SingleArray, anisotropy: float) -> SingleArray:
+        """The source function of molecules of an anisotropy: coefficients (altitudes, 4, n)."""
         index = [self.first[m] + degree - m for degree, m in _RAYLEIGH_HARMONICS]
-        factors = _RAYLEIGH_FACTORS.astype(np.float32)[:, None]
+        dipoles = [1.0, anisotropy, anisotropy, anisotropy]
+        factors = (_RAYLEIGH_FACTORS * dipoles).astype(np.float32)[:, None]
         return np.ascontiguousarray(coefficients[:, index] * factors)
 
     def _parts(self, harmonics: int) -> list[slice]:

@@ -57,7 +57,8 @@ def multiple_scattering(
 def single_scattering_fast(
     field: SourceField, altitude_m: float, mu: ArrayLike, mu_s: float, nu: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Light scattered once by molecules and by aerosol, (n, C) each, without phase functions.
+    """Light scattered once by molecules, over Rayleigh's phase function, and by aerosol, over its
+    own, (n, C) each.
 
     Arguments as for `multiple_scattering`. By ray bins: the rule of `single_scattering` is exact
     but takes some ten times as long. In clear air by day 99 % of rays err by less than 0.15 % of

@@ -53,7 +53,7 @@ def trace_view(air, altitude, mu, mu_s, nu, source, sizes, out):  # type: ignore
 
 @fast
 def trace_first(air, altitude, mu, mu_s, nu, table, sizes, out):  # type: ignore[no-untyped-def]
-    """Light (parts, rays * 4) scattered once, without phase functions.
+    """Light (parts, rays * 4) scattered once, over phase functions.
 
     Parts as in `gather_first`. Arguments as for `trace_view`; `table` is the sun's transmittance.
     """

@@ -24,7 +24,8 @@ class WavelengthGroup(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
     `extinction` (5, 4): of molecules, aerosol, absorber, fog, aerosol aloft; `scattering` (4, 4):
-    of molecules, aerosol, aerosol aloft, fog; `molecules` (2, n): shares and scale heights of the
+    of molecules, aerosol, aerosol aloft, fog; `anisotropy`: of molecules, see
+    `Atmosphere.rayleigh_anisotropy`; `molecules` (2, n): shares and scale heights of the
     exponentials of their density; `absorber` (2, n): altitudes and relative densities of its nodes;
     one node makes no layer, where it absorbs nothing. `aloft_scale_height_m` and
     `fog_scale_height_m` are 0 without such a layer. `layer_reach_m`, `layer_share`: see
@@ -38,6 +39,7 @@ class WavelengthGroup(NamedTuple):
     fog_scale_height_m: float
     layer_reach_m: float
     layer_share: float
+    anisotropy: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
     molecules: NDArray[np.float64]
@@ -76,6 +78,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
             atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
             atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
             *dense_layer(atmosphere),
+            atmosphere.rayleigh_anisotropy,
             extinction[group],
             scattering[group],
             molecules,

@@ -88,7 +88,7 @@ def test_molecules_scatter_by_four_coefficients() -> None:
     chi = np.zeros(SIZES.degree + 1)
     chi[[0, 2]] = 1.0, 0.1
     exact = operator().scatter(coefficients, in_one_lane(chi))[..., 0]
-    for i, c in enumerate(operator().scatter_by_molecules(coefficients)[:, :, 0]):
+    for i, c in enumerate(operator().scatter_by_molecules(coefficients, 1.0)[:, :, 0]):
         ours = in_lines(
             lambda x, y, z, c=c: (
                 c[0] + c[1] * (3.0 * z * z - 1.0) + c[2] * z * x + c[3] * (x * x - y * y)
@@ -104,7 +104,7 @@ def test_any_light_keeps_its_energy() -> None:
     light = rng.random(shape).astype(np.float32)
     weight = operator().directions.weight * 2.0 * np.pi / SIZES.direction_azimuth
     arriving = (light[..., 0] * weight[..., None]).sum(axis=(1, 2))
-    leaving = operator().scatter_by_molecules(operator().project(light))[:, 0, 0] * 4.0 * np.pi
+    leaving = operator().scatter_by_molecules(operator().project(light), 1.0)[:, 0, 0] * 4.0 * np.pi
     assert leaving == pytest.approx(arriving, rel=1e-5)
 
 
