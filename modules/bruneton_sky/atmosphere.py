@@ -66,6 +66,12 @@ class Atmosphere:
             in real air. It depolarises their light and makes their phase function more even;
             scattering coefficients contain King's factor already. The published pipeline
             leaves it out.
+        gas_absorption: by gases that are mixed as the molecules, such as nitrogen dioxide.
+        pair_absorption: by pairs of oxygen molecules, as the square of the molecules' density;
+            scattered light takes them as mixed like the molecules, with the same column.
+        water_vapour_cm: precipitable water over altitude 0, of scale height 2 km, whose lines dim
+            the direct sun.
+        refractivity: n - 1 of the molecules at altitude 0, by which the direct sun's rays bend.
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
@@ -102,6 +108,10 @@ class Atmosphere:
     rayleigh_more: tuple[float, ...] = (0.0,)
     rayleigh_more_scale_height_m: tuple[float, ...] = (8000.0,)
     rayleigh_depolarisation: float = 0.0
+    gas_absorption: tuple[float, ...] = (0.0,)
+    pair_absorption: tuple[float, ...] = (0.0,)
+    water_vapour_cm: float = 0.0
+    refractivity: float = 0.0
     mie_phase: MiePhaseForm = "cornette-shanks"
     mie_table: PhaseTable | None = None
     aloft_scattering: tuple[float, ...] = (0.0,)
@@ -263,9 +273,8 @@ class Atmosphere:
         visibility_m = as_number("visibility_m", visibility_m, *LENGTHS_M, "m")
         scale_height_m = as_number("scale_height_m", scale_height_m, *LENGTHS_M, "m")
         order = np.argsort(self.wavelength_nm)
-        clear = np.sum(
-            [self.rayleigh_scattering, self.mie_extinction, self.aloft_extinction], axis=0
-        )
+        particles = np.asarray(self.mie_extinction) + np.asarray(self.aloft_extinction)
+        clear = self.molecule_extinction + particles
         at_550 = np.interp(
             _ANGSTROM_WAVELENGTH_NM, np.take(self.wavelength_nm, order), np.take(clear, order)
         )
@@ -280,11 +289,11 @@ class Atmosphere:
 
     def scatterers(self) -> tuple[Scatterer, ...]:
         """Molecules, aerosol and, where there is any, aerosol aloft and fog, in that order."""
-        molecules = np.asarray(self.rayleigh_scattering)
+        molecules, extinction = np.asarray(self.rayleigh_scattering), self.molecule_extinction
         haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
         all_of_it = [
             *(
-                Scatterer(height_m, share * molecules, share * molecules, "molecules")
+                Scatterer(height_m, share * extinction, share * molecules, "molecules")
                 for share, height_m in self.rayleigh_terms
             ),
             Scatterer(self.mie_scale_height_m, *haze, "aerosol"),
@@ -315,6 +324,23 @@ class Atmosphere:
         pairs = zip(self.rayleigh_more, self.rayleigh_more_scale_height_m, strict=True)
         more = [(share, height_m) for share, height_m in pairs if share]
         return ((1.0 - sum(self.rayleigh_more), self.rayleigh_scale_height_m), *more)
+
+    @property
+    def molecule_extinction(self) -> FloatArray:
+        """Extinction (C,) at altitude 0 by the molecules and what is mixed as they are, 1/m."""
+        pairs = self.pair_column_m / self.column_m * np.asarray(self.pair_absorption)
+        return np.asarray(self.rayleigh_scattering) + np.asarray(self.gas_absorption) + pairs
+
+    @property
+    def column_m(self) -> float:
+        """Integral of the molecules' relative density over the altitude."""
+        return sum(share * height_m for share, height_m in self.rayleigh_terms)
+
+    @property
+    def pair_column_m(self) -> float:
+        """The same of its square."""
+        terms = self.rayleigh_terms
+        return sum(a * b / (1.0 / g + 1.0 / h) for a, g in terms for b, h in terms)
 
     @property
     def rayleigh_anisotropy(self) -> float:

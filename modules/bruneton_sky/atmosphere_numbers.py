@@ -10,7 +10,7 @@ from vrut_lite.arguments import as_number, as_numbers, check_choice
 from vrut_lite.atmosphere.aerosols import PhaseTable
 from vrut_lite.numeric_types import FloatArray
 
-# Fields of an atmosphere with a number for each wavelength; those of layers may be left out.
+# Fields of an atmosphere with a number for each wavelength; those of LAYERS may be left out.
 SPECTRAL_FIELDS = (
     "solar_irradiance",
     "rayleigh_scattering",
@@ -19,7 +19,14 @@ SPECTRAL_FIELDS = (
     "absorption_extinction",
     "ground_albedo",
 )
-LAYERS = ("aloft_scattering", "aloft_extinction", "fog_scattering", "fog_extinction")
+LAYERS = (
+    "aloft_scattering",
+    "aloft_extinction",
+    "fog_scattering",
+    "fog_extinction",
+    "gas_absorption",
+    "pair_absorption",
+)
 SPECTRAL = (*SPECTRAL_FIELDS, *LAYERS)
 SERIES = (
     "wavelength_nm",
@@ -39,7 +46,10 @@ _POSITIVE = (
 )
 # Accepted lengths: squares of shorter and longer ones lose digits or overflow.
 _LENGTHS, LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
-_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min", "rayleigh_depolarisation")
+_AMOUNTS = ("rayleigh_depolarisation", "water_vapour_cm", "refractivity")
+_SCALAR = (*_POSITIVE, *_AMOUNTS, "mie_g", "mu_s_min")
+# More refraction would bend rays round the planet.
+_MOST_AMOUNTS = (1.0, 100.0, 1e-3)
 _TABLES = ("mie_table", "aloft_table", "fog_table")
 NO_NUMBERS = ("mie_phase", *_TABLES)
 # Where a density of several exponentials is looked at.
@@ -84,8 +94,8 @@ def check_numbers(values: Mapping[str, Any], molecules: Callable[[FloatArray], F
     places = np.linspace(0.0, values["top_altitude_m"], _PLACES)
     _require(bool((molecules(places) >= 0.0).all()), "rayleigh_more", _NEGATIVE)
     _require(-1 < values["mie_g"] < 1, "mie_g", f"must lie between -1 and 1, not {values['mie_g']}")
-    rho = values["rayleigh_depolarisation"]
-    _require(0 <= rho <= 1, "rayleigh_depolarisation", f"must lie between 0 and 1, not {rho}")
+    for name, most in zip(_AMOUNTS, _MOST_AMOUNTS, strict=True):
+        as_number(f"{name} of the atmosphere", values[name], 0.0, most)
     within = -1 <= values["mu_s_min"] < 1
     _require(within, "mu_s_min", f"must be a cosine below 1, not {values['mu_s_min']}")
     for name in ("mie", "aloft", "fog"):

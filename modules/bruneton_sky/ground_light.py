@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.solver import SourceField, ground_irradiance
 from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.sun_light import sun_irradiance
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
@@ -60,6 +60,4 @@ def sun_on_ground(atmosphere: Atmosphere, mu_s: FloatArray) -> FloatArray:
     share = np.clip(0.5 + 0.5 * mu_s / spread, 0.0, 1.0)
     visible = share * share * (3.0 - 2.0 * share)
     height = np.maximum(mu_s, 0.0)
-    depth = optical_depth_to_top(atmosphere, 0.0, height)
-    light = np.exp(-depth) * (height * visible)[:, None]
-    return np.asarray(light * np.asarray(atmosphere.solar_irradiance))
+    return np.asarray(sun_irradiance(atmosphere, 0.0, height) * (height * visible)[:, None])

@@ -15,6 +15,18 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from vrut_lite.arguments import as_flag, as_numbers, shown
 from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
+from vrut_lite.atmosphere.clear_air import (
+    DEPOLARISATION,
+    NITROGEN_DIOXIDE_DU,
+    REFRACTIVITY,
+    STANDARD_DENSITY,
+    TOP_ALTITUDE_M,
+    WATER_CM,
+    molecules_per_m,
+    nitrogen_dioxide_per_m,
+    oxygen_pairs_per_m,
+    ozone_per_m,
+)
 from vrut_lite.atmosphere.gases import ozone_absorption, rayleigh_scattering
 from vrut_lite.geometry.colour import solar_irradiance
 
@@ -27,16 +39,15 @@ COLOUR_NM = (630.0, 540.0, 450.0)
 # The solar spectrum's ends, and the ozone's.
 _KNOWN_NM = (360.0, 830.0)
 HAZY_TURBIDITY = 6.0
-TWILIGHT_TOP_M = 120_000.0
 # Lower, the sun leaves less than a tenth of the light of a moonless night.
 LOWEST_SUN_DEG = -18.5
-# Exponentials of the density of the U.S. Standard Atmosphere 1976 over its value on the ground:
-# shares and scale heights in m. Within 5 % to 35 km, 9 % to 75, 20 % to 80.
-STANDARD_DENSITY = ((0.3932, 8000.0), (3.3410, 4900.0), (-2.7342, 4000.0))
+# From so many wavelengths on each stands for its neighbourhood alone; below, for a band as wide.
+_MANY, _WIDE_BAND_NM = 8, 50.0
 # Bruneton's 2017 demonstration: Rayleigh at 1 micrometre in 1/m, 300 Dobson units in a tent
 # whose integral is 15 km.
 _RAYLEIGH_AT_1_UM, _OZONE_DU, _TENT_M = 1.24062e-6, 300.0, 15_000.0
 _MARS_SUN_DISTANCE_AU = 1.5237
+_MARS_REFRACTIVITY, _MARS_DEPOLARISATION = 3.37e-6, 0.09
 
 
 def earth_spectral(wavelength_nm: ArrayLike = RGB_NM, ozone: bool = True) -> Atmosphere:
@@ -51,7 +62,8 @@ def earth_spectral(wavelength_nm: ArrayLike = RGB_NM, ozone: bool = True) -> Atm
     """
     ozone = as_flag("ozone", ozone)
     wavelength = _wavelengths(wavelength_nm)
-    absorption = ozone_absorption(wavelength, _OZONE_DU if ozone else 0.0, _TENT_M)
+    # The demonstration takes the means of 10 nm for values at their lower ends.
+    absorption = ozone_absorption(wavelength + 5.0, _OZONE_DU if ozone else 0.0, _TENT_M)
     earth, count = Atmosphere.earth(ozone=ozone), wavelength.size
     return replace(
         earth,
@@ -71,9 +83,9 @@ def earth_clear(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
 
 
 def earth_hazy(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
-    """The same with the aerosol of Preetham's turbidity 6: optical depth 0.50 at 550 nm."""
+    """The standard air with the aerosol of Preetham's turbidity 6: optical depth 0.50 at 550 nm."""
     depth = float(optical_depth_of_turbidity(HAZY_TURBIDITY))
-    return earth_spectral(wavelength_nm).with_aerosol(depth)
+    return earth_standard(wavelength_nm).with_aerosol(depth)
 
 
 def earth_2008(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
@@ -95,29 +107,37 @@ def earth_2008(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     )
 
 
-def earth_twilight(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
-    """The clear air up to 120 km, where the light of a sun 12 degrees down still comes from."""
-    return replace(earth_spectral(wavelength_nm), top_altitude_m=TWILIGHT_TOP_M)
+def earth_standard(
+    wavelength_nm: ArrayLike = RGB_NM, nitrogen_dioxide_du: float = NITROGEN_DIOXIDE_DU
+) -> Atmosphere:
+    """The real Earth's air (`vrut_lite.atmosphere.clear_air`) for suns to 18.5 degrees down.
 
-
-def earth_at_night(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
-    """The air of the module's `earth`: that of `earth_twilight`, for suns to 18.5 degrees down.
-
-    As many molecules lie above a square metre, with the standard atmosphere's profile: one
-    exponential has twice its air between 40 and 80 km, and twilight twice its light.
+    Its aerosol, ground and radius are the demonstration's. Of eight wavelengths and more each
+    stands for 5 nm; of fewer, for so much that narrow bands of oxygen have their mean.
     """
-    air = earth_twilight(wavelength_nm)
+    wavelength = _wavelengths(wavelength_nm)
     share, height_m = (tuple(part) for part in zip(*STANDARD_DENSITY, strict=True))
-    column_m = sum(s * h for s, h in STANDARD_DENSITY)
-    molecules = np.asarray(air.rayleigh_scattering) * air.rayleigh_scale_height_m / column_m
+    band_nm = 0.0 if wavelength.size >= _MANY else _WIDE_BAND_NM
     return replace(
-        air,
+        earth_spectral(wavelength),
+        top_altitude_m=TOP_ALTITUDE_M,
         mu_s_min=math.sin(math.radians(LOWEST_SUN_DEG)),
-        rayleigh_scattering=tuple(molecules),
+        rayleigh_scattering=tuple(molecules_per_m(wavelength)),
         rayleigh_scale_height_m=height_m[0],
         rayleigh_more=share[1:],
         rayleigh_more_scale_height_m=height_m[1:],
+        rayleigh_depolarisation=DEPOLARISATION,
+        absorption_extinction=tuple(ozone_per_m(wavelength)),
+        gas_absorption=tuple(nitrogen_dioxide_per_m(wavelength, nitrogen_dioxide_du)),
+        pair_absorption=tuple(oxygen_pairs_per_m(wavelength, band_nm)),
+        water_vapour_cm=WATER_CM,
+        refractivity=REFRACTIVITY,
     )
+
+
+def earth_twilight(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
+    """The standard air with next to no aerosol, as the demonstration has it."""
+    return earth_standard(wavelength_nm)
 
 
 def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
@@ -137,7 +157,8 @@ def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     albedo = _between_rgb(wavelength, np.array([0.97, 0.83, 0.69]))
     scale_height_m, dust_optical_depth = 11_100.0, 0.5
     extinction = dust_optical_depth / scale_height_m
-    gas = rayleigh_scattering(wavelength, 1.00000337, 2.05e23, depolarisation=0.09)
+    index = 1.0 + _MARS_REFRACTIVITY
+    gas = rayleigh_scattering(wavelength, index, 2.05e23, _MARS_DEPOLARISATION)
     return Atmosphere(
         wavelength_nm=tuple(wavelength),
         solar_irradiance=tuple(solar_irradiance(wavelength) / _MARS_SUN_DISTANCE_AU**2),
@@ -145,6 +166,8 @@ def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
         top_altitude_m=100_000.0,
         rayleigh_scattering=tuple(gas),
         rayleigh_scale_height_m=scale_height_m,
+        rayleigh_depolarisation=_MARS_DEPOLARISATION,
+        refractivity=_MARS_REFRACTIVITY,
         mie_scattering=tuple(extinction * albedo),
         mie_extinction=(extinction,) * wavelength.size,
         mie_scale_height_m=scale_height_m,

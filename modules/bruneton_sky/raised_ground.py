@@ -7,6 +7,7 @@ import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
 from vrut_lite.arguments import as_number
+from vrut_lite.atmosphere.clear_air import WATER_HEIGHT_M
 
 
 def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
@@ -35,6 +36,10 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         top_altitude_m=atmosphere.top_altitude_m - altitude_m,
         rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
         rayleigh_more=tuple(share * math.exp(-altitude_m / h) / molecules for share, h in more),
+        gas_absorption=tuple(np.asarray(atmosphere.gas_absorption) * molecules),
+        pair_absorption=tuple(np.asarray(atmosphere.pair_absorption) * molecules**2),
+        water_vapour_cm=atmosphere.water_vapour_cm * math.exp(-altitude_m / WATER_HEIGHT_M),
+        refractivity=atmosphere.refractivity * molecules,
         mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
         aloft_scattering=tuple(np.asarray(atmosphere.aloft_scattering) * aloft),

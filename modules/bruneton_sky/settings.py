@@ -10,7 +10,7 @@ import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.atmosphere_numbers import MiePhaseForm
-from bruneton_sky.presets import earth_at_night, earth_spectral, preset
+from bruneton_sky.presets import earth_spectral, earth_standard, preset
 from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.atmosphere.aerosol import (
@@ -21,10 +21,11 @@ from vrut_lite.atmosphere.aerosol import (
     turbidity_of_optical_depth,
 )
 from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
+from vrut_lite.atmosphere.clear_air import OZONE_DU
 from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
-from vrut_lite.messages.haze import DEFAULT_HAZE, AerosolType, SetHaze
+from vrut_lite.messages.haze import DEFAULT_HAZE, MOST_NITROGEN_DIOXIDE_DU, AerosolType, SetHaze
 from vrut_lite.sky.effective_defaults import Preset
 
 PresetName = Literal[
@@ -49,7 +50,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         ),
         "Urban": Preset(
             "soot above a city, a grey-brown sky: depth 0.50",
-            {"turbidity": 6.0, "aerosol": "urban", "albedo": 0.15},
+            {"turbidity": 6.0, "aerosol": "urban", "albedo": 0.15, "nitrogen_dioxide_du": 1.0},
         ),
         "Desert": Preset(
             "mineral dust above sand, a wide aureole: depth 0.40",
@@ -98,6 +99,16 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             1000,
             unit="DU",
             source="Serdyuchenko et al. 2011, at 233 K",
+        ),
+    ] = None
+    nitrogen_dioxide_du: Annotated[
+        float | None,
+        setting(
+            "Nitrogen dioxide above the ground; none follows the place's, above a city 1",
+            0,
+            MOST_NITROGEN_DIOXIDE_DU,
+            unit="DU",
+            source="Bogumil et al. 2003",
         ),
     ] = None
     rayleigh_factor: Annotated[
@@ -188,14 +199,13 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
     one = air.in_one_layer(air.mie_scale_height_m)
     extinction, scattering = np.asarray(one.mie_extinction), np.asarray(one.mie_scattering)
     turbidity = turbidity_of_optical_depth(float(air.aerosol_depth()[0]))
-    per_unit = ozone_absorption(air.wavelength_nm, 1.0, 1.0)
-    layer_m = float(np.trapezoid(air.absorber_density, air.absorber_altitude_m))
     return {
         "turbidity": min(max(turbidity, LEAST_TURBIDITY), MOST_TURBIDITY),
         "aerosol": haze.aerosol,
         "albedo": float(np.mean(air.ground_albedo)),
-        "ozone_du": float(np.mean(np.asarray(air.absorption_extinction) / per_unit)) * layer_m,
-        "rayleigh_scale_height_m": sum(share * height for share, height in air.rayleigh_terms),
+        "ozone_du": OZONE_DU if any(air.absorption_extinction) else 0.0,
+        "nitrogen_dioxide_du": haze.nitrogen_dioxide_du,
+        "rayleigh_scale_height_m": air.column_m,
         "mie_scale_height_m": _mean_height_m(air),
         "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
         "mie_g": air.mie_g,
@@ -215,6 +225,8 @@ def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
         own["optical_depth_550"] = float(optical_depth_of_turbidity(settings.turbidity))
     if settings.aerosol is not None:
         own |= {"aerosol": settings.aerosol, "own": None}
+    if settings.nitrogen_dioxide_du is not None:
+        own["nitrogen_dioxide_du"] = settings.nitrogen_dioxide_du
     return msgspec.structs.replace(haze, **own)
 
 
@@ -271,7 +283,8 @@ def _preset(
     if haze.one_lobe:
         # The published air. One lobe needs no table: its closed form is exact.
         return earth_spectral(wavelength_nm).with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
-    return earth_at_night(wavelength_nm).with_optics(haze.optics, haze.optical_depth_550)
+    air = earth_standard(wavelength_nm, haze.nitrogen_dioxide_du)
+    return air.with_optics(haze.optics, haze.optical_depth_550)
 
 
 def _with_fog(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
@@ -338,8 +351,12 @@ def _with_gases(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
             rayleigh_more=(0.0,),
             rayleigh_more_scale_height_m=(height_m,),
         )
-    molecules = tuple(np.asarray(air.rayleigh_scattering) * factor)
-    air = replace(air, rayleigh_scattering=molecules)
+    air = replace(
+        air,
+        rayleigh_scattering=tuple(np.asarray(air.rayleigh_scattering) * factor),
+        gas_absorption=tuple(np.asarray(air.gas_absorption) * factor),
+        refractivity=air.refractivity * factor,
+    )
     if settings.ozone_du is None:
         return air
     earth = Atmosphere.earth()

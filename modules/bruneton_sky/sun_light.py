@@ -1,14 +1,22 @@
 """Sunlight behind the air, and the disc's limb darkening."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.geometry import entry_to_air, horizon_mu
-from bruneton_sky.optical_path import optical_depth_to_top
+from vrut_lite.atmosphere.clear_air import WATER_HEIGHT_M
+from vrut_lite.atmosphere.gases import water_optical_depth
 from vrut_lite.atmosphere.haze_layer import HazeLayer
+from vrut_lite.atmosphere.slant_path import (
+    BentAir,
+    Density,
+    exponential,
+    horizon_sine,
+    slant_paths,
+)
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
@@ -31,22 +39,49 @@ class DiscLight(NamedTuple):
     seen_rgb: NDArray[np.float64]
 
 
+def bent_air(atmosphere: Atmosphere) -> BentAir:
+    """The air as the direct sun's rays pass it."""
+    return BentAir(
+        atmosphere.ground_radius_m,
+        atmosphere.top_altitude_m,
+        atmosphere.refractivity,
+        atmosphere.molecules,
+        tuple(m for m in atmosphere.absorber_altitude_m if 0.0 < m < atmosphere.top_altitude_m),
+    )
+
+
 def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLike) -> FloatArray:
     """Irradiance (..., C) on a plane that faces the whole disc, W m^-2 nm^-1.
 
-    The transmittance is that of the disc's centre, at cosines (...,) of its zenith angle; below
-    the horizon, while a part of the disc still shows, that of the horizon. Observers (...,) may
-    be above the air.
+    The transmittance is that of the disc's centre along its refracted ray, at cosines (...,) of its
+    apparent zenith angle; below the horizon, while a part of the disc still shows, that of the
+    horizon. Observers (...,) may be above the air.
     """
-    planet = atmosphere.ground_radius_m, atmosphere.top_altitude_m
+    air = bent_air(atmosphere)
     altitude = np.asarray(altitude_m, dtype=float)
-    mu = np.maximum(np.asarray(mu_s, dtype=float), horizon_mu(planet[0], altitude))
-    radius, sine = planet[0] + altitude, np.sqrt((1.0 - mu) * (1.0 + mu))
-    _, entry_mu, misses = entry_to_air(*planet, radius * mu, radius * sine)
-    outside = altitude > planet[1]
-    # A ray that misses the air is as clear as one that goes straight up from its top.
-    mu = np.where(outside, np.where(misses, 1.0, entry_mu), mu)
-    depth = optical_depth_to_top(atmosphere, np.minimum(altitude, planet[1]), mu)
+    mu = np.maximum(np.asarray(mu_s, dtype=float), horizon_sine(air, altitude))
+    kinds = [kind for kind in atmosphere.scatterers() if kind.name != "molecules"]
+    densities: list[Density] = [
+        atmosphere.molecules,
+        lambda height: atmosphere.molecules(height) ** 2,
+        atmosphere.absorber,
+        *(
+            partial(exponential, height_m)
+            for height_m in [WATER_HEIGHT_M, *(k.scale_height_m for k in kinds)]
+        ),
+    ]
+    paths = slant_paths(air, altitude, mu, densities)
+    per_m = [
+        np.asarray(atmosphere.rayleigh_scattering) + np.asarray(atmosphere.gas_absorption),
+        np.asarray(atmosphere.pair_absorption),
+        np.asarray(atmosphere.absorption_extinction),
+        np.zeros(len(atmosphere.wavelength_nm)),
+        *(kind.extinction for kind in kinds),
+    ]
+    depth = paths @ np.stack(per_m)
+    if atmosphere.water_vapour_cm > 0.0:
+        water_cm = atmosphere.water_vapour_cm * paths[..., 3] / WATER_HEIGHT_M
+        depth += water_optical_depth(atmosphere.wavelength_nm, water_cm)
     return np.asarray(atmosphere.solar_irradiance) * np.exp(-depth)
 
 
@@ -92,7 +127,7 @@ def seen_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLi
     chord = np.sqrt((1.0 - height) * (1.0 + height))
     centre = np.arccos(np.clip(mu_s, -1.0, 1.0))[..., None]
     zenith_angle = centre - atmosphere.sun_angular_radius_rad * height
-    horizon = np.arccos(horizon_mu(atmosphere.ground_radius_m, altitude))
+    horizon = np.arccos(horizon_sine(bent_air(atmosphere), altitude))
     strip = 2.0 * atmosphere.sun_angular_radius_rad / _DISC_STRIPS
     up = np.clip((horizon - np.abs(zenith_angle)) / strip + 0.5, 0.0, 1.0)
     seen = chord / chord.sum() * up

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bruneton_sky import single_scattering
-from bruneton_sky.presets import earth_at_night
+from bruneton_sky.presets import earth_standard
 
 # Views toward the sun, overhead and away from it.
 MU, AZIMUTH = np.array([0.2, 1.0, 0.3]), np.array([0.0, 0.0, np.pi])
@@ -17,7 +17,7 @@ def views(elevation_deg):
 @pytest.mark.parametrize("elevation_deg", [40.0, 3.0])
 def test_light_scattered_once_is_the_classical_rules(elevation_deg):
     mu_s, nu = views(elevation_deg)
-    rays = earth_at_night(), 0.0, MU, mu_s, nu
+    rays = earth_standard(), 0.0, MU, mu_s, nu
     ours = single_scattering(*rays)
     np.testing.assert_allclose(
         ours, single_scattering(*rays, rule="trapezoid", samples=(2000, 400)), rtol=4e-3

@@ -12,13 +12,13 @@ from night_sky.sky_axes import watch
 from night_sky.stars import stars_at
 
 from vrut_lite.atmosphere.refraction import dip_rad
+from vrut_lite.atmosphere.sunlight import extinctions_per_m
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.night import MoonDiscChanged, StarsChanged
 from vrut_lite.messages.place import SetPlace
-from vrut_lite.sky.clear_sun import extinction_per_m
 from vrut_lite.sky.moon_disc import moon_samples
 
 HAZE = SetHaze(optical_depth_550=0.2)
@@ -31,19 +31,22 @@ def at_prague():
 
 
 @pytest.mark.parametrize("height_m", [0.0, 10_000.0, 100_000.0, 400_000.0])
-@pytest.mark.parametrize("over_horizon_deg", [0.5, 1.5, 4.0, 30.0])
+@pytest.mark.parametrize("over_horizon_deg", [4.0, 30.0])
 def test_a_star_is_dimmed_by_the_air_on_the_line_to_it(height_m, over_horizon_deg):
-    """Summed in metres along the straight ray from the eye: none of it above the air."""
+    """Summed in metres along the straight ray from the eye: none of it above the air.
+
+    Lower rays are bent: `test_slant_path` holds those.
+    """
     elevation = np.radians(over_horizon_deg) - dip_rad(height_m)
     along = np.linspace(0.0, 5e6, 400_001)
     x, y = along * np.cos(elevation), 6.36e6 + height_m + along * np.sin(elevation)
     altitude = np.hypot(x, y) - 6.36e6
-    each = extinction_per_m(HAZE, np.maximum(altitude, 0.0), RGB_NM)
+    kinds = extinctions_per_m(np.maximum(altitude, 0.0), RGB_NM, HAZE.aerosol_layers)
+    each = kinds.sum(axis=0)
     each[altitude > 120_000.0] = 0.0
-    through = np.exp(-np.trapezoid(each, along, axis=0))
-    assert night_air(HAZE, height_m).through(np.sin(elevation)) == pytest.approx(
-        through, rel=0.02, abs=1e-3
-    )
+    depth = np.trapezoid(each, along, axis=0)
+    ours = -np.log(night_air(HAZE, height_m).through(np.sin(elevation)))
+    assert ours == pytest.approx(depth, rel=0.03, abs=2e-3)
 
 
 @pytest.mark.parametrize("height_m", [10_000.0, 100_000.0, 400_000.0, 3.6e7])

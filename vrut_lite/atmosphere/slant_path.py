@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.numeric_types import FloatArray
 
@@ -39,6 +39,11 @@ class BentAir(NamedTuple):
     refractivity: float
     density: Density
     kinks_m: tuple[float, ...] = ()
+
+
+def exponential(scale_height_m: float, altitude_m: FloatArray) -> FloatArray:
+    """Relative density (...,) of a layer that thins by a factor e over a height."""
+    return np.asarray(np.exp(-altitude_m / scale_height_m))
 
 
 def slant_paths(
@@ -83,7 +88,7 @@ def horizon_sine(air: BentAir, altitude_m: ArrayLike) -> FloatArray:
 
 def _entry(
     air: BentAir, altitude: FloatArray, sine: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Altitude and sine where rays from above the air enter it, and whether they miss it."""
     above = altitude > air.top_altitude_m
     top = air.ground_radius_m + air.top_altitude_m

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.atmosphere import clear_air
 from vrut_lite.atmosphere.gases import water_optical_depth
-from vrut_lite.atmosphere.slant_path import Density, horizon_sine, slant_paths
+from vrut_lite.atmosphere.slant_path import Density, exponential, horizon_sine, slant_paths
 from vrut_lite.geometry.colour import colour_table, rgb_from_spectrum, solar_irradiance
 from vrut_lite.numeric_types import FloatArray
 
@@ -82,8 +82,8 @@ def slant_depth(
         clear_air.molecule_density,
         clear_air.ozone_density,
         clear_air.pair_density,
-        partial(_exponential, clear_air.WATER_HEIGHT_M),
-        *(partial(_exponential, layer.height_m) for layer in haze),
+        partial(exponential, clear_air.WATER_HEIGHT_M),
+        *(partial(exponential, layer.height_m) for layer in haze),
     ]
     paths = slant_paths(clear_air.STANDARD_AIR, altitude_m, sine, densities)
     nm = np.asarray(wavelength_nm, dtype=float)
@@ -112,12 +112,8 @@ def extinctions_per_m(
         clear_air.molecules_per_m(nm) * clear_air.molecule_density(altitude),
     ]
     for layer in haze:
-        found.append(layer.depth_at(nm) / layer.height_m * _exponential(layer.height_m, altitude))
+        found.append(layer.depth_at(nm) / layer.height_m * exponential(layer.height_m, altitude))
     return np.stack(found)
-
-
-def _exponential(scale_height_m: float, altitude_m: FloatArray) -> FloatArray:
-    return np.asarray(np.exp(-altitude_m / scale_height_m))
 
 
 def _shown_share(over_horizon: FloatArray) -> FloatArray:

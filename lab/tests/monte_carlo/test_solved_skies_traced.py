@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bruneton_sky import SolvedSky, single_scattering, solve
-from bruneton_sky.presets import earth_at_night, earth_spectral
+from bruneton_sky.presets import earth_standard, earth_spectral
 from bruneton_sky.solver import solve as solve_field
 from other_planet import LIGHT, OTHER_PLANET, RAYS
 
@@ -23,7 +23,7 @@ def cosine_to_sun(mu, mu_s, cos_azimuth):
 @pytest.mark.parametrize("elevation_deg", [30.0, 0.0, -6.0])
 def test_all_orders_in_air_of_standard_density(elevation_deg):
     """Toward the sun, overhead and away from it: 1.2 % and the noise."""
-    air, mu, mu_s = earth_at_night(), np.array([0.2, 1.0, 0.3]), np.sin(np.radians(elevation_deg))
+    air, mu, mu_s = earth_standard(), np.array([0.2, 1.0, 0.3]), np.sin(np.radians(elevation_deg))
     nu = cosine_to_sun(mu, mu_s, np.array([1.0, 1.0, -1.0]))
     truth = monte_carlo_radiance(air, 0.0, mu, mu_s, nu, paths=16_384)
     ours = SolvedSky(field=solve_field(air, all_orders=True)).radiance(0.0, mu, mu_s, nu)

@@ -9,13 +9,13 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.phase import rayleigh_phase
-from bruneton_sky.presets import earth_spectral
+from bruneton_sky.presets import earth_standard
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
 from numpy.typing import NDArray
 
 from vrut_lite.atmosphere.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
-from vrut_lite.atmosphere.gases import ozone_absorption
+from vrut_lite.atmosphere.clear_air import ozone_per_m
 from vrut_lite.geometry.colour import (
     colour_table,
     luminance,
@@ -118,8 +118,7 @@ def _atmospheres(conditions: FitConditions) -> Iterator[tuple[float, Atmosphere]
     """Pairs of turbidity and atmosphere; the air ends at 60 and at 120 km by turns."""
     wishes = product(conditions.turbidities, conditions.albedos, conditions.ozone_du)
     for index, (turbidity, albedo, ozone_du) in enumerate(wishes):
-        earth = earth_spectral(COARSE_NM)
-        layer_m = float(np.trapezoid(earth.absorber_density, earth.absorber_altitude_m))
+        earth = earth_standard(COARSE_NM)
         depth = float(optical_depth_of_turbidity(turbidity))
         yield (
             turbidity,
@@ -127,7 +126,7 @@ def _atmospheres(conditions: FitConditions) -> Iterator[tuple[float, Atmosphere]
                 earth.with_aerosol(depth, ANGSTROM_EXPONENT),
                 top_altitude_m=(60_000.0, 120_000.0)[index % 2],
                 ground_albedo=(albedo,) * COARSE_NM.size,
-                absorption_extinction=tuple(ozone_absorption(COARSE_NM, ozone_du, layer_m)),
+                absorption_extinction=tuple(ozone_per_m(COARSE_NM, ozone_du)),
                 solar_irradiance=(1.0,) * COARSE_NM.size,
             ),
         )

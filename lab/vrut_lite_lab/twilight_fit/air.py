@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.presets import TWILIGHT_TOP_M, earth_spectral
+from bruneton_sky.presets import earth_standard
 
 from vrut_lite.atmosphere.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.numeric_types import FloatArray
@@ -21,10 +21,9 @@ LOWEST_SUN_DEG = -15.0
 
 
 def air(turbidity: float, wavelength_nm: FloatArray = WAVELENGTH_NM) -> Atmosphere:
-    """The preset `earth-twilight` at those wavelengths, with Preetham's aerosol of a turbidity."""
+    """The standard air at those wavelengths, with Preetham's aerosol of a turbidity."""
     clear = replace(
-        earth_spectral(wavelength_nm),
-        top_altitude_m=TWILIGHT_TOP_M,
+        earth_standard(wavelength_nm),
         mu_s_min=math.sin(math.radians(LOWEST_SUN_DEG)),
         ground_albedo=(GROUND_ALBEDO,) * len(wavelength_nm),
     )

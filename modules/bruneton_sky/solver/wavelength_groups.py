@@ -4,6 +4,7 @@ Wavelengths do not mix, and four float32 numbers fill a SIMD register: so all ke
 groups of four wavelengths, the last group padded with wavelengths of no light and no matter.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -52,7 +53,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
     """The atmosphere in groups of four wavelengths."""
     extinction = _in_fours(
         [
-            atmosphere.rayleigh_scattering,
+            atmosphere.molecule_extinction,
             atmosphere.mie_extinction,
             atmosphere.absorption_extinction,
             atmosphere.fog_extinction,
@@ -127,9 +128,9 @@ def in_lanes(values: ArrayLike) -> NDArray[np.float64]:
     return np.ascontiguousarray(np.moveaxis(split, -2, 0))
 
 
-def _in_fours(rows: list[tuple[float, ...]]) -> NDArray[np.float64]:
+def _in_fours(rows: Sequence[ArrayLike]) -> NDArray[np.float64]:
     """(groups, rows, 4) of rows (rows, wavelengths)."""
-    values = np.array(rows)
+    values = np.array(rows, dtype=float)
     padding = -values.shape[1] % LANES
     padded = np.pad(values, ((0, 0), (0, padding)))
     return np.ascontiguousarray(padded.reshape(len(rows), -1, LANES).transpose(1, 0, 2))

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Atmosphere, earth_spectral
-from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
+from bruneton_sky.atmosphere_numbers import LAYERS, SPECTRAL_FIELDS
+from bruneton_sky.presets import earth_standard
 from scipy.interpolate import CubicSpline
 
 from vrut_lite.atmosphere.aerosols import type_optics
@@ -33,7 +34,7 @@ _MU_S_MIN = float(np.cos(np.radians(102.0)))
 
 def continental(wavelength_nm: tuple[float, ...] = _WHOLE_NM) -> Atmosphere:
     """OPAC's continental average at depth 0.20: what the product shows unless told otherwise."""
-    air = earth_spectral(wavelength_nm).with_optics(type_optics("continental-average", 80.0), DEPTH)
+    air = earth_standard(wavelength_nm).with_optics(type_optics("continental-average", 80.0), DEPTH)
     return _on(air, GROUND_ALBEDO)
 
 
@@ -52,7 +53,7 @@ def _colours_of_few(air: Atmosphere, every: int) -> tuple[Atmosphere, FloatArray
     def some(values: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(values[n] for n in kept)
 
-    names = "wavelength_nm", *SPECTRAL_FIELDS, "aloft_scattering", "aloft_extinction"
+    names = "wavelength_nm", *SPECTRAL_FIELDS, *LAYERS
     changed: dict[str, Any] = {name: some(getattr(air, name)) for name in names}
     for name in ("mie_table", "aloft_table"):
         table = getattr(air, name)
