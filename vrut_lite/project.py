@@ -23,6 +23,7 @@ from vrut_lite.messages.glazing import Glazing
 from vrut_lite.messages.haze import (
     DEFAULT_AEROSOL,
     DEFAULT_HAZE,
+    MOST_NITROGEN_DIOXIDE_DU,
     MOST_OPTICAL_DEPTH,
     AerosolType,
     SetHaze,
@@ -97,6 +98,9 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     aerosol: AerosolType = DEFAULT_AEROSOL
     humidity_percent: Annotated[float, msgspec.Meta(ge=0, le=MOST_HUMIDITY)] = USUAL_HUMIDITY
     own: OwnAerosol | None = None
+    nitrogen_dioxide_du: (
+        Annotated[float, msgspec.Meta(ge=0, le=MOST_NITROGEN_DIOXIDE_DU)] | None
+    ) = None
 
     def input(self) -> SetHaze:
         """The input that sets it."""

@@ -372,6 +372,12 @@ class Atmosphere:
         return any(self.fog_extinction)
 
     @property
+    def has_published_molecules(self) -> bool:
+        """Whether molecules scatter as Rayleigh's dipoles, and no gas absorbs but the absorber."""
+        absorbs = any(self.gas_absorption) or any(self.pair_absorption)
+        return self.rayleigh_depolarisation == 0.0 and not absorbs
+
+    @property
     def has_droplets(self) -> bool:
         """Whether there is fog with a separate phase function."""
         return self.foggy and self.fog_table is not None

@@ -1,7 +1,9 @@
 """Atmospheres by name, at any wavelengths.
 
-All presets share the host's solar spectrum (ASTM G-173), so that their skies share one scale;
-`Atmosphere.earth` alone keeps the one of Bruneton's demonstration, up to 7 % from it.
+`earth_standard` is the real Earth's air, which the module shows by default. The presets by name are
+published airs, with the molecules and the ozone of their publications: those of Bruneton's
+demonstration are 8 to 13 % too thick. All share the host's solar spectrum (ASTM G-173), so that
+their skies share one scale; `Atmosphere.earth` alone keeps the demonstration's, up to 7 % from it.
 """
 
 import math
@@ -47,7 +49,7 @@ _MANY, _WIDE_BAND_NM = 8, 50.0
 # whose integral is 15 km.
 _RAYLEIGH_AT_1_UM, _OZONE_DU, _TENT_M = 1.24062e-6, 300.0, 15_000.0
 _MARS_SUN_DISTANCE_AU = 1.5237
-_MARS_REFRACTIVITY, _MARS_DEPOLARISATION = 3.37e-6, 0.09
+_MARS_REFRACTIVITY = 3.37e-6
 
 
 def earth_spectral(wavelength_nm: ArrayLike = RGB_NM, ozone: bool = True) -> Atmosphere:
@@ -83,9 +85,9 @@ def earth_clear(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
 
 
 def earth_hazy(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
-    """The standard air with the aerosol of Preetham's turbidity 6: optical depth 0.50 at 550 nm."""
+    """The same with the aerosol of Preetham's turbidity 6: optical depth 0.50 at 550 nm."""
     depth = float(optical_depth_of_turbidity(HAZY_TURBIDITY))
-    return earth_standard(wavelength_nm).with_aerosol(depth)
+    return earth_spectral(wavelength_nm).with_aerosol(depth)
 
 
 def earth_2008(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
@@ -136,8 +138,8 @@ def earth_standard(
 
 
 def earth_twilight(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
-    """The standard air with next to no aerosol, as the demonstration has it."""
-    return earth_standard(wavelength_nm)
+    """The demonstration's air up to 120 km, where the light of a sun 12 degrees down comes from."""
+    return replace(earth_spectral(wavelength_nm), top_altitude_m=TOP_ALTITUDE_M)
 
 
 def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
@@ -158,7 +160,7 @@ def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     scale_height_m, dust_optical_depth = 11_100.0, 0.5
     extinction = dust_optical_depth / scale_height_m
     index = 1.0 + _MARS_REFRACTIVITY
-    gas = rayleigh_scattering(wavelength, index, 2.05e23, _MARS_DEPOLARISATION)
+    gas = rayleigh_scattering(wavelength, index, 2.05e23, depolarisation=0.09)
     return Atmosphere(
         wavelength_nm=tuple(wavelength),
         solar_irradiance=tuple(solar_irradiance(wavelength) / _MARS_SUN_DISTANCE_AU**2),
@@ -166,7 +168,6 @@ def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
         top_altitude_m=100_000.0,
         rayleigh_scattering=tuple(gas),
         rayleigh_scale_height_m=scale_height_m,
-        rayleigh_depolarisation=_MARS_DEPOLARISATION,
         refractivity=_MARS_REFRACTIVITY,
         mie_scattering=tuple(extinction * albedo),
         mie_extinction=(extinction,) * wavelength.size,

@@ -25,7 +25,7 @@ from vrut_lite.atmosphere.clear_air import OZONE_DU
 from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
-from vrut_lite.messages.haze import DEFAULT_HAZE, MOST_NITROGEN_DIOXIDE_DU, AerosolType, SetHaze
+from vrut_lite.messages.haze import DEFAULT_HAZE, AerosolType, SetHaze
 from vrut_lite.sky.effective_defaults import Preset
 
 PresetName = Literal[
@@ -50,7 +50,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         ),
         "Urban": Preset(
             "soot above a city, a grey-brown sky: depth 0.50",
-            {"turbidity": 6.0, "aerosol": "urban", "albedo": 0.15, "nitrogen_dioxide_du": 1.0},
+            {"turbidity": 6.0, "aerosol": "urban", "albedo": 0.15},
         ),
         "Desert": Preset(
             "mineral dust above sand, a wide aureole: depth 0.40",
@@ -99,16 +99,6 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             1000,
             unit="DU",
             source="Serdyuchenko et al. 2011, at 233 K",
-        ),
-    ] = None
-    nitrogen_dioxide_du: Annotated[
-        float | None,
-        setting(
-            "Nitrogen dioxide above the ground; none follows the place's, above a city 1",
-            0,
-            MOST_NITROGEN_DIOXIDE_DU,
-            unit="DU",
-            source="Bogumil et al. 2003",
         ),
     ] = None
     rayleigh_factor: Annotated[
@@ -204,7 +194,6 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
         "aerosol": haze.aerosol,
         "albedo": float(np.mean(air.ground_albedo)),
         "ozone_du": OZONE_DU if any(air.absorption_extinction) else 0.0,
-        "nitrogen_dioxide_du": haze.nitrogen_dioxide_du,
         "rayleigh_scale_height_m": air.column_m,
         "mie_scale_height_m": _mean_height_m(air),
         "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
@@ -225,8 +214,6 @@ def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
         own["optical_depth_550"] = float(optical_depth_of_turbidity(settings.turbidity))
     if settings.aerosol is not None:
         own |= {"aerosol": settings.aerosol, "own": None}
-    if settings.nitrogen_dioxide_du is not None:
-        own["nitrogen_dioxide_du"] = settings.nitrogen_dioxide_du
     return msgspec.structs.replace(haze, **own)
 
 
@@ -283,7 +270,7 @@ def _preset(
     if haze.one_lobe:
         # The published air. One lobe needs no table: its closed form is exact.
         return earth_spectral(wavelength_nm).with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
-    air = earth_standard(wavelength_nm, haze.nitrogen_dioxide_du)
+    air = earth_standard(wavelength_nm, haze.nitrogen_dioxide)
     return air.with_optics(haze.optics, haze.optical_depth_550)
 
 

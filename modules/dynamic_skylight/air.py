@@ -1,6 +1,6 @@
 """A simple air to go with a measured or fitted sky: exponential layers, lit as the sky is.
 
-Molecules and aerosol thin with height, over 8 km and as the haze does. Their scattered light is
+Molecules and aerosol thin with height, over 8.4 km and as the haze does. Their scattered light is
 known in total: an endless path must have the sky's radiance in its direction or, below the horizon,
 that of the sky just above it. So light is the sky's, times 1 - T of the path over 1 - T of all the
 air in that direction, and hills fade into the very sky behind them. The part that a shadow removes,
@@ -9,8 +9,8 @@ molecules and aerosol at the eye, but at most nine tenths: the sky's aureole is 
 phase function. All of it counts as the molecules'. The rest is light scattered
 again; with the sun below the horizon all light counts as such, though high air may still be lit.
 
-The aerosol is the haze's (`SetHaze.optics`); molecules scatter as in Bruneton's 2017
-demonstration, 1.24062e-6 per m at 1 micrometre.
+The aerosol is the haze's (`SetHaze.optics`); molecules are those of the standard air, in one
+exponential with their column.
 """
 
 from functools import lru_cache
@@ -22,6 +22,7 @@ from dynamic_skylight.daylight import Daylight
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.aerosols import PhaseTable
 from vrut_lite.atmosphere.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.atmosphere.clear_air import COLUMN_M, molecules_per_m
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
 from vrut_lite.geometry.encoding import encode_float16
@@ -39,7 +40,6 @@ from vrut_lite.sky.air_volume import (
 )
 
 TOP_ALTITUDE_M = 60_000.0
-_MOLECULES_M = 8000.0
 # From the ground the rows above the horizon and the columns are the twilight table's own: that is
 # bilinear, and chords across its kinks would be up to 7 % too bright, a degree above the horizon.
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 64, 24, 32
@@ -73,8 +73,7 @@ class Layers(NamedTuple):
 def layers_of(haze: SetHaze) -> Layers:
     """The air of a haze."""
     optics = haze.optics
-    heights_m = np.array([_MOLECULES_M, *(layer.height_m for layer in optics.layers)])
-    micrometre = np.asarray(SKYLIGHT_NM) / 1000.0
+    heights_m = np.array([COLUMN_M, *(layer.height_m for layer in optics.layers)])
     share = haze.optical_depth_550 / optics.optical_depth_550
     low, aloft = (share * layer.depth_at(SKYLIGHT_NM) for layer in optics.layers)
     # The colour of a channel's light is that of the wavelengths near it: negative shares, of
@@ -83,7 +82,7 @@ def layers_of(haze: SetHaze) -> Layers:
     near /= near.sum(axis=0)
     return Layers(
         heights_m,
-        np.stack([1.24062e-6 * micrometre**-4.0, low / heights_m[1], aloft / heights_m[2]]),
+        np.stack([molecules_per_m(SKYLIGHT_NM), low / heights_m[1], aloft / heights_m[2]]),
         optics.albedo_at(SKYLIGHT_NM) @ near,
         optics.phase_at(SKYLIGHT_NM).at_rows(near.T),
     )

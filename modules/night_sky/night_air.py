@@ -42,5 +42,5 @@ def night_air(haze: SetHaze, eye_height_m: float = 0.0) -> NightAir:
     lowest = -dip_rad(eye_height_m)
     elevation = lowest + (0.5 * np.pi - lowest) * np.linspace(0.0, 1.0, _NODES) ** 2
     sine = np.sin(elevation)
-    depth = slant_depth(eye_height_m, sine, RGB_NM, haze.aerosol_layers, haze.nitrogen_dioxide_du)
+    depth = slant_depth(eye_height_m, sine, RGB_NM, haze.aerosol_layers, haze.nitrogen_dioxide)
     return NightAir(haze, sine, np.exp(-depth))

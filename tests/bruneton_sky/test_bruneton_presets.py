@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bruneton_sky import Atmosphere, single_scattering
+from bruneton_sky import Atmosphere, precompute, single_scattering
 from bruneton_sky.presets import PRESETS, earth_spectral, earth_standard, preset
+from bruneton_sky.published.gpu_single_scattering import atmosphere_uniforms
 from bruneton_sky.raised_ground import raise_ground
 
 from vrut_lite.atmosphere.gases import ozone_absorption, rayleigh_scattering
@@ -148,6 +149,13 @@ def test_the_modules_earth_has_the_molecules_that_are_measured() -> None:
     demonstration = earth_spectral(air.wavelength_nm)
     more = np.array(demonstration.rayleigh_scattering) * demonstration.column_m / depth
     assert more == pytest.approx([1.076, 1.117, 1.135], abs=0.005)
+
+
+def test_the_published_method_refuses_air_that_it_cannot_hold() -> None:
+    """On the CPU and on the GPU, in a sentence that says what to do."""
+    for compute in (precompute, atmosphere_uniforms):
+        with pytest.raises(ValueError, match=r"use bruneton_sky\.solve for the real Earth"):
+            compute(earth_standard())
 
 
 def test_weak_absorbers_have_their_published_columns() -> None:

@@ -15,6 +15,7 @@ from night_sky.night_air import RGB_NM, SENT_DOWN, night_air
 from night_sky.sky_axes import unit, watch
 from night_sky.stars import LUX_OF_MAGNITUDE_0, irradiance_of, stars_at
 
+from vrut_lite.atmosphere.gases import rayleigh_optical_depth
 from vrut_lite.atmosphere.refraction import apparent_elevation, refraction_rad, trace
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
@@ -101,7 +102,7 @@ def test_the_sky_over_towns_is_light_of_the_ground_that_air_scatters(elevation_d
     blue, where there is no ozone."""
     haze, rng, count = SetHaze(optical_depth_550=0.2), np.random.default_rng(7), 200_000
     sine, blue = np.sin(np.radians(elevation_deg)), RGB_NM[2:]
-    layers = [(8000.0, 1.24062e-6 * (blue / 1000.0) ** -4.0 * 8000.0, np.ones(1), None)]
+    layers = [(8434.5, rayleigh_optical_depth(blue), np.ones(1), None)]
     share = haze.optical_depth_550 / haze.optics.optical_depth_550
     for layer in haze.optics.layers:
         table = layer.phase_at(blue).values[0]

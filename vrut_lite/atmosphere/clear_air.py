@@ -35,8 +35,8 @@ TOP_ALTITUDE_M = 120_000.0
 # Middle of the tent, and from there to its ends.
 OZONE_MIDDLE_M, OZONE_HALF_WIDTH_M = 25_000.0, 15_000.0
 OZONE_DU = 300.0
-# Background air; above a city some five times as much.
-NITROGEN_DIOXIDE_DU = 0.2
+# Background air, and above a city.
+NITROGEN_DIOXIDE_DU, CITY_NITROGEN_DIOXIDE_DU = 0.2, 1.0
 # Precipitable water of the U.S. Standard Atmosphere and its scale height.
 WATER_CM, WATER_HEIGHT_M = 1.416, 2000.0
 # n - 1 on the ground at 288 K and 570 nm (Peck and Reeder 1972).

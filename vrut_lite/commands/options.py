@@ -20,6 +20,7 @@ from vrut_lite.kernel.settings import SettingSpec, change, describe
 from vrut_lite.messages.haze import (
     AEROSOL_TYPES,
     DEFAULT_HAZE,
+    MOST_NITROGEN_DIOXIDE_DU,
     MOST_OPTICAL_DEPTH,
     ONE_LOBE,
     OWN_HAZE,
@@ -52,7 +53,7 @@ def _tolerance(text: str) -> float:
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity,
+    """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity, --no2,
     --sky, --tolerance, --set and an option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
@@ -82,6 +83,9 @@ def daylight_options(command: Command) -> Command:
         click.option("--humidity", "humidity_percent", type=FiniteRange(0.0, MOST_HUMIDITY),
                      metavar="%", help="Of the lower air, in which particles grow. Default "
                      f"{USUAL_HUMIDITY:g}."),
+        click.option("--no2", "nitrogen_dioxide_du", type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU),
+                     metavar="DU", help="Nitrogen dioxide above the place. Default 1 above a city "
+                     "(type urban), 0.2 elsewhere."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", type=_tolerance, metavar="SHARE",
@@ -128,7 +132,8 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
-    named = (options.pop(key) for key in ("turbidity", "aerosol", "humidity_percent"))
+    names = "turbidity", "aerosol", "humidity_percent", "nitrogen_dioxide_du"
+    named = (options.pop(key) for key in names)
     haze = _haze(project.haze, options.pop("optical_depth_550"), *named)
     if haze is not None:
         changes["haze"] = haze
@@ -178,13 +183,15 @@ def _haze(
     turbidity: float | None,
     aerosol: AerosolType | None,
     humidity_percent: float | None,
+    nitrogen_dioxide_du: float | None,
 ) -> Haze | None:
     """The haze of the options, each of which changes its part of the project's."""
     if optical_depth_550 is not None and turbidity is not None:
         raise UserError("--haze and --turbidity name the same thing: say one of them")
     if turbidity is not None:
         optical_depth_550 = float(optical_depth_of_turbidity(turbidity))
-    if optical_depth_550 is None and aerosol is None and humidity_percent is None:
+    named = optical_depth_550, aerosol, humidity_percent, nitrogen_dioxide_du
+    if all(part is None for part in named):
         return None
     known = haze or Haze(DEFAULT_HAZE.optical_depth_550, DEFAULT_HAZE.aerosol)
     depth = known.optical_depth_550 if optical_depth_550 is None else optical_depth_550
@@ -192,7 +199,8 @@ def _haze(
     if aerosol is not None and aerosol != ONE_LOBE and optical_depth_550 is None:
         depth = type_optics(aerosol, humidity).optical_depth_550
     own = known.own if aerosol is None else None
-    return Haze(depth, aerosol or known.aerosol, humidity, own)
+    dioxide = known.nitrogen_dioxide_du if nitrogen_dioxide_du is None else nitrogen_dioxide_du
+    return Haze(depth, aerosol or known.aerosol, humidity, own, dioxide)
 
 
 def _without_own_haze(project: Project) -> Project:

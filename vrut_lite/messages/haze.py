@@ -20,7 +20,7 @@ from vrut_lite.atmosphere.aerosols import AerosolOptics, optics_of_aerosol, type
 from vrut_lite.atmosphere.aerosols.optics import AerosolLayer
 from vrut_lite.atmosphere.aerosols.own import OwnAerosol
 from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
-from vrut_lite.atmosphere.clear_air import NITROGEN_DIOXIDE_DU
+from vrut_lite.atmosphere.clear_air import CITY_NITROGEN_DIOXIDE_DU, NITROGEN_DIOXIDE_DU
 from vrut_lite.atmosphere.haze_layer import HAZE_NM, HazeLayer
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
@@ -59,19 +59,27 @@ class SetHaze(Input, frozen=True, kw_only=True):
     `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
     (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
     of a type of OPAC grow. `own` takes the type's place. `nitrogen_dioxide_du` is the column of the
-    brown gas of exhaust: 0.2 in clean air, 1 and more above a city.
+    brown gas of exhaust, in Dobson units; unset it is 1 above a city (type urban), 0.2 elsewhere.
     """
 
     optical_depth_550: float
     aerosol: AerosolType = DEFAULT_AEROSOL
     humidity_percent: float = USUAL_HUMIDITY
     own: OwnAerosol | None = None
-    nitrogen_dioxide_du: float = NITROGEN_DIOXIDE_DU
+    nitrogen_dioxide_du: float | None = None
 
     @property
     def one_lobe(self) -> bool:
         """Whether the aerosol is the closed form."""
         return self.own is None and self.aerosol == ONE_LOBE
+
+    @property
+    def nitrogen_dioxide(self) -> float:
+        """Effective column of nitrogen dioxide in Dobson units."""
+        if self.nitrogen_dioxide_du is not None:
+            return self.nitrogen_dioxide_du
+        urban = self.own is None and self.aerosol == "urban"
+        return CITY_NITROGEN_DIOXIDE_DU if urban else NITROGEN_DIOXIDE_DU
 
     @property
     def turbidity(self) -> float:
@@ -110,7 +118,8 @@ class SetHaze(Input, frozen=True, kw_only=True):
         checks.number(self, "optical_depth_550", 0.0, MOST_OPTICAL_DEPTH, of="haze")
         checks.choice(self, "aerosol", AEROSOL_TYPES)
         checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
-        checks.number(self, "nitrogen_dioxide_du", 0.0, MOST_NITROGEN_DIOXIDE_DU, of="haze")
+        if self.nitrogen_dioxide_du is not None:
+            checks.number(self, "nitrogen_dioxide_du", 0.0, MOST_NITROGEN_DIOXIDE_DU, of="haze")
         if self.own is not None:
             checks.instance(self, "own", OwnAerosol)
             try:

@@ -13,4 +13,4 @@ def sun_irradiance_rgb(haze: SetHaze, apparent_elevation_rad: float) -> FloatArr
     May lie below 0 outside the gamut. A sun below the horizon counts as on it.
     """
     sine = max(float(np.sin(apparent_elevation_rad)), 0.0)
-    return whole_disc_rgb(0.0, sine, haze.aerosol_layers, haze.nitrogen_dioxide_du)
+    return whole_disc_rgb(0.0, sine, haze.aerosol_layers, haze.nitrogen_dioxide)

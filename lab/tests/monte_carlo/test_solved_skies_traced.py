@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bruneton_sky import SolvedSky, single_scattering, solve
-from bruneton_sky.presets import earth_standard, earth_spectral
+from bruneton_sky.presets import earth_spectral, earth_standard
 from bruneton_sky.solver import solve as solve_field
 from other_planet import LIGHT, OTHER_PLANET, RAYS
 

@@ -11,6 +11,7 @@ from bruneton_sky.published.classical_rules import checked_intervals
 from bruneton_sky.published.single_scattering import Rule
 from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
 from bruneton_sky.shader_source import shader_source
+from bruneton_sky.tables.sizes import refuse_unpublished
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.messages.gpu_job import GpuJob, UniformValue
 
@@ -87,8 +88,10 @@ def atmosphere_uniforms(atmosphere: Atmosphere) -> dict[str, UniformValue]:
     """Uniforms of shaders/atmosphere.glsl by name, for an atmosphere with three wavelengths.
 
     Raises:
-        ValueError: it has another number of wavelengths, or more than 8 absorber nodes.
+        ValueError: it has another number of wavelengths, more than 8 absorber nodes, or matter
+            that the published method does not know.
     """
+    refuse_unpublished(atmosphere)
     count = len(atmosphere.wavelength_nm)
     if count != WAVELENGTHS:
         raise ValueError(f"a shader's atmosphere needs {WAVELENGTHS} wavelengths, not {count}")

@@ -55,20 +55,34 @@ def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[i
 
 
 def refuse_untabled(atmosphere: Atmosphere) -> None:
-    """Refuse an atmosphere with fog, whose layer lies between a table's two lowest altitudes.
-
-    And one with a tabulated phase function, whose light the published method cannot scatter.
+    """Refuse an atmosphere with fog, whose layer lies between a table's two lowest altitudes, and
+    one that the published method cannot hold.
 
     Raises:
-        ValueError: the atmosphere has either.
+        ValueError: the atmosphere is such a one.
+    """
+    refuse_unpublished(atmosphere)
+    if atmosphere.foggy:
+        raise ValueError(
+            "tables of 32 altitudes from the ground to space cannot hold ground fog: "
+            "use bruneton_sky.solve, or leave the fog out"
+        )
+
+
+def refuse_unpublished(atmosphere: Atmosphere) -> None:
+    """Refuse light of a tabulated phase function, molecules that depolarise or thin otherwise than
+    exponentially, and absorbers besides ozone: the published method has none of them.
+
+    Raises:
+        ValueError: the atmosphere has one of these.
     """
     if atmosphere.mie_table is not None:
         raise ValueError(
             "the published tables scatter by phase functions in closed form: "
             "use bruneton_sky.solve for an aerosol with a phase table"
         )
-    if atmosphere.foggy:
+    if len(atmosphere.rayleigh_terms) > 1 or not atmosphere.has_published_molecules:
         raise ValueError(
-            "tables of 32 altitudes from the ground to space cannot hold ground fog: "
-            "use bruneton_sky.solve, or leave the fog out"
+            "the published tables know molecules of one exponential that do not depolarise, and "
+            "no gas besides ozone: use bruneton_sky.solve for the real Earth's air"
         )
