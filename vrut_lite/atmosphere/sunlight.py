@@ -20,7 +20,7 @@ from vrut_lite.numeric_types import FloatArray
 _SUN_RADIUS_RAD = 0.004675
 
 
-class Haze(Protocol):
+class ExponentialHaze(Protocol):
     """An exponential layer of aerosol."""
 
     @property
@@ -34,7 +34,7 @@ class Haze(Protocol):
 def sunlight_at_altitude(
     altitude_m: ArrayLike,
     sine: ArrayLike,
-    haze: Sequence[Haze] = (),
+    haze: Sequence[ExponentialHaze] = (),
     nitrogen_dioxide_du: float = clear_air.NITROGEN_DIOXIDE_DU,
 ) -> FloatArray:
     """Irradiance (..., 3) of a plane that faces the sun, linear sRGB in W m^-2.
@@ -60,7 +60,7 @@ def sunlight_at_altitude(
 def whole_disc_rgb(
     altitude_m: ArrayLike,
     sine: ArrayLike,
-    haze: Sequence[Haze],
+    haze: Sequence[ExponentialHaze],
     nitrogen_dioxide_du: float = clear_air.NITROGEN_DIOXIDE_DU,
 ) -> FloatArray:
     """The same by the whole disc, seen or not; may lie below 0, outside the gamut."""
@@ -74,7 +74,7 @@ def slant_depth(
     altitude_m: ArrayLike,
     sine: ArrayLike,
     wavelength_nm: ArrayLike,
-    haze: Sequence[Haze],
+    haze: Sequence[ExponentialHaze],
     nitrogen_dioxide_du: float = clear_air.NITROGEN_DIOXIDE_DU,
 ) -> FloatArray:
     """Optical depth (..., n) of all the air along a refracted ray to space; see `slant_paths`."""
@@ -99,7 +99,7 @@ def slant_depth(
 
 
 def extinctions_per_m(
-    altitude_m: ArrayLike, wavelength_nm: ArrayLike, haze: Sequence[Haze]
+    altitude_m: ArrayLike, wavelength_nm: ArrayLike, haze: Sequence[ExponentialHaze]
 ) -> FloatArray:
     """Extinction by ozone, molecules and each layer of haze, (2 + layers, ..., n), 1/m.
 

@@ -53,8 +53,8 @@ def _tolerance(text: str) -> float:
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity, --no2,
-    --sky, --tolerance, --set and an option per setting.
+    """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity,
+    --no2, --sky, --tolerance, --set and an option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
     name is that of another option is reached by --set alone.
@@ -83,9 +83,9 @@ def daylight_options(command: Command) -> Command:
         click.option("--humidity", "humidity_percent", type=FiniteRange(0.0, MOST_HUMIDITY),
                      metavar="%", help="Of the lower air, in which particles grow. Default "
                      f"{USUAL_HUMIDITY:g}."),
-        click.option("--no2", "nitrogen_dioxide_du", type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU),
-                     metavar="DU", help="Nitrogen dioxide above the place. Default 1 above a city "
-                     "(type urban), 0.2 elsewhere."),
+        click.option("--no2", "nitrogen_dioxide_du", metavar="DU",
+                     type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU), help="Nitrogen dioxide above the "
+                     "place. Default 1 above a city (type urban), 0.2 elsewhere."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", type=_tolerance, metavar="SHARE",
