@@ -84,8 +84,9 @@ def daylight_options(command: Command) -> Command:
                      metavar="%", help="Of the lower air, in which particles grow. Default "
                      f"{USUAL_HUMIDITY:g}."),
         click.option("--no2", "nitrogen_dioxide_du", metavar="DU",
-                     type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU), help="Nitrogen dioxide above the "
-                     "place. Default 1 above a city (type urban), 0.2 elsewhere."),
+                     type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU),
+                     help="Nitrogen dioxide above the place. Default 1 above a city (type urban), "
+                     "0.2 elsewhere."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", type=_tolerance, metavar="SHARE",
