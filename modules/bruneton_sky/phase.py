@@ -56,6 +56,19 @@ def particles_phase(atmosphere: Atmosphere, name: str, nu: ArrayLike) -> NDArray
     return aerosol_phase(atmosphere, nu) if table is None else table(nu)
 
 
+def particles_polarisation(
+    atmosphere: Atmosphere, name: str, nu: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """P12 / P11 and P33 / P11 (..., C) of the same; a closed form keeps polarisation and makes
+    none: 0 and 1. Where P12 is negative light vibrates across the scattering plane."""
+    table = {"aloft": atmosphere.aloft_table, "fog": atmosphere.fog_table}.get(name)
+    table = table or atmosphere.mie_table
+    if table is not None:
+        return table.polarisation(nu)
+    shape = *np.shape(nu), len(atmosphere.wavelength_nm)
+    return np.zeros(shape), np.ones(shape)
+
+
 def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:
     """Rayleigh's phase function (...,) in sr^-1, of the cosine nu of the scattering angle.
 
@@ -69,6 +82,13 @@ def molecules_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64
     """The same of the atmosphere's molecules, which depolarise."""
     dipoles = atmosphere.rayleigh_anisotropy
     return np.asarray(dipoles * rayleigh_phase(nu) + (1.0 - dipoles) / (4.0 * np.pi))
+
+
+def molecules_polarisation(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
+    """P12 / P11 (...,) of the atmosphere's molecules (Hansen and Travis 1974, equation 2.15)."""
+    cosine, dipoles = np.asarray(nu, dtype=float), atmosphere.rayleigh_anisotropy
+    across = -3.0 / (16.0 * np.pi) * dipoles * (1.0 - cosine) * (1.0 + cosine)
+    return np.asarray(across / molecules_phase(atmosphere, cosine))
 
 
 def henyey_greenstein_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:

@@ -27,8 +27,13 @@ _MOST: Mapping[str, int] = MappingProxyType(
         "source_mu": 24,
         "source_azimuth": 12,
         "node_bins": 12,
+        "polarised_mu": 8,
+        "polarised_azimuth": 4,
     }
 )
+# Of a draft: Q and U of light scattered once leave 0.4 to 0.7 % (scalar transfer 1.2 to 1.7 %) of
+# luminance by day, those of all orders 0.1 to 0.4 % in a quarter more time.
+_DRAFT_POLARISED_ORDERS = 1
 # The same in clear air and in haze: twilight needs as many bins in both.
 _FINE = {
     "mu_s": 96,
@@ -38,6 +43,9 @@ _FINE = {
     "steps": 96,
     "node_bins": 24,
     "multiple_bins": 24,
+    "polarised_mu": 16,
+    "polarised_azimuth": 8,
+    "polarised_bins": 14,
 }
 _FINER = {
     **_FINE,
@@ -73,7 +81,8 @@ def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSize
     if rung == "usual":
         return usual
     if rung == "draft":
-        return replace(usual, **{k: min(getattr(usual, k), size) for k, size in _MOST.items()})
+        fewer = {k: min(getattr(usual, k), size) for k, size in _MOST.items()}
+        return replace(usual, polarised_orders=_DRAFT_POLARISED_ORDERS, **fewer)
     least = _LEAST[rung]
     larger = {k: max(getattr(usual, k), size) for k, size in least.items()}
     later = max(usual.bins_of(LATER), least["node_bins"])

@@ -9,8 +9,8 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import table_counts
 from bruneton_sky.sky_view.rays import SkyViewRays
 from bruneton_sky.solver import SourceField, ground_irradiance
-from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
+from scalar_air import scalar_field
 from spectral_rows import total_radiance
 
 TRUTH = np.load(Path(__file__).parents[1] / "data" / "haze_truth.npz")
@@ -21,7 +21,7 @@ TURBIDITIES, SUNS_DEG = (3.0, 10.0), (60.0, 10.0, 2.0)
 def field(turbidity: float) -> SourceField:
     """As the module solves it."""
     settings = BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe")
-    return solve_air(atmosphere_of(settings), settings.orders)
+    return scalar_field(atmosphere_of(settings), settings.orders)
 
 
 def compare(

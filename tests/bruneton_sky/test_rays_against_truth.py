@@ -10,8 +10,8 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.sky_view import limb_counts, table_counts
 from bruneton_sky.sky_view.rays import SkyViewRays
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
+from scalar_air import scalar_field
 from spectral_rows import total_radiance
 
 TRUTH = np.load(Path(__file__).parents[1] / "data" / "bruneton_truth.npz")
@@ -26,7 +26,7 @@ def field(aerosol_factor: int) -> SourceField:
         mie_scattering=tuple(np.multiply(earth.mie_scattering, aerosol_factor)),
         mie_extinction=tuple(np.multiply(earth.mie_extinction, aerosol_factor)),
     )
-    return solve_air(air)
+    return scalar_field(air)
 
 
 def compare(

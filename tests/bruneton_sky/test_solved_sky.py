@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from long_parameters import mostly_long
 from numpy.typing import NDArray
 from other_planet import LIGHT, RAYS
+from scalar_air import scalar_sky
 
 from vrut_lite.geometry.cube_map import texel_directions
 
@@ -33,13 +34,13 @@ def sky(aerosol: float = 1.0) -> SolvedSky:
         tuple(np.multiply(values, aerosol))
         for values in (EARTH.mie_scattering, EARTH.mie_extinction)
     )
-    return solve(replace(EARTH, mie_scattering=scattering, mie_extinction=extinction))
+    return scalar_sky(replace(EARTH, mie_scattering=scattering, mie_extinction=extinction))
 
 
 @lru_cache
 def hazy_sky(turbidity: float) -> SolvedSky:
     """The sky of the module's own air."""
-    return solve(atmosphere_of(BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe")))
+    return scalar_sky(atmosphere_of(BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe")))
 
 
 def errors(
@@ -108,7 +109,7 @@ def test_radiance_in_haze_is_that_of_monte_carlo(
 def test_radiance_in_fog_is_that_of_monte_carlo() -> None:
     """Visibility 200 m, in the fog and above it: 6 % and three standard errors, 3 % rms. A slowly
     sinking ray, black at its end, has all the light that it has half-way."""
-    foggy = solve(earth_spectral((600.0, 450.0)).with_aerosol(0.1).with_fog(200.0, 100.0))
+    foggy = scalar_sky(earth_spectral((600.0, 450.0)).with_aerosol(0.1).with_fog(200.0, 100.0))
     chosen = FOG["visibility_m"] == 200.0
     rays = [FOG[name][chosen] for name in ("altitude_m", "mu", "mu_s", "nu")]
     error, noise = errors(foggy, rays, FOG["total"][chosen], FOG["error"][chosen])
@@ -135,7 +136,7 @@ def test_sky_irradiance_is_that_of_monte_carlo(aerosol: float) -> None:
 def test_another_planets_sky_is_that_of_monte_carlo(other_planet: Atmosphere) -> None:
     """A small hazy planet at four wavelengths, from its ground, its air and space: 1 %, with three
     standard errors of at most 0.12 %."""
-    ours = solve(other_planet).radiance(*RAYS)
+    ours = scalar_sky(other_planet).radiance(*RAYS)
     np.testing.assert_allclose(ours, LIGHT, rtol=1.4e-2)
 
 

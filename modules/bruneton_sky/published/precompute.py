@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -11,7 +12,7 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
 from bruneton_sky.published.gpu_pipeline import GpuPipeline
-from bruneton_sky.solver import SourceField, solve
+from bruneton_sky.solver import SourceField, real_time_sizes, solve
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view import sky_irradiance
 from bruneton_sky.solver.view_kernels import march_rays
@@ -114,7 +115,8 @@ def _on_gpu(
 def _on_cpu(
     atmosphere: Atmosphere, orders: int, sizes: TableSizes, progress: Progress
 ) -> dict[str, Any]:
-    field = solve(atmosphere, orders, progress=lambda share: progress(_SOLVED * share))
+    scalar = replace(real_time_sizes(atmosphere), polarised_orders=0)
+    field = solve(atmosphere, orders, scalar, progress=lambda share: progress(_SOLVED * share))
     irradiance = irradiance_table(field, sizes)
     progress(_IRRADIANCE)
     scattering, single_mie = march_tables(field, sizes)

@@ -10,7 +10,7 @@ Importing this module imports numba.
 """
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,16 @@ class Bins(NamedTuple):
     centre: NDArray[np.float64]
     weight: NDArray[np.float64]
     end: NDArray[np.float64]
+
+    @classmethod
+    def empty(cls, rays: tuple[int, ...], count: int) -> Self:
+        """Arrays for `count` bins of each ray; the rays' axes come first."""
+        return cls(
+            np.empty((*rays, count + 1)),
+            np.empty((*rays, count, 4)),
+            np.empty((*rays, count, 2, 4)),
+            np.empty((*rays, 5)),
+        )
 
 
 @inner

@@ -61,12 +61,12 @@ def empty_slab(source):  # type: ignore[no-untyped-def]
 @inner
 def gather_later(air, altitude, bins, cells, source, slab, out):  # type: ignore[no-untyped-def]
     """Add light of the source function along a ray to the cells (cells * 4,)."""
-    extremes = _extremes(cells)
+    extremes = cell_extremes(cells)
     for b in range(bins.centre.shape[0]):
         if bins.centre[b, 3] > 0.0:
-            first, last = _suns_in_sight(air, altitude, bins, b, extremes, source)
+            first, last = suns_in_sight(air, altitude, bins, b, extremes, source)
             _blend(air, bins, b, source, 4 * first, 4 * last + 4, slab)
-            _place_cells(air, altitude, bins, b, source, cells)
+            place_cells(air, altitude, bins, b, source, cells)
             _add_cells(slab, source.pace, cells, out)
 
 
@@ -78,7 +78,7 @@ def sun_place(mu_s, grid0, grid1, grid2, grid3):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _extremes(cells):  # type: ignore[no-untyped-def]
+def cell_extremes(cells):  # type: ignore[no-untyped-def]
     """Lowest and highest mu_s, lowest and highest nu of the cells."""
     low, high, least, most = ONE, -ONE, ONE, -ONE
     for n in range(cells.mu_s.size):
@@ -88,7 +88,7 @@ def _extremes(cells):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _suns_in_sight(air, altitude, bins, b, extremes, source):  # type: ignore[no-untyped-def]
+def suns_in_sight(air, altitude, bins, b, extremes, source):  # type: ignore[no-untyped-def]
     """First and last node of the suns that the cells can see from a bin, given their extremes."""
     inverse_r = _f4(1.0 / (air.ground_radius_m + bins.centre[b, 1]))
     radius, distance = _f4(air.ground_radius_m + altitude), _f4(bins.centre[b, 0])
@@ -106,20 +106,27 @@ def _suns_in_sight(air, altitude, bins, b, extremes, source):  # type: ignore[no
 def _blend(air, bins, b, source, low, high, slab):  # type: ignore[no-untyped-def]
     """Fill a slab's columns from `low` to `high` with the light of bin b."""
     mu = bins.centre[b, 2]
-    count = max(source.rayleigh.shape[0], source.mie.shape[0])
-    place = altitude_place(air, bins.centre[b, 1]) * (count - 1)
+    i, u = set_bend(air, bins.centre[b, 1], source, low, high, slab)
+    if source.rayleigh.shape[0] > 0:
+        _set_rayleigh(source, i, u, mu, bins.weight[b, 0], low, high, slab)
+    else:
+        slab.light[:] = ZERO
+    if source.mie.shape[0] > 0:
+        add_mie(source.mie, i, u, mu, bins.weight[b, 1], low, high, slab)
+
+
+@inner
+def set_bend(air, altitude, source, low, high, slab):  # type: ignore[no-untyped-def]
+    """Fill a slab's `bend` and `tilt` at an altitude; its node below and the share of the next."""
+    count = source.bend.shape[0]
+    place = altitude_place(air, altitude) * (count - 1)
     i = min(int(place), count - 2)
     u = place - i
     near, far = _f4(1.0 - u), _f4(u)
     for k in range(low // 4, high // 4):
         slab.bend[k] = near * source.bend[i, k] + far * source.bend[i + 1, k]
         slab.tilt[k] = _TILT * math.sqrt(max(slab.bend[k], ZERO))
-    if source.rayleigh.shape[0] > 0:
-        _set_rayleigh(source, i, u, mu, bins.weight[b, 0], low, high, slab)
-    else:
-        slab.light[:] = ZERO
-    if source.mie.shape[0] > 0:
-        _add_mie(source.mie, i, u, mu, bins.weight[b, 1], low, high, slab)
+    return i, u
 
 
 @inner
@@ -134,7 +141,7 @@ def _set_rayleigh(source, i, u, mu, weight, low, high, slab):  # type: ignore[no
     a0, a1, a2, a3 = above[0][low:high], above[1][low:high], above[2][low:high], above[3][low:high]
     row0, row1, row2 = slab.rows[0][low:high], slab.rows[1][low:high], slab.rows[2][low:high]
     weights = slab.rows[3][low:high]
-    _repeat(weight, weights)
+    repeat_weights(weight, weights)
     across = (1.0 - mu) * (1.0 + mu)
     k1, k2 = _f4(3.0 * mu * mu - 1.0), _f4(mu * math.sqrt(max(across, 0.0)))
     k3, far = _f4(across), _f4(u)
@@ -153,7 +160,7 @@ def _set_rayleigh(source, i, u, mu, weight, low, high, slab):  # type: ignore[no
 
 
 @inner
-def _add_mie(table, i, u, mu, weight, low, high, slab):  # type: ignore[no-untyped-def]
+def add_mie(table, i, u, mu, weight, low, high, slab):  # type: ignore[no-untyped-def]
     """Add the source function of aerosol, times its weight."""
     place = (0.5 * mu + 0.5) * (table.shape[1] - 1)
     j = min(int(place), table.shape[1] - 2)
@@ -161,7 +168,7 @@ def _add_mie(table, i, u, mu, weight, low, high, slab):  # type: ignore[no-untyp
     w00, w01 = _f4((1.0 - u) * (1.0 - v)), _f4((1.0 - u) * v)
     w10, w11 = _f4(u * (1.0 - v)), _f4(u * v)
     weights = slab.rows[3][low:high]
-    _repeat(weight, weights)
+    repeat_weights(weight, weights)
     columns = slab.rows.shape[1]
     for t in range(table.shape[2]):
         out = slab.light[t * columns + low : t * columns + high]
@@ -173,7 +180,7 @@ def _add_mie(table, i, u, mu, weight, low, high, slab):  # type: ignore[no-untyp
 
 
 @inner
-def _repeat(weight, row):  # type: ignore[no-untyped-def]
+def repeat_weights(weight, row):  # type: ignore[no-untyped-def]
     """The weights (4,) for every sun."""
     for n in range(row.size // 4):
         for c in range(4):
@@ -181,7 +188,7 @@ def _repeat(weight, row):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _place_cells(air, altitude, bins, b, source, cells):  # type: ignore[no-untyped-def]
+def place_cells(air, altitude, bins, b, source, cells):  # type: ignore[no-untyped-def]
     """Where in a slab each cell is, seen from bin b: the sun moves as the ray leaves its start."""
     inverse_r = _f4(1.0 / (air.ground_radius_m + bins.centre[b, 1]))
     radius, distance = _f4(air.ground_radius_m + altitude), _f4(bins.centre[b, 0])

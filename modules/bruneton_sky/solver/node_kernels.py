@@ -36,9 +36,9 @@ def bin_nodes(air, altitude, mu, downward, steps, bins, later):  # type: ignore[
             for some in (bins, later):
                 most = some.centre.shape[2]
                 count = min(max(int(most * share + 1.0), _FEWEST_BINS), most)
-                here = _bins_at(some, i, q, count)
+                here = bins_at(some, i, q, count)
                 merge_steps(air, altitude[i], mu[i, q], scratch, here)
-                _leave_rest_empty(_bins_at(some, i, q, most), count)
+                _leave_rest_empty(bins_at(some, i, q, most), count)
                 left_out += most - count
     return left_out
 
@@ -66,7 +66,7 @@ def _share_crossed(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _bins_at(bins, i, q, count):  # type: ignore[no-untyped-def]
+def bins_at(bins, i, q, count):  # type: ignore[no-untyped-def]
     """The first `count` bins of a node's ray."""
     edge, centre = bins.edge[i, q, : count + 1], bins.centre[i, q, :count]
     return Bins(edge, centre, bins.weight[i, q, :count], bins.end[i, q])
@@ -85,7 +85,7 @@ def first_radiance(  # type: ignore[no-untyped-def]
     row = np.empty(table.shape[1], _f4)
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
-            here = _bins_at(bins, i, q, bins.centre.shape[2])
+            here = bins_at(bins, i, q, bins.centre.shape[2])
             fill_cells(mu[i, q], sun, turn_cosine, cells)
             gather_first(air, altitude[i], mu[i, q], here, cells, table, row, once)
             apply_phases(cells, phase[min(i, len(phase) - 1)], once, radiance[i, q])
@@ -103,7 +103,7 @@ def next_radiance(  # type: ignore[no-untyped-def]
     radiance[:] = ZERO
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
-            here = _bins_at(bins, i, q, bins.centre.shape[2])
+            here = bins_at(bins, i, q, bins.centre.shape[2])
             fill_cells(mu[i, q], sun, turn_cosine, cells)
             gather_later(air, altitude[i], here, cells, source, slab, radiance[i, q])
             if downward[q]:

@@ -13,10 +13,13 @@ from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
 from bruneton_sky.solver.node_kernels import bin_nodes, first_radiance, next_radiance
 from bruneton_sky.solver.particles import (
     mixed_coefficients,
+    phase_cosines,
+    phase_tables,
     shares_above,
     shares_at,
     shown_phase,
 )
+from bruneton_sky.solver.polarised_nodes import PolarisedNodes, make_polarised_nodes
 from bruneton_sky.solver.ray_kernels import layer_nodes, nodes_of_axis
 from bruneton_sky.solver.scattering_operator import (
     ScatteringOperator,
@@ -32,9 +35,15 @@ if TYPE_CHECKING:
     from bruneton_sky.solver.later_order_kernels import Source
 
 Lanes = NDArray[np.float32]
-# Nodes of the phase functions in sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
-_PHASE_NODES = 1024
 _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
+
+
+class NodeLight(NamedTuple):
+    """Light at the nodes in harmonics: radiance (altitudes, harmonics, suns * 4), and Q and U
+    (altitudes, 2, harmonics, suns * 4), see `polarisation`, or none if it counts as unpolarised."""
+
+    radiance: Lanes
+    polarised: Lanes | None = None
 
 
 class Nodes(NamedTuple):
@@ -42,7 +51,7 @@ class Nodes(NamedTuple):
 
     `higher_bins` are for the light of orders three and up; `bins_left_out` counts the bins that
     rays through little air do not need. `mie_chi` (altitudes or 1, degrees, 4): of the particles'
-    phase functions.
+    phase functions. `polarised`: None in scalar transfer.
     """
 
     air: WavelengthGroup
@@ -54,6 +63,7 @@ class Nodes(NamedTuple):
     higher_bins: "Bins"
     bins_left_out: int
     mie_chi: Lanes
+    polarised: PolarisedNodes | None
 
     def first_radiance(self, transmittance: Lanes, phase: Lanes) -> Lanes:
         """Light that arrives at the nodes after one scattering or reflection.
@@ -75,6 +85,21 @@ class Nodes(NamedTuple):
         )  # fmt: skip
         return radiance
 
+    def first_light(self, transmittance: Lanes, phase: Lanes) -> tuple[Lanes, NodeLight]:
+        """`first_radiance`, and the harmonics of all light scattered once."""
+        radiance = self.first_radiance(transmittance, phase)
+        polarised = None if self.polarised is None else self.polarised.first(transmittance)
+        return radiance, NodeLight(self.operator.project(radiance), polarised)
+
+    def next_light(self, light: NodeLight, radiance: Lanes, order: int) -> tuple[Lanes, NodeLight]:
+        """The same of an order of three and up, from the light of the order before."""
+        source, polarised = self.source(light), light.polarised
+        if self.polarised is not None and polarised is not None:
+            carried = self.sizes.polarises(order - 1)
+            polarised = self.polarised.next(source, light.radiance, polarised) if carried else None
+        following = self.next_radiance(source, radiance, order)
+        return following, NodeLight(self.operator.project(following), polarised)
+
     def next_radiance(self, source: "Source", radiance: Lanes, order: int) -> Lanes:
         """Light of an order that arrives at the nodes, of a source function and from the ground.
 
@@ -90,16 +115,28 @@ class Nodes(NamedTuple):
         )  # fmt: skip
         return following
 
-    def source(self, coefficients: Lanes) -> "Source":
-        """The source function of light with such harmonic coefficients."""
+    def source(self, light: NodeLight) -> "Source":
+        """The source function of light."""
+        coefficients, molecules, particles = light.radiance, None, None
         rayleigh = np.empty((0, 4, coefficients.shape[-1]), dtype=np.float32)
         shape = 0, self.sizes.source_mu, self.sizes.source_azimuth, coefficients.shape[-1]
         mie = np.empty(shape, dtype=np.float32)
+        if self.polarised is not None and light.polarised is not None:
+            molecules, particles = self.polarised.fed(light.polarised)
         if self.air.scattering[0].any():
-            rayleigh = self.operator.scatter_by_molecules(coefficients, self.air.anisotropy)
+            rayleigh = self.operator.scatter_by_molecules(
+                coefficients, self.air.anisotropy, molecules
+            )
         if self.air.scattering[1:].any():
-            mie = self.operator.scatter(coefficients, self.mie_chi)
+            mie = self.operator.scatter(coefficients, self.mie_chi, particles)
         return make_source(rayleigh, mie, self.suns)
+
+    def polarised_source(self, light: NodeLight) -> Lanes:
+        """Coefficients of Q and U that particles scatter: see `SourceField.polarised`."""
+        if self.polarised is None or light.polarised is None or not self.air.scattering[1:].any():
+            harmonics = 0 if self.polarised is None else self.polarised.operator.degree.size
+            return np.empty((0, 2, harmonics, light.radiance.shape[-1]), dtype=np.float32)
+        return self.polarised.scattered(light.radiance, light.polarised)
 
     def _sun_on_ground(self, transmittance: Lanes) -> Lanes:
         """Irradiance (n, 4) of the level ground by the sun, on a finer axis of suns."""
@@ -132,25 +169,16 @@ def make_nodes(
         altitude = layer_nodes(air, nodes_of_axis(sizes.altitude, air.layer_share))
     operator = scattering_operator(atmosphere.ground_radius_m, tuple(altitude), sizes)
     mu, downward = operator.directions.mu, operator.directions.downward
-    bins, later = (
-        _empty_bins(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(LATER))
-    )
+    bins, later = (Bins.empty(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(LATER)))
     left_out = bin_nodes(air, altitude, mu, downward, sizes.steps, bins, later)
     chi = in_lanes(mixed_coefficients(atmosphere, sizes.degree, altitude))[group]
-    suns = SunGrid(atmosphere, sizes.mu_s)
+    suns, polarised = SunGrid(atmosphere, sizes.mu_s), None
+    if sizes.polarises(1):
+        polarised = make_polarised_nodes(atmosphere, air, sizes, altitude, group)
     return Nodes(
-        air, sizes, altitude, suns, operator, bins, later, left_out, chi.astype(np.float32)
-    )
-
-
-def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
-    """Arrays for `count` bins of each ray; the rays' axes come first."""
-    return Bins(
-        np.empty((*rays, count + 1)),
-        np.empty((*rays, count, 4)),
-        np.empty((*rays, count, 2, LANES)),
-        np.empty((*rays, LANES + 1)),
-    )
+        air, sizes, altitude, suns, operator, bins, later, left_out, chi.astype(np.float32),
+        polarised,
+    )  # fmt: skip
 
 
 def make_transmittance(air: WavelengthGroup) -> Lanes:
@@ -167,7 +195,7 @@ def shown_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArr
     Those of molecules and of particles at four wavelengths, uniform in sqrt((1 - nu) / 2), for eyes
     at altitudes. The particles' is per unit of scattering in `delta_m.thinned` air.
     """
-    nu, shares = _phase_cosines(), shares_above(atmosphere, degree, altitude_m)
+    nu, shares = phase_cosines(), shares_above(atmosphere, degree, altitude_m)
     return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])
 
 
@@ -176,20 +204,12 @@ def fed_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray
     altitudes, and without the peak of a table."""
     if atmosphere.mie_table is None:
         shares = shares_at(atmosphere, degree, altitude_m if atmosphere.mixed else [0.0])
-        nu = _phase_cosines()
+        nu = phase_cosines()
         return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])
-    legendre = np.polynomial.legendre.legvander(_phase_cosines(), degree)
+    legendre = np.polynomial.legendre.legvander(phase_cosines(), degree)
     legendre *= (2.0 * np.arange(degree + 1) + 1.0) / (4.0 * np.pi)
     return _phase_tables(list(legendre @ mixed_coefficients(atmosphere, degree, altitude_m)))
 
 
-def _phase_cosines() -> FloatArray:
-    return np.asarray(1.0 - 2.0 * np.linspace(0.0, 1.0, _PHASE_NODES) ** 2)
-
-
 def _phase_tables(particles: list[FloatArray]) -> Lanes:
-    """(groups, altitudes, n, 5) of the particles' phase functions (n, C)."""
-    lanes = in_lanes(np.stack(particles))
-    molecules = rayleigh_phase(_phase_cosines())[:, None]
-    both = np.broadcast_to(molecules, (*lanes.shape[:3], 1)), lanes
-    return np.concatenate(both, axis=-1).astype(np.float32)
+    return phase_tables(rayleigh_phase(phase_cosines()), particles)

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver.delta_m import forward_shares, thinned
 from bruneton_sky.solver.grid import reaches_night
-from bruneton_sky.solver.nodes import Nodes, fed_phase_tables, make_nodes, make_transmittance
+from bruneton_sky.solver.nodes import (
+    NodeLight,
+    Nodes,
+    fed_phase_tables,
+    make_nodes,
+    make_transmittance,
+)
 from bruneton_sky.solver.sizes import LATER, SolverSizes
 from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.wavelength_groups import (
@@ -48,9 +54,9 @@ _HAZY_NIGHT_SIZES = {**_NIGHT_SIZES, "node_bins": 52, "higher_bins": 14}
 
 
 class _Sum(NamedTuple):
-    """Harmonic coefficients (altitudes, harmonics, suns * 4) of all orders' radiance."""
+    """The light of all orders, and the ratio of the last two."""
 
-    coefficients: Lanes
+    light: NodeLight
     ratio: Lanes
     orders_done: int
     bins_left_out: int = 0
@@ -96,7 +102,7 @@ def solve(
     size = sizes or real_time_sizes(atmosphere)
     groups = groups_of_air(thinned(atmosphere, size.degree))
     transmittance = [make_transmittance(air) for air in groups]
-    sums, sources = [], []
+    sums, sources, polarised = [], [], []
     for index, air in enumerate(groups):
         nodes = make_nodes(atmosphere, air, size, index)
         phase = fed_phase_tables(atmosphere, size.degree, nodes.altitude_m)[index]
@@ -108,7 +114,8 @@ def solve(
 
         done = _sum_orders(nodes, transmittance[index], phase, orders, tolerance, all_orders, tell)
         sums.append(done)
-        sources.append(nodes.source(done.coefficients))
+        sources.append(nodes.source(done.light))
+        polarised.append(nodes.polarised_source(done.light))
         if progress is not None:
             progress((index + 1) / len(groups))
     count = len(atmosphere.wavelength_nm)
@@ -117,6 +124,7 @@ def solve(
         sizes=size,
         rayleigh=np.stack([source.rayleigh for source in sources]),
         mie=np.stack([source.mie for source in sources]),
+        polarised=np.stack(polarised) if size.polarised_orders is None else None,
         transmittance=np.stack(transmittance),
         orders_done=max(done.orders_done for done in sums),
         tail_ratio=wavelengths_of_groups([done.ratio for done in sums], count),
@@ -169,16 +177,14 @@ def _sum_orders(
     none = np.zeros((suns, LANES), dtype=np.float32)
     if orders == 1 or not nodes.air.scattering.any():
         shape = len(nodes.altitude_m), nodes.operator.degree.size, suns * LANES
-        return _Sum(np.zeros(shape, dtype=np.float32), none, 1)
-    radiance = nodes.first_radiance(transmittance, phase)
-    total = last = nodes.operator.project(radiance)
-    ratio, done = none, 2
+        return _Sum(NodeLight(np.zeros(shape, dtype=np.float32)), none, 1)
+    radiance, last = nodes.first_light(transmittance, phase)
+    total, ratio, done = last, none, 2
     estimate = _amount(total)
     while done < orders:
         tell(done)
         before, known = last, estimate
-        radiance = nodes.next_radiance(nodes.source(last), radiance, done + 1)
-        last = nodes.operator.project(radiance)
+        radiance, last = nodes.next_light(last, radiance, done + 1)
         total = _plus(total, last)
         done += 1
         if all_orders:
@@ -186,16 +192,17 @@ def _sum_orders(
         estimate = _amount(total) + _amount(last) * _series(ratio)
         if _quotient(np.abs(estimate - known), estimate).max() < tolerance:
             break
-    total = _plus(total, last * _series(ratio).reshape(-1))
+    total = _plus(total, last, _series(ratio).reshape(-1))
     return _Sum(total, ratio, done, nodes.bins_left_out)
 
 
-def _plus(some: Lanes, more: Lanes) -> Lanes:
-    """The sum of coefficients, of which either may have only the first harmonics."""
-    few, many = sorted((some, more), key=lambda coefficients: coefficients.shape[1])
-    total = many.copy()
-    total[:, : few.shape[1]] += few
-    return total
+def _plus(light: NodeLight, more: NodeLight, factor: Lanes | float = 1.0) -> NodeLight:
+    """Light and `factor` times more of it, which may have only the first harmonics, or no Q, U."""
+    radiance, polarised = light.radiance.copy(), light.polarised
+    radiance[:, : more.radiance.shape[1]] += factor * more.radiance
+    if polarised is not None and more.polarised is not None:
+        polarised = polarised + factor * more.polarised
+    return NodeLight(radiance, polarised)
 
 
 def _series(ratio: Lanes) -> Lanes:
@@ -203,9 +210,9 @@ def _series(ratio: Lanes) -> Lanes:
     return ratio / (1.0 - ratio)
 
 
-def _amount(coefficients: Lanes) -> Lanes:
+def _amount(light: NodeLight) -> Lanes:
     """The light of each sun and wavelength at all nodes, (suns, 4)."""
-    return np.maximum(coefficients[:, 0].sum(axis=0), 0.0).reshape(-1, LANES)
+    return np.maximum(light.radiance[:, 0].sum(axis=0), 0.0).reshape(-1, LANES)
 
 
 def _quotient(part: Lanes, whole: Lanes) -> Lanes:

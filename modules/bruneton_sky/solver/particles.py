@@ -7,13 +7,16 @@ mean of all that lies above the eye.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import particles_phase
 from bruneton_sky.solver.delta_m import forward_shares, kept_coefficients, thinned
+from bruneton_sky.solver.wavelength_groups import in_lanes
 from vrut_lite.numeric_types import FloatArray
 
+# Nodes of the phase functions in sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
+_PHASE_NODES = 1024
 KINDS = ("aerosol", "aloft", "fog")
 _TINY = 1e-300
 
@@ -62,6 +65,19 @@ def shown_phase(
 ) -> FloatArray:
     """The mean (n, C) of `kind_phases` by shares (kinds, C)."""
     return np.asarray((shares[:, None] * kind_phases(atmosphere, degree, nu)).sum(axis=0))
+
+
+def phase_cosines() -> FloatArray:
+    """Cosines (n,) of the nodes of phase functions in tables, uniform in sqrt((1 - nu) / 2)."""
+    return np.asarray(1.0 - 2.0 * np.linspace(0.0, 1.0, _PHASE_NODES) ** 2)
+
+
+def phase_tables(molecules: FloatArray, particles: list[FloatArray]) -> NDArray[np.float32]:
+    """(groups, altitudes, n, 5) of the molecules' phase function (n,), and those of particles (n,
+    C) at each altitude."""
+    lanes = in_lanes(np.stack(particles))
+    both = np.broadcast_to(molecules[:, None], (*lanes.shape[:3], 1)), lanes
+    return np.concatenate(both, axis=-1).astype(np.float32)
 
 
 def mixed_coefficients(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray) -> FloatArray:

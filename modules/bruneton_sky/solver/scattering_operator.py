@@ -75,15 +75,24 @@ class ScatteringOperator(NamedTuple):
             np.matmul(self.polar_in[:, part], turned[:, :, m], out=coefficients[:, part])
         return coefficients
 
-    def scatter(self, coefficients: SingleArray, chi: SingleArray) -> SingleArray:
+    def scatter(
+        self,
+        coefficients: SingleArray,
+        chi: SingleArray,
+        more: tuple[NDArray[np.int64], SingleArray] | None = None,
+    ) -> SingleArray:
         """Source function (altitudes, mu, azimuths, n * 4) of phase functions' chi (altitudes or 1,
         degrees, 4).
 
-        Four wavelengths lie side by side. The coefficients may be only the first ones.
+        Four wavelengths lie side by side. The coefficients may be only the first ones. `more`:
+        places and values of coefficients to add to the scattered ones.
         """
         harmonics, columns = coefficients.shape[1:]
         by_column = np.tile(chi[:, self.degree[:harmonics]], columns // chi.shape[2])
         scattered = coefficients * by_column
+        if more is not None:
+            known = more[0] < harmonics
+            scattered[:, more[0][known]] += more[1][:, known]
         parts = self._parts(harmonics)
         shape = len(coefficients), len(self.polar_out), len(parts), columns
         turned = np.empty(shape, dtype=np.float32)
@@ -91,12 +100,20 @@ class ScatteringOperator(NamedTuple):
             np.matmul(self.polar_out[:, part], scattered[:, part], out=turned[:, :, m])
         return np.matmul(self.turn_out[:, : len(parts)], turned)
 
-    def scatter_by_molecules(self, coefficients: SingleArray, anisotropy: float) -> SingleArray:
-        """The source function of molecules of an anisotropy: coefficients (altitudes, 4, n)."""
+    def scatter_by_molecules(
+        self, coefficients: SingleArray, anisotropy: float, more: SingleArray | None = None
+    ) -> SingleArray:
+        """The source function of molecules of an anisotropy: coefficients (altitudes, 4, n).
+
+        `more` (altitudes, 3, n): to add to those of degree 2 before they are scattered.
+        """
         index = [self.first[m] + degree - m for degree, m in _RAYLEIGH_HARMONICS]
         dipoles = [1.0, anisotropy, anisotropy, anisotropy]
         factors = (_RAYLEIGH_FACTORS * dipoles).astype(np.float32)[:, None]
-        return np.ascontiguousarray(coefficients[:, index] * factors)
+        few = coefficients[:, index]
+        if more is not None:
+            few[:, 1:] += more
+        return np.ascontiguousarray(few * factors)
 
     def _parts(self, harmonics: int) -> list[slice]:
         """The slice of each m among the first `harmonics` harmonics."""
@@ -164,14 +181,15 @@ def legendre(order: int, degree: int, mu: ArrayLike) -> FloatArray:
 
 def phase_coefficients(phase: Callable[[FloatArray], FloatArray], degree: int) -> FloatArray:
     """chi_l (degree + 1,) of a phase function of the cosine, normalised so that chi_0 = 1."""
-    x, w = _gauss()
+    x, w = gauss_cosines()
     legendre_p = np.polynomial.legendre.legvander(x, degree)
     chi = 2.0 * np.pi * (w * phase(x)) @ legendre_p
     return np.asarray(chi / chi[0])
 
 
 @lru_cache(maxsize=1)
-def _gauss() -> tuple[FloatArray, FloatArray]:
+def gauss_cosines() -> tuple[FloatArray, FloatArray]:
+    """Cosines and weights (n,) over which phase functions are integrated."""
     return np.polynomial.legendre.leggauss(_GAUSS_POINTS)
 
 

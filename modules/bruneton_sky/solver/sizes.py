@@ -10,7 +10,14 @@ HIGHER = 4
 # And from this one on it comes from the source function, not from the sun.
 LATER = 3
 _MOST = 4096
-_AZIMUTHS = ("direction_azimuth", "later_azimuth", "higher_azimuth")
+# Molecules scatter by cos(2 phi), which fewer than three azimuths would mistake.
+_LEAST = {
+    "direction_azimuth": 3,
+    "later_azimuth": 3,
+    "higher_azimuth": 3,
+    "polarised_azimuth": 3,
+    "polarised_orders": 0,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,8 +36,13 @@ class SolverSizes:
         degree: of the spherical harmonics in which light is scattered.
         source_mu, source_azimuth: directions in which the source function is tabulated.
         steps: fine steps along a ray, which are merged into bins; in fog twice as many.
+        polarised_orders: how often scattered light carries its polarisation into the next
+            scattering, at most: None for all orders that are computed, 0 for scalar transfer.
+        polarised_mu, polarised_azimuth: directions of Q and U at each node, and one more than the
+            degree of their harmonics.
         node_bins: bins of a ray between nodes, at most: of one through all of the air.
         higher_bins: of such a ray for the light of orders three and up.
+        polarised_bins: of such a ray for Q and U, no more than for radiance.
         single_bins, multiple_bins: bins of a table's ray, for light scattered once and more.
         irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
 
@@ -54,16 +66,20 @@ class SolverSizes:
     multiple_bins: int = 12
     irradiance_mu: int = 16
     irradiance_azimuth: int = 12
+    polarised_orders: int | None = None
+    polarised_mu: int = 12
+    polarised_azimuth: int = 6
+    polarised_bins: int = 8
 
     def __post_init__(self) -> None:
         for field in fields(self):
             size = getattr(self, field.name)
-            # Molecules scatter by cos(2 phi), which fewer than three azimuths would mistake.
-            least = 3 if field.name in _AZIMUTHS else 2
+            least = _LEAST.get(field.name, 2)
             if size is not None or field.default is not None:
                 as_count(f"{field.name} of the solver", size, least, _MOST)
-        if self.direction_mu % 2:
-            raise ValueError("direction_mu of the solver must be even: half looks down")
+        for name in ("direction_mu", "polarised_mu"):
+            if getattr(self, name) % 2:
+                raise ValueError(f"{name} of the solver must be even: half looks down")
         bins = self.node_bins, self.higher_bins or 0, self.single_bins, self.multiple_bins
         if max(bins) > self.steps:
             raise ValueError("steps of the solver must not be fewer than its bins")
@@ -71,6 +87,10 @@ class SolverSizes:
     def azimuths_of(self, order: int) -> int:
         """Azimuths for the light of an order of three and up."""
         return self.later_azimuth if order < HIGHER else self.higher_azimuth or self.later_azimuth
+
+    def polarises(self, scattered: int) -> bool:
+        """Whether light that was scattered so often carries its polarisation on."""
+        return self.polarised_orders is None or scattered <= self.polarised_orders
 
     def bins_of(self, order: int) -> int:
         """Bins of a ray between nodes for the light of an order of two and up."""
@@ -126,4 +146,7 @@ class SolverSizes:
             multiple_bins=64,
             irradiance_mu=48,
             irradiance_azimuth=32,
+            polarised_mu=32,
+            polarised_azimuth=12,
+            polarised_bins=40,
         )

@@ -29,6 +29,9 @@ class SourceField:
         atmosphere, sizes: what it was solved for.
         rayleigh, mie: (groups, altitudes, mu, azimuths, suns * 4) float32, four wavelengths a
             group; without altitudes where there is nothing to scatter.
+        polarised: (groups, altitudes, 2, harmonics, suns * 4) float32: e and b of aerosol's Q and
+            U (see `polarisation`; molecules' follow from `rayleigh`), without altitudes where there
+            is no aerosol; None if not all orders are polarised.
         transmittance: (groups, altitudes, columns * 4) float32, of the sun's light.
         orders_done: the highest order that was computed.
         tail_ratio: (suns, C), by which each order beyond follows the one before; zero if the
@@ -40,6 +43,7 @@ class SourceField:
     sizes: SolverSizes
     rayleigh: SingleArray
     mie: SingleArray
+    polarised: SingleArray | None
     transmittance: SingleArray
     orders_done: int
     tail_ratio: FloatArray

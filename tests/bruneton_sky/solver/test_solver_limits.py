@@ -19,7 +19,7 @@ from bruneton_sky.solver import (
     solve,
 )
 from bruneton_sky.solver.grid import azimuths
-from bruneton_sky.solver.nodes import make_nodes
+from bruneton_sky.solver.nodes import NodeLight, make_nodes
 from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.parametrisations import node_states
 from bruneton_sky.tables.sizes import TableSizes
@@ -61,7 +61,7 @@ def test_furnace(order: int) -> None:
     nodes = make_nodes(air, group, replace(sizes, higher_bins=6))
     shape = (12, 16, sizes.azimuths_of(order), 24 * 4)
     ones = np.ones(shape, dtype=np.float32)
-    source = nodes.source(nodes.operator.project(ones))
+    source = nodes.source(NodeLight(nodes.operator.project(ones)))
     # The sky's irradiance that makes a white ground shine with radiance 1 is that of ones, pi.
     light = nodes.next_radiance(source, ones, order).reshape(*shape[:3], 24, 4)[..., :3]
     through = nodes.bins.end[:, :, None, None, :3]
@@ -200,8 +200,8 @@ def test_orders_add_up() -> None:
     every = solve(air, orders=4, sizes=SMALL, all_orders=True)
     node = int(np.argmin(np.abs(make_nodes(air, groups_of_air(air)[0], SMALL).suns.mu_s - 0.5)))
     assert every.tail_ratio[node] == pytest.approx(fourth / third, rel=0.03)
-    # The orders beyond nine are a ratio^8 of the second: 3e-4 in the blue.
-    assert look(every, 0.0, 0.5).mean(axis=0) == pytest.approx(light[4], rel=1e-3)
+    # The orders beyond nine are a ratio^8 of the second, 3e-4 in the blue; Q and U fall off faster.
+    assert look(every, 0.0, 0.5).mean(axis=0) == pytest.approx(light[4], rel=1.5e-3)
     early = solve(air, orders=9, sizes=SMALL, tolerance=0.02)
     assert 3 <= early.orders_done < 9
     assert early.skipped["orders"] == 9 - early.orders_done

@@ -21,9 +21,9 @@ from bruneton_sky.solver.bin_kernels import Bins, bins_of_ray
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
-from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.parametrisations import node_states
 from bruneton_sky.tables.sizes import TableSizes
+from scalar_air import scalar_field
 
 DATA = Path(__file__).parents[2] / "data"
 TRUTH = np.load(DATA / "bruneton_truth.npz")
@@ -37,7 +37,7 @@ def field_of(aerosol: float) -> SourceField:
         tuple(aerosol * v for v in values) for values in (air.mie_scattering, air.mie_extinction)
     )
     hazy = replace(air, mie_scattering=scattering, mie_extinction=extinction)
-    return solve_air(hazy)
+    return scalar_field(hazy)
 
 
 def seen(aerosol: float, chosen: np.ndarray) -> np.ndarray:
@@ -111,7 +111,7 @@ def test_without_ozone_agrees_with_an_independent_program() -> None:
         solar_irradiance=(1.0, 1.0, 1.0),
         rayleigh_scattering=(5.802e-6, 13.558e-6, 33.1e-6),
     )
-    field = solve_air(air)
+    field = scalar_field(air)
     mu, turn = np.meshgrid(
         np.cos(np.radians(OLD_TRUTH["vza"])), np.radians(OLD_TRUTH["raz"]), indexing="ij"
     )
