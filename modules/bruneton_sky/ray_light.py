@@ -7,6 +7,7 @@ is the solver's source function at the nodes times the scattering coefficient (B
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +23,19 @@ from bruneton_sky.geometry import (
     y_along,
 )
 from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
-from bruneton_sky.phase import molecules_phase, particles_phase
+from bruneton_sky.phase import (
+    molecules_phase,
+    molecules_polarisation,
+    particles_phase,
+    particles_polarisation,
+)
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering_kernels import fast_by_name
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.between_suns import light_over_lines, sun_bend
 from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.polarisation import harmonics_at, molecules_terms, polarised_degree
 from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
 from vrut_lite.numeric_types import FloatArray
 
@@ -60,38 +67,122 @@ def light_along(
     Returns:
         Radiance in W m^-2 sr^-1 nm^-1, without that of the ground, and transmittance.
     """
-    air = field.thinned
+    way = _way(field.thinned, altitude_m, mu, mu_s, nu, distance_m)
+    once = sum(way.scattering[name] * phase for name, phase in _phases(field, way).items())
+    again = _scattered_again(field, way, source_at(field, *way.place))
+    # The harmonics' sum may fall below zero by a trace where there is almost no light.
+    return way.summed(once * way.sunlight + np.maximum(again, 0.0)), way.transmittance
+
+
+def polarised_light_along(
+    field: SourceField,
+    altitude_m: FloatArray,
+    mu: FloatArray,
+    mu_s: FloatArray,
+    nu: FloatArray,
+    distance_m: FloatArray,
+) -> FloatArray:
+    """Q and U (2, n, C) of `light_along`, at azimuths from 0 to pi: see `solver.polarisation`.
+
+    Arguments as for `light_along`; the field has Q and U of all orders. In the zenith and the nadir
+    the plane of the view is that of the sun. Light scattered again is polarised by no more than its
+    radiance at any point.
+    """
+    way, air = _way(field.thinned, altitude_m, mu, mu_s, nu, distance_m), field.atmosphere
+    phases = _phases(field, way)
+    once = way.scattering["molecules"] * phases.pop("molecules")
+    once = once * molecules_polarisation(air, way.nu)[:, None]
+    for name, phase in phases.items():
+        made, _ = particles_polarisation(air, name, way.nu)
+        once = once + way.scattering[name] * phase * made
+    turns = np.stack(_plane_turns(mu, mu_s, nu))[:, way.which, None]
+    polarised = _scattered_again(field, way, polarised_source_at(field, *way.place))
+    radiance = _scattered_again(field, way, source_at(field, *way.place))
+    length = np.hypot(*polarised)
+    most = np.minimum(np.maximum(radiance, 0.0), length)
+    polarised *= np.divide(most, length, out=np.zeros_like(length), where=length > 0.0)
+    return np.stack([way.summed(part) for part in turns * once * way.sunlight + polarised])
+
+
+class _Way(NamedTuple):
+    """Nodes (m,) of all rays (n,), in order.
+
+    `which`: the node's ray. `altitude_m`, `mu`, `mu_s`: of the ray and of the sun there; `nu`.
+    `scattering`: coefficients (m, C) in 1/m by name; `sunlight` (m, C): irradiance there. `weight`
+    (m, C): length in m times the transmittance from the ray's start.
+    """
+
+    which: NDArray[np.intp]
+    altitude_m: FloatArray
+    mu: FloatArray
+    mu_s: FloatArray
+    nu: FloatArray
+    scattering: dict[str, FloatArray]
+    sunlight: FloatArray
+    weight: FloatArray
+    transmittance: FloatArray
+
+    @property
+    def place(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """The places and directions at which a source function is looked up."""
+        return self.altitude_m, self.mu, self.mu_s, self.nu
+
+    def summed(self, light: FloatArray) -> FloatArray:
+        """Light (m, C) that is scattered in 1 m at each node, as radiance (n, C)."""
+        radiance = np.zeros_like(self.transmittance)
+        first = np.flatnonzero(np.diff(self.which, prepend=-1))
+        if first.size:
+            radiance[self.which[first]] = np.add.reduceat(light * self.weight, first, axis=0)
+        return radiance
+
+
+def _way(
+    air: Atmosphere,
+    altitude_m: FloatArray,
+    mu: FloatArray,
+    mu_s: FloatArray,
+    nu: FloatArray,
+    distance_m: FloatArray,
+) -> _Way:
+    """The nodes of rays; arguments as for `light_along`."""
     ray = make_ray(air.ground_radius_m, altitude_m, mu)
     end = _ends(air, ray, distance_m)
-    transmittance = np.exp(-optical_depth(air, ray, *end))
     nodes = view_nodes(air, ray, mu_s, nu, _nodes(air), end)
     # Most segments have no length: by day a ray is one segment or two.
     which, column = np.nonzero(nodes.metres)
     altitude, y = nodes.altitude_m[which, column], nodes.y[which, column]
     here = Ray(*(part[which] for part in ray))
-    cosine_to_sun = nu[which]
-    sun = sun_cosine(here, altitude, y, mu_s[which], cosine_to_sun)
+    sun = sun_cosine(here, altitude, y, mu_s[which], nu[which])
     along = y * np.sqrt(y * y + 2.0 * here.perigee_radius_m)
-    cosine = np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0)
-    scattering = scattering_at(air, altitude)
-    molecules, particles = scattering["molecules"], np.zeros(())
-    once = molecules * molecules_phase(air, cosine_to_sun)[:, None]
+    sunlight = np.exp(-optical_depth_to_top(air, altitude, sun)) * np.asarray(air.solar_irradiance)
+    passed = np.exp(-optical_depth(air, here, altitude, y))
+    return _Way(
+        which,
+        altitude,
+        np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0),
+        sun,
+        nu[which],
+        scattering_at(air, altitude),
+        sunlight * nodes.lit[which, column, None],
+        nodes.metres[which, column, None] * passed,
+        np.exp(-optical_depth(air, ray, *end)),
+    )
+
+
+def _phases(field: SourceField, way: _Way) -> dict[str, FloatArray]:
+    """Phase functions (m, C or 1) of all that scatters, per unit of scattering in thinned air."""
+    air, phases = field.thinned, {"molecules": molecules_phase(field.atmosphere, way.nu)[:, None]}
     for name, peak in forward_shares(field.atmosphere, field.sizes.degree).items():
-        if name in scattering:
-            once += scattering[name] * particles_phase(air, name, cosine_to_sun) / (1.0 - peak)
-            particles = particles + scattering[name]
-    once *= np.exp(-optical_depth_to_top(air, altitude, sun)) * np.asarray(air.solar_irradiance)
-    by_molecules, by_aerosol = source_at(field, altitude, cosine, sun, cosine_to_sun)
-    # The harmonics' sum may fall below zero by a trace where there is almost no light.
-    more = np.maximum(by_molecules * molecules + by_aerosol * particles, 0.0)
-    light = once * nodes.lit[which, column, None] + more
-    light *= nodes.metres[which, column, None]
-    light *= np.exp(-optical_depth(air, here, altitude, y))
-    radiance = np.zeros_like(transmittance)
-    first = np.flatnonzero(np.diff(which, prepend=-1))
-    if first.size:
-        radiance[which[first]] = np.add.reduceat(light, first, axis=0)
-    return radiance, transmittance
+        if name in way.scattering:
+            phases[name] = particles_phase(air, name, way.nu) / (1.0 - peak)
+    return phases
+
+
+def _scattered_again(field: SourceField, way: _Way, source: FloatArray) -> FloatArray:
+    """Light (..., m, C) scattered in 1 m, of sources (..., 2, m, C) of molecules, particles."""
+    particles = sum(part for name, part in way.scattering.items() if name != "molecules")
+    both = np.stack(np.broadcast_arrays(way.scattering["molecules"], particles))
+    return np.asarray((source * both).sum(axis=-3))
 
 
 def scattered_once(
@@ -147,9 +238,8 @@ def source_at(
     air = field.atmosphere
     height = _altitude_place(air, altitude_m)
     sun = SunGrid(air, field.sizes.mu_s).place(mu_s)
+    turn = _turn_cosine(mu, mu_s, nu)
     sine = np.sqrt((1.0 - mu) * (1.0 + mu))
-    sines = np.maximum(sine * np.sqrt((1.0 - mu_s) * (1.0 + mu_s)), _SMALLEST_SINE)
-    turn = np.clip((nu - mu * mu_s) / sines, -1.0, 1.0)
     rayleigh, mie = _tables(field)
     out = np.zeros((2, mu.size, len(air.wavelength_nm)))
     if rayleigh.size:
@@ -162,6 +252,41 @@ def source_at(
         places = height, 0.5 * mu + 0.5, np.sqrt(0.5 * (1.0 - turn)), sun
         out[1] = _blend(mie, places)
     return out * _level(field, height, sun)
+
+
+def polarised_source_at(
+    field: SourceField, altitude_m: FloatArray, mu: FloatArray, mu_s: FloatArray, nu: FloatArray
+) -> FloatArray:
+    """Q and U (2, 2, n, C) of `source_at`; of particles by their harmonics, without tables."""
+    air = field.atmosphere
+    height = _altitude_place(air, altitude_m)
+    sun = SunGrid(air, field.sizes.mu_s).place(mu_s)
+    (rayleigh, _), polarised = _tables(field), _polarised_table(field)
+    out = np.zeros((2, 2, mu.size, len(air.wavelength_nm)))
+    turn = np.arccos(_turn_cosine(mu, mu_s, nu))
+    if rayleigh.size:
+        terms = molecules_terms(mu, turn)
+        out[:, 0] = np.einsum("ptn,ntc->pnc", terms, _blend(rayleigh[:, :, 1:], (height, sun)))
+    if polarised.size:
+        terms = harmonics_at(polarised_degree(field.sizes), mu, turn)
+        out[:, 1] = np.einsum("pkhn,nkhc->pnc", terms, _blend(polarised, (height, sun)))
+    return out * _level(field, height, sun)
+
+
+def _turn_cosine(mu: FloatArray, mu_s: FloatArray, nu: FloatArray) -> FloatArray:
+    """Cosine (n,) of the azimuth from the sun; 1 where view or sun are vertical."""
+    sines = np.sqrt((1.0 - mu) * (1.0 + mu)) * np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
+    level = np.maximum(sines, _SMALLEST_SINE)
+    return np.where(sines > _SMALLEST_SINE, np.clip((nu - mu * mu_s) / level, -1.0, 1.0), 1.0)
+
+
+def _plane_turns(mu: FloatArray, mu_s: FloatArray, nu: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """cos(2 chi), sin(2 chi) (n,) of the scattering plane: see `polarisation_kernels`."""
+    turn = np.arccos(_turn_cosine(mu, mu_s, nu))
+    sun_sine = np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
+    theta = mu * sun_sine * np.cos(turn) - np.sqrt((1.0 - mu) * (1.0 + mu)) * mu_s
+    chi = np.arctan2(-sun_sine * np.sin(turn), theta)
+    return np.cos(2.0 * chi), np.sin(2.0 * chi)
 
 
 def _level(field: SourceField, height: FloatArray, sun: FloatArray) -> FloatArray:
@@ -205,6 +330,14 @@ def _tables(field: SourceField) -> tuple[SingleArray, SingleArray]:
     count = len(field.atmosphere.wavelength_nm)
     rayleigh = np.moveaxis(_by_sun(field.rayleigh, count), 1, 2)
     return np.ascontiguousarray(rayleigh), _by_sun(field.mie, count)
+
+
+@lru_cache(maxsize=4)
+def _polarised_table(field: SourceField) -> SingleArray:
+    """Coefficients of Q and U of aerosol (altitudes, suns, 2, harmonics, C); empty without."""
+    assert field.polarised is not None
+    by_sun = _by_sun(field.polarised, len(field.atmosphere.wavelength_nm))
+    return np.ascontiguousarray(np.moveaxis(by_sun, 3, 1))
 
 
 def _by_sun(table: SingleArray, count: int) -> SingleArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,8 +11,9 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.background import background_cube, surroundings
 from bruneton_sky.geometry import rays_in_air
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
-from bruneton_sky.ray_light import light_along
+from bruneton_sky.ray_light import light_along, polarised_light_along
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver import solve as solve_source
 from bruneton_sky.solver.view import sky_irradiance
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.sun_light import seen_irradiance
@@ -41,6 +43,7 @@ _IRRADIANCE_SIZES = {"irradiance_mu": 32, "irradiance_azimuth": 24}
 # In twilight the planet's shadow cuts through the rays: with as many bins as by day a sky 6 degrees
 # after sunset is 3 % too dark.
 _TWILIGHT_BELOW_MU_S, _TWILIGHT_BINS = 0.1, 96
+_ROUNDING = 1e-15
 # Rays times wavelengths of a batch: they fit a processor's cache.
 _BATCH = 3000
 
@@ -144,6 +147,52 @@ class SolvedSky:
         distance = as_numbers("distance_m", distance_m, 0.0, _FARTHEST_M, "m")
         return self._light(altitude_m, mu, mu_s, nu, distance)
 
+    def stokes(
+        self, altitude_m: ArrayLike, mu: ArrayLike, mu_s: ArrayLike, nu: ArrayLike
+    ) -> FloatArray:
+        """Stokes's I, Q, U (..., C, 3) of the air along whole rays, W m^-2 sr^-1 nm^-1.
+
+        I is `radiance`. By the vertical plane of the view, Q > 0 is light that vibrates in it,
+        U > 0 light that vibrates 45 degrees counter-clockwise from it, as the observer sees it. In
+        the zenith and the nadir that plane is the sun's. `nu` leaves open on which side of the sun
+        the view is: U is that of views clockwise from the sun, seen from above; on the other side
+        it has the other sign. The ground's light is not part of it. Q^2 + U^2 is at most I^2.
+
+        A sky that was solved with few or no polarised orders is solved again at the first call.
+        """
+        radiance = self.radiance(altitude_m, mu, mu_s, nu)
+        starts = [part.ravel() for part in _rays(altitude_m, mu, mu_s, nu)]
+        polarised = np.zeros((2, starts[0].size, radiance.shape[-1]))
+        field = self._polarised_field
+        for some, ways in self._ways_in_air(*starts):
+            polarised[:, some] = polarised_light_along(field, *ways)
+        q, u = polarised.reshape(2, *radiance.shape)
+        length = np.hypot(q, u)
+        most = np.minimum(length, (1.0 - _ROUNDING) * radiance)
+        share = np.divide(most, length, out=np.zeros_like(length), where=length > 0.0)
+        return np.stack([radiance, share * q, share * u], axis=-1)
+
+    def polarisation(
+        self, altitude_m: ArrayLike, mu: ArrayLike, mu_s: ArrayLike, nu: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """Degree of linear polarisation (..., C) from 0 to 1, and its angle (..., C) in radians.
+
+        The angle is that of the vibration, counter-clockwise from the vertical plane as the
+        observer sees it, from -pi / 2 to pi / 2, for views clockwise from the sun: see `stokes`.
+        Where there is no light both are 0.
+        """
+        radiance, q, u = np.moveaxis(self.stokes(altitude_m, mu, mu_s, nu), -1, 0)
+        degree = np.divide(np.hypot(q, u), radiance, out=np.zeros_like(q), where=radiance > 0.0)
+        return degree, 0.5 * np.arctan2(u, q)
+
+    @cached_property
+    def _polarised_field(self) -> SourceField:
+        """The field with Q and U of all orders."""
+        if self.field.polarised is not None:
+            return self.field
+        sizes = replace(self.field.sizes, polarised_orders=None)
+        return solve_source(self.atmosphere, sizes=sizes, all_orders=True)
+
     def irradiance(self, altitude_m: ArrayLike, mu_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Irradiance (..., C) of the sun and of the sky, W m^-2 nm^-1.
 
@@ -204,30 +253,32 @@ class SolvedSky:
         nu: ArrayLike,
         distance_m: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
-        air = self.atmosphere
-        arguments = {"altitude_m": _altitudes(altitude_m)}
-        arguments |= {
-            name: _cosines(name, value) for name, value in (("mu", mu), ("mu_s", mu_s), ("nu", nu))
-        }
-        if distance_m is not None:
-            arguments["distance_m"] = distance_m
-        rays = broadcast(**arguments)
-        shape = (*rays[0].shape, len(air.wavelength_nm))
-        *starts, distance = (part.ravel() for part in (*rays, np.full(rays[0].shape, np.inf))[:5])
-        _check_angles(*starts[1:])
-        inside = rays_in_air(air.ground_radius_m, air.top_altitude_m, *starts)
-        within = np.maximum(distance - inside.entry_m, 0.0)
-        ways = inside.altitude_m, inside.mu, inside.mu_s, starts[3], within
-        seen = np.flatnonzero(~inside.misses)
-        radiance, transmittance = (
-            np.zeros((distance.size, shape[-1])),
-            np.ones((distance.size, shape[-1])),
-        )
-        for part in self._batches(seen.size):
-            some = seen[part]
-            light = light_along(self.field, *(values[some] for values in ways))
-            radiance[some], transmittance[some] = light
+        rays = _rays(altitude_m, mu, mu_s, nu, distance_m)
+        shape = (*rays[0].shape, len(self.atmosphere.wavelength_nm))
+        starts = [part.ravel() for part in rays]
+        radiance = np.zeros((starts[0].size, shape[-1]))
+        transmittance = np.ones_like(radiance)
+        for some, ways in self._ways_in_air(*starts):
+            radiance[some], transmittance[some] = light_along(self.field, *ways)
         return radiance.reshape(shape), transmittance.reshape(shape)
+
+    def _ways_in_air(
+        self,
+        altitude_m: FloatArray,
+        mu: FloatArray,
+        mu_s: FloatArray,
+        nu: FloatArray,
+        distance_m: FloatArray | float = np.inf,
+    ) -> Iterator[tuple[NDArray[np.intp], tuple[FloatArray, ...]]]:
+        """Batches of the rays (n,) that are in air: which they are, their starts and lengths."""
+        _check_angles(mu, mu_s, nu)
+        air = self.atmosphere
+        inside = rays_in_air(air.ground_radius_m, air.top_altitude_m, altitude_m, mu, mu_s, nu)
+        within = np.maximum(distance_m - inside.entry_m, 0.0)
+        ways = inside.altitude_m, inside.mu, inside.mu_s, nu, within
+        seen = np.flatnonzero(~inside.misses)
+        for part in self._batches(seen.size):
+            yield seen[part], tuple(values[seen[part]] for values in ways)
 
     def _batches(self, count: int) -> Iterator[slice]:
         step = max(_BATCH // len(self.atmosphere.wavelength_nm), 1)
@@ -236,6 +287,22 @@ class SolvedSky:
 
 def _altitudes(altitude_m: ArrayLike) -> FloatArray:
     return as_numbers("altitude_m", altitude_m, 0.0, _FARTHEST_M, "m")
+
+
+def _rays(
+    altitude_m: ArrayLike,
+    mu: ArrayLike,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    distance_m: FloatArray | None = None,
+) -> tuple[FloatArray, ...]:
+    """The arguments (...,) of rays, checked; distances only if there are any."""
+    cosines = {"mu": mu, "mu_s": mu_s, "nu": nu}
+    arguments = {"altitude_m": _altitudes(altitude_m)}
+    arguments |= {name: _cosines(name, value) for name, value in cosines.items()}
+    if distance_m is not None:
+        arguments["distance_m"] = distance_m
+    return broadcast(**arguments)
 
 
 def _check_angles(mu: FloatArray, mu_s: FloatArray, nu: FloatArray) -> None:
