@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.phase import rayleigh_phase
+from bruneton_sky.phase import molecules_phase
 from bruneton_sky.presets import earth_standard
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
@@ -161,7 +161,7 @@ def _seen(field: SourceField, height_m: float, mu_s: float) -> tuple[FloatArray,
     seen = (mu > horizon_mu(air.ground_radius_m, height_m)) | (height_m > 0.0)
     mu, nu = mu[seen], np.clip(nu[seen], -1.0, 1.0)
     molecules, aerosol = fast_scattered_without_phase(air, height_m, mu, mu_s, nu, _GAUSS_NODES)
-    once = molecules * rayleigh_phase(nu)[:, None]
+    once = molecules * molecules_phase(air, nu)[:, None]
     return once + multiple_scattering(field, height_m, mu, mu_s, nu), aerosol
 
 

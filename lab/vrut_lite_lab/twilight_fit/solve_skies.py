@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.phase import mie_phase, molecules_phase
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from dynamic_skylight.twilight_table import sin_elevation_of
@@ -58,7 +58,7 @@ def sky_radiance(field: SourceField, sun_deg: float, mu: FloatArray, nu: FloatAr
         field.atmosphere, 0.0, mu, mu_s, nu, samples=SINGLE_SAMPLES
     )
     cosine = nu[:, None]
-    first = rayleigh * rayleigh_phase(cosine) + mie * mie_phase(field.atmosphere, cosine)
+    first = rayleigh * molecules_phase(field.atmosphere, cosine) + mie * mie_phase(field.atmosphere, cosine)
     return first + multiple_scattering(field, 0.0, mu, mu_s, nu)
 
 
