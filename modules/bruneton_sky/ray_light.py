@@ -43,7 +43,8 @@ SingleArray = NDArray[np.float32]
 # Nodes on each segment of a ray: in clear air and haze they leave 1e-3 at most, in thick haze 1e-3.
 # In fog of visibility 200 m they leave 1e-4, at 50 m up to 3 % of rays that sink slowly into it.
 _NODES, _IN_THICK_HAZE, _IN_FOG = 16, 24, 64
-_SMALLEST_SINE = 1e-12
+# Sine below which a direction is vertical: rounding of its cosine makes 3e-8.
+_VERTICAL_SINE = 1e-7
 
 
 def light_along(
@@ -275,9 +276,10 @@ def polarised_source_at(
 
 def _turn_cosine(mu: FloatArray, mu_s: FloatArray, nu: FloatArray) -> FloatArray:
     """Cosine (n,) of the azimuth from the sun; 1 where view or sun are vertical."""
-    sines = np.sqrt((1.0 - mu) * (1.0 + mu)) * np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
-    level = np.maximum(sines, _SMALLEST_SINE)
-    return np.where(sines > _SMALLEST_SINE, np.clip((nu - mu * mu_s) / level, -1.0, 1.0), 1.0)
+    sines = np.sqrt((1.0 - mu) * (1.0 + mu)), np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
+    level = np.maximum(sines, _VERTICAL_SINE)
+    turn = np.clip((nu - mu * mu_s) / np.prod(level, axis=0), -1.0, 1.0)
+    return np.where(np.min(sines, axis=0) > _VERTICAL_SINE, turn, 1.0)
 
 
 def _plane_turns(mu: FloatArray, mu_s: FloatArray, nu: FloatArray) -> tuple[FloatArray, FloatArray]:
