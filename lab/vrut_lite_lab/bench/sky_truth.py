@@ -22,6 +22,7 @@ _STEPS, _BINS = 256, 64
 _QUICK_SIZES = SolverSizes(
     altitude=36, mu_s=80, direction_mu=48, direction_azimuth=24, later_azimuth=16, degree=24,
     source_mu=64, source_azimuth=24, steps=128, node_bins=32, single_bins=64, multiple_bins=48,
+    polarised_mu=24, polarised_azimuth=8, polarised_bins=24,
 )  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """Multiple scattering: the solver by its sizes and its orders."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 
 from bruneton_sky.solver import SolverSizes, SourceField, real_time_sizes, solve
@@ -34,6 +34,8 @@ SIZES = {
     ),
 }  # fmt: skip
 QUICK_SIZES = ("least",)
+# Orders that carry polarisation on; the usual sizes carry that of all orders.
+POLARISED, QUICK_POLARISED = (0, 1, 2, 3), (0,)
 QUICK_RUNGS: tuple[SolverRung, ...] = ("usual",)
 
 
@@ -64,6 +66,13 @@ def _group(name: str, quick: bool) -> Group:
         _path(name, quick, f"{orders} orders and a series", "orders, a series beyond", orders, True)
         for orders in (QUICK_WITH_TAIL if quick else WITH_TAIL)
     ]
+    paths += [
+        _path(
+            name, quick, f"usual, {orders} polarised orders", "polarised orders", None, True,
+            replace(rung_sizes(air_here), polarised_orders=orders), rung_tolerance(air_here),
+        )
+        for orders in (QUICK_POLARISED if quick else POLARISED)
+    ]  # fmt: skip
     return Group(
         name=f"solver-{name.replace(' ', '-')}",
         title=f"Multiple scattering, {name}: the solver's sizes and orders",
