@@ -80,11 +80,13 @@ class SolvedSky:
     Spectral results are (..., C), one value per wavelength of the atmosphere. The sun is a point
     for the air that it lights, the ground a Lambertian sphere of the atmosphere's albedo.
 
-    Accuracy, against Monte Carlo: in clear air by day, from the ground to 300 km, the rms error of
-    radiance is that of the reference (0.06 to 0.3 %), and no ray errs by more than 0.2 % beyond
-    three standard errors; with the sun 0 to 6 degrees below the horizon 1 to 2 % rms, in haze of
-    turbidity 3 0.2 to 0.7 %, of turbidity 10 0.6 to 2.3 %, in fog 1 to 3 %. Sky irradiance by day
-    is within 0.4 %, in twilight that of its radiance. A ray takes 0.04 ms at three wavelengths.
+    Accuracy of scalar transfer, against scalar Monte Carlo of the same optics: in clear air by day,
+    from the ground to 300 km, the rms error of radiance is that of the reference (0.06 to 0.3 %),
+    and no ray errs by more than 0.2 % beyond three standard errors; with the sun 0 to 6 degrees
+    below the horizon 1 to 2 % rms, in haze of turbidity 3 0.2 to 0.7 %, of turbidity 10 0.6 to 2.3
+    %, in fog 1 to 3 %. Sky irradiance by day is within 0.4 %, in twilight that of its radiance.
+    Light is polarised: see docs/bruneton.md for what scalar transfer misses. A ray takes 0.04 ms at
+    three wavelengths.
 
     Raises:
         ValueError: in every method, a value is out of range or no number, or shapes do not

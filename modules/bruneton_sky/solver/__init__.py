@@ -8,7 +8,8 @@ order after order on `nodes`, between which `node_kernels` transports light and 
 `scattering_operator` scatters it; `source_field` is the result and `view` its radiance for one
 observer. Compiled code: `ray_kernels` for a ray, `bin_kernels` for its matter in bins,
 `cell_kernels` for many suns at once, `first_order_kernels` and `later_order_kernels` for the light
-of the bins.
+of the bins. `polarisation` explains Q and U, which `polarised_nodes` and `polarisation_kernels`
+carry along.
 """
 
 from bruneton_sky.solver.orders import MOST_ORDERS, order_tolerance, real_time_sizes, solve

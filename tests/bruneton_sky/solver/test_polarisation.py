@@ -266,6 +266,48 @@ def test_radiance_is_that_without_stokes() -> None:
     assert few.stokes(*where)[..., 1:] == pytest.approx(whole[..., 1:], abs=1e-3 * whole.max())
 
 
+# Sun's zenith angle, elevation, azimuth from the sun (degrees), altitude (m), lane of 635, 570, 520
+# and 445 nm, scalar over vector light - 1 and its standard error (percent): a Monte Carlo program
+# with Mie's matrices of the same aerosol type, rho 0.0285.
+_TRACED = {
+    "molecules": [
+        (80.0, 1.0, 180.0, 0.0, 3, -4.91, 0.05),
+        (87.0, 80.0, 180.0, 0.0, 3, 5.82, 0.05),
+        (93.0, 3.0, 180.0, 0.0, 3, -17.32, 0.64),
+    ],
+    "default": [
+        (80.0, 3.0, 180.0, 0.0, 3, -3.95, 0.05),
+        (87.0, 1.0, 180.0, 0.0, 3, -6.38, 0.10),
+        (87.0, 90.0, 0.0, 0.0, 3, 4.81, 0.06),
+        (30.0, 30.0, 180.0, 0.0, 2, 2.13, 0.02),
+        (93.0, 6.0, 180.0, 0.0, 3, -8.94, 0.36),
+        (60.0, 60.0, 180.0, 0.0, 0, 1.24, 0.02),
+        (60.0, -89.0, 0.0, 110_000.0, 3, 1.67, 0.06),
+        (80.0, -60.0, 180.0, 110_000.0, 3, 0.51, 0.05),
+        (60.0, 40.0, 180.0, 5000.0, 3, 2.83, 0.03),
+        (30.0, -20.0, 180.0, 5000.0, 3, -0.61, 0.02),
+        (60.0, -9.5, 180.0, 110_000.0, 3, -1.76, 0.03),
+    ],
+}
+
+
+@pytest.mark.parametrize("name", _TRACED)
+def test_what_polarisation_changes_is_that_of_monte_carlo(name: str) -> None:
+    """Scalar over vector light, from -17 to +6 %: within 0.12 % and two standard errors."""
+    air = hazy_sky().atmosphere
+    if name == "molecules":
+        none = dict.fromkeys(
+            ("mie_scattering", "mie_extinction", "aloft_scattering", "aloft_extinction"), (0.0,) * 4
+        )
+        air = replace(air, **none)
+    vector, scalar = solved(air), scalar_sky(replace(air, rayleigh_depolarisation=0.0))
+    for zenith_deg, up_deg, azimuth_deg, height_m, lane, share, noise in _TRACED[name]:
+        mu, mu_s = np.sin(np.radians(up_deg)), np.cos(np.radians(zenith_deg))
+        where = height_m, mu, mu_s, nu_of(mu, mu_s, np.radians(azimuth_deg))
+        ours = 100.0 * (scalar.radiance(*where)[lane] / vector.radiance(*where)[lane] - 1.0)
+        assert ours == pytest.approx(share, abs=0.12 + 2.0 * noise)
+
+
 def test_no_polarised_orders_is_scalar_transfer() -> None:
     """Orders that carry no polarisation change no light; each one more comes nearer to all."""
     air = hazy_sky().atmosphere
