@@ -28,11 +28,11 @@ PROVENANCE = """Made by vrut_lite_lab.twilight_fit (solve_skies.py, then make_ta
 exact first order and bruneton_sky's multiple-scattering solver for all others, in a spherical
 atmosphere to 120 km with Rayleigh, Preetham's aerosol and 300 Dobson units of ozone (cross
 sections: University of Bremen, Serdyuchenko et al.), ground albedo 0.2, sun ASTM G-173, 28
-wavelengths 400 to 780 nm, polarised, no refraction. log_shape_steps * log_step = ln of linear sRGB radiance
-over the luminous irradiance (CIE Y) on level ground, axes: turbidity, sun_deg (elevation), v (24
-even steps), a (13 even steps), channel; v and a as in twilight_table.py. luminous_irradiance:
-W m^-2 (times 683: lux), as computed; the program takes its level from a published curve
-instead."""
+wavelengths 400 to 780 nm, polarised light of molecules, no refraction.
+log_shape_steps * log_step = ln of linear sRGB radiance over the luminous irradiance (CIE Y) on
+level ground, axes: turbidity, sun_deg (elevation), v (24 even steps), a (13 even steps),
+channel; v and a as in twilight_table.py. luminous_irradiance: W m^-2 (times 683: lux), as
+computed; the program takes its level from a published curve instead."""
 
 
 def solved_rgb(turbidity: float) -> FloatArray:

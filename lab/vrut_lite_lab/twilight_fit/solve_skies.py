@@ -58,7 +58,8 @@ def sky_radiance(field: SourceField, sun_deg: float, mu: FloatArray, nu: FloatAr
         field.atmosphere, 0.0, mu, mu_s, nu, samples=SINGLE_SAMPLES
     )
     cosine = nu[:, None]
-    first = rayleigh * molecules_phase(field.atmosphere, cosine) + mie * mie_phase(field.atmosphere, cosine)
+    air = field.atmosphere
+    first = rayleigh * molecules_phase(air, cosine) + mie * mie_phase(air, cosine)
     return first + multiple_scattering(field, 0.0, mu, mu_s, nu)
 
 

@@ -4,16 +4,18 @@ Of the day of the measurements it has what is published of it: the aerosol's opt
 sun's distance, a mean column of ozone. What the aerosol does to light comes from tables of 1998.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 
 import numpy as np
 from bruneton_sky import Atmosphere, SolvedSky, solve
+from bruneton_sky.presets import earth_standard
 
 from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.study.framework.atmosphere import STUDY
 from vrut_lite_lab.study.framework.day import KIDER, MeasuredDay
+from vrut_lite_lab.study.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_lab.study.models.changes import with_ozone, with_sun_of_the_day
 from vrut_lite_lab.study.models.in_parts import in_parts
 from vrut_lite_lab.study.models.model import cosines
@@ -22,8 +24,12 @@ _TYPE = "continental-average"
 
 
 def measured_air(humidity_percent: float = 80.0, day: MeasuredDay = KIDER) -> Atmosphere:
-    """The study's molecules and ground, and OPAC's aerosol at the day's depth at 550 nm."""
-    air = STUDY.bruneton_atmosphere()
+    """The shipped air over the study's ground, with OPAC's aerosol at the day's depth at 550 nm."""
+    air = replace(
+        earth_standard(WAVELENGTHS_NM),
+        solar_irradiance=tuple(STUDY.solar_irradiance),
+        ground_albedo=tuple(STUDY.ground_albedo),
+    )
     air = air.with_optics(type_optics(_TYPE, humidity_percent), day.optical_depth_550)
     return with_sun_of_the_day(with_ozone(air, day), day)
 
