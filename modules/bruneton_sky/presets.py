@@ -44,7 +44,7 @@ HAZY_TURBIDITY = 6.0
 # Lower, the sun leaves less than a tenth of the light of a moonless night.
 LOWEST_SUN_DEG = -18.5
 # From so many wavelengths on each stands for its neighbourhood alone; below, for a band as wide.
-_MANY, _WIDE_BAND_NM = 8, 50.0
+_MANY, WIDE_BAND_NM = 8, 50.0
 # Bruneton's 2017 demonstration: Rayleigh at 1 micrometre in 1/m, 300 Dobson units in a tent
 # whose integral is 15 km.
 _RAYLEIGH_AT_1_UM, _OZONE_DU, _TENT_M = 1.24062e-6, 300.0, 15_000.0
@@ -119,7 +119,7 @@ def earth_standard(
     """
     wavelength = _wavelengths(wavelength_nm)
     share, height_m = (tuple(part) for part in zip(*STANDARD_DENSITY, strict=True))
-    band_nm = 0.0 if wavelength.size >= _MANY else _WIDE_BAND_NM
+    band_nm = 0.0 if wavelength.size >= _MANY else WIDE_BAND_NM
     return replace(
         earth_spectral(wavelength),
         top_altitude_m=TOP_ALTITUDE_M,

@@ -9,13 +9,13 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.phase import molecules_phase
-from bruneton_sky.presets import earth_standard
+from bruneton_sky.presets import WIDE_BAND_NM, earth_standard
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
 from numpy.typing import NDArray
 
 from vrut_lite.atmosphere.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
-from vrut_lite.atmosphere.clear_air import ozone_per_m
+from vrut_lite.atmosphere.clear_air import oxygen_pairs_per_m, ozone_per_m
 from vrut_lite.geometry.colour import (
     colour_table,
     luminance,
@@ -127,6 +127,8 @@ def _atmospheres(conditions: FitConditions) -> Iterator[tuple[float, Atmosphere]
                 top_altitude_m=(60_000.0, 120_000.0)[index % 2],
                 ground_albedo=(albedo,) * COARSE_NM.size,
                 absorption_extinction=tuple(ozone_per_m(COARSE_NM, ozone_du)),
+                # A wavelength of the product's four stands for such a band of oxygen's.
+                pair_absorption=tuple(oxygen_pairs_per_m(COARSE_NM, WIDE_BAND_NM)),
                 solar_irradiance=(1.0,) * COARSE_NM.size,
             ),
         )
