@@ -22,7 +22,7 @@ from bruneton_sky.geometry import (
     y_along,
 )
 from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
-from bruneton_sky.phase import particles_phase, rayleigh_phase
+from bruneton_sky.phase import molecules_phase, particles_phase, rayleigh_phase
 from bruneton_sky.ray_light import scattering_at, source_at
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.delta_m import forward_shares
@@ -35,8 +35,8 @@ _NODES = 6
 class ExactAirLight(NamedTuple):
     """Light and transmittance along a ray up to n distances, (n, C) each, W m^-2 sr^-1 nm^-1.
 
-    `molecules` and `aerosol`: sunlight scattered once, without phase functions; `once`: both with
-    those of each kind of particle; `more`: light scattered twice or more.
+    Sunlight scattered once: `molecules` over Rayleigh's phase function, `aerosol` over its own;
+    `once`: both with the phase functions of each kind; `more`: light scattered twice or more.
     """
 
     transmittance: FloatArray
@@ -80,14 +80,15 @@ def light_before(
     scattering = scattering_at(air, level)
     molecules = scattering.pop("molecules")
     aerosol = np.sum(list(scattering.values()), axis=0)
-    shown = molecules * rayleigh_phase(nu)
+    phase = molecules_phase(air, nu)
+    shown = molecules * phase
     for name, part in scattering.items():
         peak = forward_shares(field.atmosphere, field.sizes.degree)[name]
         shown = shown + part * particles_phase(air, name, nu) / (1.0 - peak)
     again = source_at(field, level, cosine, sun, np.full(metres.shape, nu))
     weight = through * share[:, None]
     more = again[0] * molecules + again[1] * aerosol
-    parts = (lit * molecules, lit * aerosol, lit * shown, more)
+    parts = (lit * molecules * phase / rayleigh_phase(nu), lit * aerosol, lit * shown, more)
     ends = np.searchsorted(metres, inside_m)
     sums = (np.concatenate([np.zeros_like(p[:1]), np.cumsum(weight * p, axis=0)]) for p in parts)
     transmittance = np.exp(-depth_along(air, altitude_m, mu, inside_m))

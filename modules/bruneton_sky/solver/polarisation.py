@@ -43,7 +43,7 @@ from bruneton_sky.phase import (
 )
 from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import Directions, azimuths, make_directions
-from bruneton_sky.solver.particles import kinds_of, shares_at
+from bruneton_sky.solver.particles import kind_phases, kinds_of, shares_at
 from bruneton_sky.solver.scattering_operator import fit_lines, gauss_cosines
 from bruneton_sky.solver.sizes import SolverSizes
 from vrut_lite.numeric_types import FloatArray
@@ -244,14 +244,7 @@ def polarised_phases(
     `gather_first`), and of particles at each altitude (n, C), per unit of scattering in thinned
     air."""
     molecules = rayleigh_phase(nu) * molecules_polarisation(atmosphere, nu)
-    peaks = forward_shares(atmosphere, degree)
-    kinds = np.stack(
-        [
-            particles_phase(atmosphere, kind, nu)
-            * particles_polarisation(atmosphere, kind, nu)[0]
-            / (1.0 - peaks[kind])
-            for kind in kinds_of(atmosphere)
-        ]
-    )
+    made = [particles_polarisation(atmosphere, kind, nu)[0] for kind in kinds_of(atmosphere)]
+    kinds = kind_phases(atmosphere, degree, nu) * np.stack(made)
     shares = shares_at(atmosphere, degree, altitude_m if atmosphere.mixed else [0.0])
     return molecules, [np.asarray((share[:, None] * kinds).sum(axis=0)) for share in shares]
