@@ -23,8 +23,8 @@ from vrut_lite.sky.sky_of_hour import Prepared, SkyInputs, Work
 
 # Settings of where a sky is computed, which do not change the sky.
 _NOT_AIR = {"cube_device": "cpu"}
-# By day a draft is the same to the eye: its radiance is off by 0.5 % at most on the whole, and at
-# 99 of 100 places by 1 % at turbidity 3 and 4 % at 1.5 or 10. In twilight it is too dark.
+# By day a draft is the same to the eye: its luminance is off by 0.4 to 0.7 % rms, by 3 % at most.
+# In twilight it is too dark.
 _BY_DAY_RAD = radians(5.0)
 
 
