@@ -34,12 +34,12 @@ def test_the_modules_say_what_they_said(replay_journal, name):
 
 @pytest.mark.parametrize(
     ("name", "changed"),
-    [("sky_on_gpu", "compute_shader"), ("slots_switched", "value.sizes.higher_bins")],
+    [("sky_on_gpu", "compute_shader"), ("slots_switched", "value.polarised")],
 )
 def test_journals_of_earlier_versions_replay(name, changed):
     """Recorded on another processor, without a setup's steps and without results' senders.
 
-    A later change of a module's computation is named: the Bruneton sky's solver takes other sizes,
+    A later change of a module's computation is named: the Bruneton sky's solution has Q and U,
     the shader of Hosek and Wilkie's sky divides last.
     """
     journal = Journal(journal_scripts.HERE / "earlier" / f"{name}.mcap")
