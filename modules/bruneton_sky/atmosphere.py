@@ -328,8 +328,10 @@ class Atmosphere:
     @property
     def molecule_extinction(self) -> FloatArray:
         """Extinction (C,) at altitude 0 by the molecules and what is mixed as they are, 1/m."""
-        pairs = self.pair_column_m / self.column_m * np.asarray(self.pair_absorption)
-        return np.asarray(self.rayleigh_scattering) + np.asarray(self.gas_absorption) + pairs
+        mixed = np.asarray(self.rayleigh_scattering) + np.asarray(self.gas_absorption)
+        if any(self.pair_absorption):
+            mixed += self.pair_column_m / self.column_m * np.asarray(self.pair_absorption)
+        return mixed
 
     @property
     def column_m(self) -> float:

@@ -48,8 +48,7 @@ _POSITIVE = (
 _LENGTHS, LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
 _AMOUNTS = ("rayleigh_depolarisation", "water_vapour_cm", "refractivity")
 _SCALAR = (*_POSITIVE, *_AMOUNTS, "mie_g", "mu_s_min")
-# More refraction would bend rays round the planet.
-_MOST_AMOUNTS = (1.0, 100.0, 1e-3)
+_MOST_AMOUNTS = (1.0, 100.0, 0.1)
 _TABLES = ("mie_table", "aloft_table", "fog_table")
 NO_NUMBERS = ("mie_phase", *_TABLES)
 # Where a density of several exponentials is looked at.

@@ -22,6 +22,8 @@ from vrut_lite.numeric_types import FloatArray
 
 RGB_WAVELENGTH_NM = (680.0, 550.0, 440.0)
 _SUNLIGHT_EXPONENT = 0.0
+# Altitudes at which the slope of the molecules' density is looked at.
+_SLOPES = 241
 # Nodes over the disc, from low orbit two kilometres of air apart, and over how many of its radii.
 _DISC_NODES, _DISC_MARGIN, _DISC_STRIPS = 12, 1.2, 64
 
@@ -41,13 +43,18 @@ class DiscLight(NamedTuple):
 
 def bent_air(atmosphere: Atmosphere) -> BentAir:
     """The air as the direct sun's rays pass it."""
-    return BentAir(
+    top_m = atmosphere.top_altitude_m
+    air = BentAir(
         atmosphere.ground_radius_m,
-        atmosphere.top_altitude_m,
+        top_m,
         atmosphere.refractivity,
         atmosphere.molecules,
-        tuple(m for m in atmosphere.absorber_altitude_m if 0.0 < m < atmosphere.top_altitude_m),
+        tuple(m for m in atmosphere.absorber_altitude_m if 0.0 < m < top_m),
     )
+    heights_m = np.linspace(0.0, top_m, _SLOPES)
+    terms = atmosphere.rayleigh_terms
+    slopes = sum(share / scale * np.exp(-heights_m / scale) for share, scale in terms)
+    return air.limited(float(np.max(np.abs(slopes))))
 
 
 def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLike) -> FloatArray:

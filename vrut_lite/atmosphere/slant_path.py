@@ -22,6 +22,8 @@ Density = Callable[[FloatArray], FloatArray]
 _X, _W = np.polynomial.legendre.leggauss(24)
 _BISECTIONS = 60
 _TINY = 1e-300
+# Least growth of n r with the altitude: `BentAir.limited` leaves twice as much.
+_LEAST_GROWTH, _MOST_BENT = 0.1, 0.8
 
 
 class BentAir(NamedTuple):
@@ -39,6 +41,15 @@ class BentAir(NamedTuple):
     refractivity: float
     density: Density
     kinks_m: tuple[float, ...] = ()
+
+    def limited(self, steepest_per_m: float) -> "BentAir":
+        """The air with so little refraction that level rays leave the ground.
+
+        Dense air on a great planet would bend them round it. `steepest_per_m` is the fastest fall
+        of the density.
+        """
+        most = _MOST_BENT / max(self.ground_radius_m * steepest_per_m, _TINY)
+        return self._replace(refractivity=min(self.refractivity, most))
 
 
 def exponential(scale_height_m: float, altitude_m: FloatArray) -> FloatArray:
@@ -141,6 +152,8 @@ def _climb(
     climbed = whole[:, None] * u * u
     altitude = start[:, None] + climbed
     over = excess[:, None] + _risen(air, np.broadcast_to(start[:, None], altitude.shape), altitude)
+    # Within a nanometre of the level the densities' difference is rounding.
+    over = np.maximum(over, _LEAST_GROWTH * climbed)
     here = (1.0 + air.refractivity * air.density(altitude)) * (air.ground_radius_m + altitude)
     cosine = np.sqrt(np.maximum(over * (2.0 * here - over), _TINY)) / here
     step = half * _W * 2.0 * whole[:, None] * u / cosine
