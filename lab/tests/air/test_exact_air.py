@@ -22,7 +22,7 @@ from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum, solar_irra
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite_lab.air_exact import depth_along, light_before
-from vrut_lite_lab.monte_carlo import monte_carlo_radiance
+from vrut_lite_lab.monte_carlo import monte_carlo_stokes
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +158,7 @@ def test_volume_agrees_with_monte_carlo(height: float, azimuth: float) -> None:
         radius + there
     )
     near, far = (
-        monte_carlo_radiance(air, [h], [mu], [mu_s], [nu], paths=16384, seed=11)
+        monte_carlo_stokes(air, [h], [mu], [mu_s], [nu], paths=16384, seed=11)[0]
         for h, mu, mu_s in ((2.0, view[1], sun[1]), (there, beyond[0], beyond[1]))
     )
     through = np.exp(-depth_along(air, 2.0, view[1], np.array([metres])))[0]

@@ -72,7 +72,7 @@ def discrete_ordinates(air, c):
             NLeg=STREAMS, NFourier=STREAMS, f_arr=moments[:, STREAMS], NT_cor=True,
             BDRF_Fourier_modes=[air.ground_albedo[c]],
         )  # fmt: skip
-    half, bottom = STREAMS // 2, whole.sum()
+    half, bottom = STREAMS // 2, np.cumsum(whole)[-1]
     sky, planet = radiance(bottom, AZIMUTH)[half:], radiance(0.0, AZIMUTH)[:half]
     return mu[:half], sky, planet, down(bottom)[0]
 

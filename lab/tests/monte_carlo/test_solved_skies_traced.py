@@ -9,7 +9,7 @@ from other_planet import LIGHT, OTHER_PLANET, RAYS
 
 from vrut_lite.atmosphere.aerosols import type_optics
 from vrut_lite.geometry.colour import SKYLIGHT_NM
-from vrut_lite_lab.monte_carlo import monte_carlo_radiance
+from vrut_lite_lab.monte_carlo import monte_carlo_radiance, monte_carlo_stokes
 from vrut_lite_lab.twilight_fit import air as twilight_air
 from vrut_lite_lab.twilight_fit.spectra import rgb_of
 
@@ -25,7 +25,7 @@ def test_all_orders_in_air_of_standard_density(elevation_deg):
     """Toward the sun, overhead and away from it: 1.2 % and the noise."""
     air, mu, mu_s = earth_standard(), np.array([0.2, 1.0, 0.3]), np.sin(np.radians(elevation_deg))
     nu = cosine_to_sun(mu, mu_s, np.array([1.0, 1.0, -1.0]))
-    truth = monte_carlo_radiance(air, 0.0, mu, mu_s, nu, paths=16_384)
+    truth, _, _ = monte_carlo_stokes(air, 0.0, mu, mu_s, nu, paths=16_384)
     ours = SolvedSky(field=solve_field(air, all_orders=True)).radiance(0.0, mu, mu_s, nu)
     off = np.abs(ours / truth.total() - 1.0)
     assert (off < 0.012 + 3.5 * truth.total_error() / truth.total()).all()
@@ -38,7 +38,7 @@ def test_a_sharp_forward_peak(aerosol):
     air = earth_spectral(SKYLIGHT_NM).with_optics(optics, optics.optical_depth_550)
     mu = np.sin(np.radians([6.0, 20.0, 60.0, 6.0, 20.0, 60.0]))
     nu = cosine_to_sun(mu, 0.5, np.cos(np.radians([10.0, 10.0, 10.0, 150.0, 150.0, 150.0])))
-    chance = monte_carlo_radiance(air, 0.0, mu, 0.5, nu, paths=4096)
+    chance, _, _ = monte_carlo_stokes(air, 0.0, mu, 0.5, nu, paths=4096)
     off = np.abs(solve(air).radiance(0.0, mu, 0.5, nu) - chance.total())
     assert (off <= 3.0 * chance.total_error() + 0.01 * chance.total()).all()
 
@@ -59,7 +59,7 @@ def test_the_planet_under_dust_is_monte_carlos(altitude_m):
     sun, skylight = sky.irradiance(0.0, there)
     lit = sun * there[:, None] + skylight
     seen = added + passed * np.asarray(air.ground_albedo) / np.pi * lit
-    chance = monte_carlo_radiance(air, altitude_m, mu, mu_s, nu, paths=8192, ground_seen=True)
+    chance, _, _ = monte_carlo_stokes(air, altitude_m, mu, mu_s, nu, paths=8192, ground_seen=True)
     off = np.abs(seen - chance.total())
     assert (off <= 3.0 * chance.total_error() + 0.005 * chance.total()).all()
 

@@ -10,6 +10,7 @@ from vrut_lite_lab.monte_carlo.radiance import (
     monte_carlo_irradiance,
     monte_carlo_leaving,
     monte_carlo_radiance,
+    monte_carlo_stokes,
     unscattered_share,
 )
 
@@ -20,5 +21,6 @@ __all__ = [
     "monte_carlo_irradiance",
     "monte_carlo_leaving",
     "monte_carlo_radiance",
+    "monte_carlo_stokes",
     "unscattered_share",
 ]

@@ -21,26 +21,47 @@ LOBE_DAY, LOBE_DUSK, LOBE_BELOW = 0.05, 0.5, 0.4
 
 
 @compiled
-def set_scattering(medium, thin, haze, fog, aloft, cosine, factor):  # type: ignore[no-untyped-def]
-    """Scattering coefficients (C,) in 1/(m sr) at a cosine from the old direction."""
+def set_scattering(medium, thin, haze, fog, aloft, cosine, matrix):  # type: ignore[no-untyped-def]
+    """Set the scattering matrix (4, C) in 1/(m sr) at a cosine from the old direction.
+
+    Rows P11, P12, P22, P33; only the first where the medium does not polarise. Molecules: Hansen
+    and Travis 1974, equation 2.15. Particles are spheres, with P22 = P11; P34 and V are left out.
+    """
     squared = cosine * cosine
-    rayleigh = 3.0 / (16.0 * math.pi) * (1.0 + squared) * thin
-    place = _turn_of(cosine) * (len(medium.phase) - 1)
-    k = min(int(place), len(medium.phase) - 2)
+    dipoles = 3.0 / (16.0 * math.pi) * medium.anisotropy * thin
+    even = (1.0 - medium.anisotropy) / (4.0 * math.pi) * thin
+    for c in range(matrix.shape[1]):
+        dipole = medium.scattering[0, c] * dipoles
+        matrix[0, c] = dipole * (1.0 + squared) + medium.scattering[0, c] * even
+        if medium.polarises:
+            matrix[1, c] = dipole * (squared - 1.0)
+            matrix[2, c] = dipole * (1.0 + squared)
+            matrix[3, c] = dipole * 2.0 * cosine
+    place = _turn_of(cosine) * (medium.phase.shape[1] - 1)
+    k = min(int(place), medium.phase.shape[1] - 2)
     far = place - k
-    for c in range(factor.size):
-        mie = medium.phase[k, c] + far * (medium.phase[k + 1, c] - medium.phase[k, c])
-        factor[c] = medium.scattering[0, c] * rayleigh + mie * medium.scattering[1, c] * haze
+    _add_particles(medium.phase, k, far, medium.scattering[1], haze, matrix)
     if fog > 0.0:
-        here, there = medium.fog_phase[k], medium.fog_phase[k + 1]
-        for c in range(factor.size):
-            mie = here[c] + far * (there[c] - here[c])
-            factor[c] += mie * medium.scattering[2, c] * fog
+        _add_particles(medium.fog_phase, k, far, medium.scattering[2], fog, matrix)
     if aloft > 0.0:
-        here, there = medium.aloft_phase[k], medium.aloft_phase[k + 1]
-        for c in range(factor.size):
-            mie = here[c] + far * (there[c] - here[c])
-            factor[c] += mie * medium.scattering[3, c] * aloft
+        _add_particles(medium.aloft_phase, k, far, medium.scattering[3], aloft, matrix)
+
+
+@compiled
+def _add_particles(table, k, far, scattering, density, matrix):  # type: ignore[no-untyped-def]
+    """Add particles whose table (1 or 3, nodes, C) holds P11, P12 and P33 in sr^-1."""
+    for c in range(matrix.shape[1]):
+        strength = scattering[c] * density
+        p11 = strength * (table[0, k, c] + far * (table[0, k + 1, c] - table[0, k, c]))
+        matrix[0, c] += p11
+        if table.shape[0] > 1:
+            matrix[1, c] += strength * (
+                table[1, k, c] + far * (table[1, k + 1, c] - table[1, k, c])
+            )
+            matrix[2, c] += p11
+            matrix[3, c] += strength * (
+                table[2, k, c] + far * (table[2, k + 1, c] - table[2, k, c])
+            )
 
 
 @compiled

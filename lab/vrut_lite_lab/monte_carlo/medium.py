@@ -5,7 +5,6 @@ Rays and optical paths are those of `path_kernels`: one geometry for the whole p
 """
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -28,9 +27,11 @@ class Medium(NamedTuple):
 
     Extinction of molecules, aerosol, absorber, fog, aerosol aloft; scattering of molecules,
     aerosol, fog, aerosol aloft. The scales of fog and aloft are 0 where there is none.
-    `phase` (nodes, C) in sr^-1 is the aerosol's phase function, `turn` (nodes - 1,) the cumulated
-    chance that its mean over the wavelengths gives a turn between two nodes; others are fog's and
-    those of aerosol aloft.
+    `phase` (1 or 3, nodes, C) in sr^-1 is the aerosol's phase function and, where the medium
+    polarises, P12 and P33 of its scattering matrix; `turn` (nodes - 1,) is the cumulated chance
+    that its mean over the wavelengths gives a turn between two nodes; others are fog's and those
+    of aerosol aloft. `anisotropy` is the part of the molecules' light that follows Rayleigh's
+    matrix.
     """
 
     radius: float
@@ -53,14 +54,19 @@ class Medium(NamedTuple):
     albedo: FloatArray
     # The weight (C,) with which each wavelength's share of a path starts.
     importance: FloatArray
+    polarises: bool
+    anisotropy: float
 
 
-def medium_of(atmosphere: Atmosphere) -> Medium:
-    """An atmosphere of any number of wavelengths."""
+def medium_of(atmosphere: Atmosphere, polarises: bool) -> Medium:
+    """An atmosphere of any number of wavelengths, with scattering matrices or phases alone.
+
+    Particles without ratios of a matrix keep light's polarisation.
+    """
     molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
     aloft, fog = atmosphere.aloft_scattering, atmosphere.fog_scattering
     extinction = [
-        molecules,
+        atmosphere.molecule_extinction,
         atmosphere.mie_extinction,
         atmosphere.absorption_extinction,
         atmosphere.fog_extinction,
@@ -77,20 +83,31 @@ def medium_of(atmosphere: Atmosphere) -> Medium:
         np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms)),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
-        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aerosol", nu)),
-        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "fog", nu)),
-        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aloft", nu)),
+        *_phase_and_turn(atmosphere, "aerosol", polarises),
+        *_phase_and_turn(atmosphere, "fog", polarises),
+        *_phase_and_turn(atmosphere, "aloft", polarises),
         np.array(atmosphere.ground_albedo),
         _importance(np.array(molecules) + np.array(aerosol) + np.array(fog) + np.array(aloft)),
+        polarises,
+        atmosphere.rayleigh_anisotropy,
     )
 
 
-def _phase_and_turn(of: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray, FloatArray]:
+def _phase_and_turn(
+    atmosphere: Atmosphere, name: str, polarises: bool
+) -> tuple[FloatArray, FloatArray]:
     squared = np.linspace(0.0, 1.0, _PHASE_NODES) ** 2
-    phase = np.ascontiguousarray(of(1.0 - 2.0 * squared))
+    nu = 1.0 - 2.0 * squared
+    phase = particles_phase(atmosphere, name, nu)
     mean = phase.mean(axis=1)
     turn = np.cumsum(0.5 * (mean[:-1] + mean[1:]) * np.diff(squared))
-    return phase, turn / turn[-1]
+    rows = [phase]
+    if polarises:
+        own = {"fog": atmosphere.fog_table, "aloft": atmosphere.aloft_table}.get(name)
+        table = own or atmosphere.mie_table
+        p12, p33 = (0.0, 1.0) if table is None else table.polarisation(nu)
+        rows += [p12 * phase, p33 * phase]
+    return np.ascontiguousarray(rows), turn / turn[-1]
 
 
 def _importance(scattering: FloatArray) -> FloatArray:

@@ -4,6 +4,12 @@ A path starts at the eye and goes from scatterer to scatterer, or to the ground;
 air; its weight falls instead. Each event adds the direct sun (next-event estimation) through the
 closed-form optical paths. All wavelengths share one path: geometry takes most of the time, and the
 noise between colours stays small.
+
+Polarised light is traced backward too. A path carries, for each measured Stokes parameter, the row
+(3,) by which light arriving at its end contributes to it: I, Q and U about an axis that moves with
+the path. A scattering turns the axis into its plane and multiplies the rows by its matrix. Rows are
+kept relative to the first row's first element, which is in the weight. Light that does not polarise
+is the case of phase functions alone: rows stay as they are.
 """
 
 # ruff: noqa: NPY002 (inside compiled code the seed is set and used where nothing else draws)
@@ -49,21 +55,27 @@ FIRST_AIM, LATER_AIM = (0.55, 0.0), (0.75, -1.0)
 
 @compiled
 def trace(medium, altitudes, points, directions, sun, numbers, seed, may_land, sums):  # type: ignore[no-untyped-def]
-    """Add the radiance of n paths, by order of scattering, to sums (orders, C).
+    """Add the light of n paths, by order of scattering, to sums (orders, 1 or 3, C): I, Q, U.
 
     Paths start at points (n, 3) of known altitudes (n,) in directions (n, 3), all in the
     planet's frame. `numbers` (n, events, 3) are uniform; later numbers come from numba's generator,
-    seeded here. With `may_land` the first event may be a reflection by the ground.
+    seeded here. With `may_land` the first event may be a reflection by the ground. Q is light that
+    vibrates in the plane of direction and zenith minus light across, U the same 45 degrees
+    clockwise of the zenith, as one sees it.
     """
     np.random.seed(seed)
-    orders, count = sums.shape
-    weight, scratch = np.empty(count), np.empty(count)
+    orders, parameters, count = sums.shape
+    weight, scratch, matrix = np.empty(count), np.empty(count), np.zeros((4, count))
+    rows, axis = np.empty((parameters, 3, count)), np.empty(3)
     bins = FOG_BINS if medium.fog_scale > 0.0 else BINS
     edges, cumulative = np.empty(bins + 1), np.empty((2, bins))
     for path in range(altitudes.size):
         point, direction, altitude = points[path].copy(), directions[path].copy(), altitudes[path]
-        for c in range(count):
-            weight[c] = medium.importance[c]
+        weight[:] = medium.importance
+        for s in range(parameters):
+            for k in range(3):
+                rows[s, k] = 1.0 if s == k else 0.0
+        _set_axis(point, direction, axis)
         event, faint = 0, 0.0
         while _goes_on(weight, faint):
             u, v, w = _three_numbers(numbers[path], event)
@@ -75,9 +87,12 @@ def trace(medium, altitudes, points, directions, sun, numbers, seed, may_land, s
                 break
             out = sums[min(event, orders - 1)]
             if on_ground:
-                _reflect(medium, point, direction, sun, weight, scratch, v, w, out)
+                _reflect(medium, point, direction, sun, weight, scratch, rows, axis, v, w, out)
             else:
-                _scatter(medium, altitude, point, direction, sun, weight, scratch, v, w, out)
+                _scatter(
+                    medium, altitude, point, direction, sun, weight, scratch, matrix, rows, axis,
+                    v, w, out,
+                )  # fmt: skip
             event += 1
             if event == 1:
                 faint = ROULETTE * weight.max()
@@ -139,23 +154,25 @@ def _advance(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _add_sun(medium, altitude, point, sun, weight, factor, out):  # type: ignore[no-untyped-def]
-    """Add the direct sun at a point, seen through the air: weight * factor * transmittance."""
+def _sunlight(medium, altitude, point, sun, weight, light):  # type: ignore[no-untyped-def]
+    """Whether the direct sun reaches a point; sets light (C,) to weight * its transmittance."""
     ray = make_ray(medium.radius, altitude, cosine_at(point, sun, medium.radius + altitude))
     if meets_ground(ray):
-        return
-    for c in range(weight.size):
-        factor[c] *= weight[c]
-    dim(medium, ray, medium.top, y_at_top(medium, ray), 1.0, factor)
-    out += factor
+        return False
+    light[:] = weight
+    dim(medium, ray, medium.top, y_at_top(medium, ray), 1.0, light)
+    return True
 
 
 @compiled
-def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out):  # type: ignore[no-untyped-def]
+def _scatter(  # type: ignore[no-untyped-def]
+    medium, altitude, point, direction, sun, weight, light, matrix, rows, axis, v, w, out
+):
     """Add the sun's light scattered here, and draw the path's next direction."""
     thin, haze, fog, high = densities(medium, altitude)
-    set_scattering(medium, thin, haze, fog, high, dot(direction, sun), factor)
-    _add_sun(medium, altitude, point, sun, weight, factor, out)
+    if _sunlight(medium, altitude, point, sun, weight, light):
+        set_scattering(medium, thin, haze, fog, high, dot(direction, sun), matrix)
+        _add_scattered(medium, direction, sun, light, matrix, rows, axis, out)
     molecules, aerosol, droplets, aloft = 0.0, 0.0, 0.0, 0.0
     for c in range(weight.size):
         molecules += weight[c] * medium.scattering[0, c] * thin
@@ -170,23 +187,107 @@ def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out)
     cumulated = medium.fog_turn if 2.0 * droplets > aerosol else medium.turn
     if 2.0 * aloft > aerosol:
         cumulated = medium.aloft_turn
+    old = (direction[0], direction[1], direction[2])
     cosine, density = draw_direction(
         cumulated, share, lobes, lobe_axis(point, sun), v, w, direction
     )
-    set_scattering(medium, thin, haze, fog, high, cosine, factor)
+    set_scattering(medium, thin, haze, fog, high, cosine, matrix)
     for c in range(weight.size):
-        weight[c] *= factor[c] / density
+        weight[c] *= matrix[0, c] / density
+    if medium.polarises:
+        _polarise(old, direction, weight, matrix, rows, axis)
 
 
 @compiled
-def _reflect(medium, point, direction, sun, weight, factor, v, w, out):  # type: ignore[no-untyped-def]
-    """The same at Lambertian ground, whose next direction follows the cosine."""
+def _add_scattered(medium, direction, sun, light, matrix, rows, axis, out):  # type: ignore[no-untyped-def]
+    """Add sunlight (C,), which is not polarised, after a scattering into the path."""
+    cos_2, sin_2 = 1.0, 0.0
+    if medium.polarises:
+        cos_2, sin_2, _ = _into_plane(direction, sun, axis)
+    for s in range(rows.shape[0]):
+        for c in range(light.size):
+            seen = rows[s, 0, c] * matrix[0, c]
+            seen += (rows[s, 1, c] * cos_2 + rows[s, 2, c] * sin_2) * matrix[1, c]
+            out[s, c] += light[c] * seen
+
+
+@compiled
+def _polarise(old, direction, weight, matrix, rows, axis):  # type: ignore[no-untyped-def]
+    """Multiply the rows by a scattering matrix from the new direction into the old one."""
+    cos_2, sin_2, normal = _into_plane(old, direction, axis)
+    for c in range(weight.size):
+        p11 = matrix[0, c]
+        p12, p22, p33 = matrix[1, c] / p11, matrix[2, c] / p11, matrix[3, c] / p11
+        first = 0.0
+        for s in range(rows.shape[0]):
+            i, q, u = rows[s, 0, c], rows[s, 1, c], rows[s, 2, c]
+            q, u = q * cos_2 + u * sin_2, u * cos_2 - q * sin_2
+            if s == 0:
+                first = i + q * p12
+                weight[c] *= first
+            rows[s, 0, c] = (i + q * p12) / first
+            rows[s, 1, c] = (i * p12 + q * p22) / first
+            rows[s, 2, c] = u * p33 / first
+    _set_cross(normal, direction, axis)
+
+
+@compiled
+def _into_plane(direction, other, axis):  # type: ignore[no-untyped-def]
+    """Cosine and sine of twice the angle from the axis to the plane of both directions; its normal.
+
+    The angle turns clockwise about the direction. Where the directions are parallel, any plane
+    serves: that of the axis.
+    """
+    normal, inside, across = np.empty(3), np.empty(3), np.empty(3)
+    _set_cross(direction, other, normal)
+    length = math.sqrt(dot(normal, normal))
+    if length < 1e-12:
+        _set_cross(direction, axis, normal)
+        return 1.0, 0.0, normal
+    normal /= length
+    _set_cross(normal, direction, inside)
+    _set_cross(direction, axis, across)
+    cosine, sine = dot(inside, axis), dot(inside, across)
+    return cosine * cosine - sine * sine, 2.0 * sine * cosine, normal
+
+
+@compiled
+def _set_axis(point, direction, axis):  # type: ignore[no-untyped-def]
+    """Set the axis of Q and U: across the direction, toward the zenith.
+
+    Looking up, it is that of a view whose azimuth is 0.
+    """
+    up = upward(point)
+    cosine = dot(up, direction)
+    for k in range(3):
+        axis[k] = up[k] - cosine * direction[k]
+    length = math.sqrt(dot(axis, axis))
+    if length < 1e-9:
+        axis[0], axis[1], axis[2] = -1.0, 0.0, 0.0
+        return
+    axis /= length
+
+
+@compiled
+def _set_cross(a, b, out):  # type: ignore[no-untyped-def]
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def _reflect(medium, point, direction, sun, weight, light, rows, axis, v, w, out):  # type: ignore[no-untyped-def]
+    """The same at Lambertian ground: the next direction follows the cosine, polarisation ends."""
     cosine = cosine_at(point, sun, medium.radius)
     for c in range(weight.size):
         weight[c] *= medium.albedo[c]
-        factor[c] = max(cosine, 0.0) / math.pi
-    _add_sun(medium, 0.0, point, sun, weight, factor, out)
+    if cosine > 0.0 and _sunlight(medium, 0.0, point, sun, weight, light):
+        for s in range(rows.shape[0]):
+            for c in range(weight.size):
+                out[s, c] += light[c] * rows[s, 0, c] * cosine / math.pi
+    rows[:, 1:] = 0.0
     turn(upward(point), math.sqrt(1.0 - v), w, direction)
+    _set_axis(point, direction, axis)
 
 
 @compiled

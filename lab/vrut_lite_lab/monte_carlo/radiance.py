@@ -1,8 +1,12 @@
 """Backward Monte Carlo path tracer: the reference for light scattered more than once.
 
 Unbiased in every order, on any planet, in float64: spherical shells, point sun, sharp planet
-shadow, Lambertian ground; no refraction, no polarisation. Its transmittances are the closed
-forms of `optical_path`; nothing is tabulated. Reflections by the ground count as scatterings.
+shadow, Lambertian ground; no refraction. Its transmittances are the closed forms of
+`optical_path`; nothing is tabulated. Reflections by the ground count as scatterings.
+
+`monte_carlo_stokes` traces polarised light (I, Q, U), the others light that does not polarise: the
+same paths with phase functions in place of scattering matrices. With equal seeds the two share
+their random numbers, so that their ratio has less noise than either.
 
 Noise: every estimate is made BATCHES times from independent scrambled Sobol points (Owen 1995),
 which serve the first events of each path; the standard error is that of the batches' mean.
@@ -22,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.arguments import ROUNDING, as_count, as_number, as_numbers, broadcast
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.monte_carlo.medium import medium_of
+from vrut_lite_lab.monte_carlo.medium import Medium, medium_of
 from vrut_lite_lab.monte_carlo.paths import trace
 
 Start = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
@@ -79,7 +83,7 @@ def monte_carlo_radiance(
     max_order: int = 10,
     ground_seen: bool = False,
 ) -> MonteCarloEstimate:
-    """Radiance along n rays by order of scattering, W m^-2 sr^-1 nm^-1.
+    """Radiance along n rays by order of scattering, W m^-2 sr^-1 nm^-1, of scalar transfer.
 
     The arguments of rays broadcast to (n,). An observer above the atmosphere looks into it from
     outside; where the ray misses it, the radiance is zero.
@@ -98,20 +102,55 @@ def monte_carlo_radiance(
     Raises:
         ValueError: an argument is outside its range or not a number.
     """
-    cosines = {"mu": mu, "mu_s": mu_s, "nu": nu}
-    rays = broadcast(
-        altitude_m=as_numbers("altitude_m", altitude_m, 0.0),
+    tracer = _Tracer(medium_of(atmosphere, False), paths, seed, max_order, 1)
+    rays = altitude_m, mu, mu_s, nu
+    return _along_rays(atmosphere, tracer, rays, ground_seen)[0]
+
+
+def monte_carlo_stokes(
+    atmosphere: Atmosphere,
+    altitude_m: ArrayLike,
+    mu: ArrayLike,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    *,
+    paths: int = 4096,
+    seed: int = 0,
+    max_order: int = 10,
+    ground_seen: bool = False,
+) -> tuple[MonteCarloEstimate, MonteCarloEstimate, MonteCarloEstimate]:
+    """Stokes parameters I, Q and U along n rays, W m^-2 sr^-1 nm^-1, of vector transfer.
+
+    By the vertical plane of the view, Q > 0 is light that vibrates in it, U > 0 light that vibrates
+    45 degrees counter-clockwise from it, as the observer sees it, for views clockwise from the sun,
+    seen from above; on the other side U has the other sign. V is left out: particles make 1e-4 of I
+    of it. Arguments and errors are those of `monte_carlo_radiance`.
+    """
+    tracer = _Tracer(medium_of(atmosphere, True), paths, seed, max_order, 3)
+    i, q, u = _along_rays(atmosphere, tracer, (altitude_m, mu, mu_s, nu), ground_seen)
+    return i, q, u
+
+
+def _along_rays(
+    atmosphere: Atmosphere,
+    tracer: "_Tracer",
+    rays: tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike],
+    ground_seen: bool,
+) -> list[MonteCarloEstimate]:
+    """Estimates of each Stokes parameter along rays: altitude_m, mu, mu_s, nu."""
+    cosines = dict(zip(("mu", "mu_s", "nu"), rays[1:], strict=True))
+    whole = broadcast(
+        altitude_m=as_numbers("altitude_m", rays[0], 0.0),
         **{name: as_numbers(name, v, -1.0, 1.0, slack=ROUNDING) for name, v in cosines.items()},
     )
-    altitude, view, sun_s, cosine = (np.atleast_1d(v).ravel() for v in rays)
+    altitude, view, sun_s, cosine = (np.atleast_1d(v).ravel() for v in whole)
     heights, view, sun_s = enter_atmosphere(atmosphere, altitude, view, sun_s, cosine)
-    tracer = _Tracer(atmosphere, paths, seed, max_order)
     batches = tracer.zeros(altitude.size)
     for i in np.flatnonzero(np.isfinite(heights)):
         direction, sun = _view_and_sun(view[i], sun_s[i], cosine[i])
         start = partial(_from_eye, heights[i], direction)
-        batches[:, i] = tracer.run(int(i), 0, start, sun, ground_seen)
-    return MonteCarloEstimate(batches * np.asarray(atmosphere.solar_irradiance))
+        batches[:, :, i] = tracer.run(int(i), 0, start, sun, ground_seen)
+    return [MonteCarloEstimate(each * np.asarray(atmosphere.solar_irradiance)) for each in batches]
 
 
 def monte_carlo_irradiance(
@@ -130,12 +169,12 @@ def monte_carlo_irradiance(
     """
     suns = np.atleast_1d(as_numbers("mu_s", mu_s, -1.0, 1.0))
     altitude_m = as_number("altitude_m", altitude_m, 0.0, atmosphere.top_altitude_m, "m")
-    tracer = _Tracer(atmosphere, paths, seed, max_order)
-    batches = tracer.zeros(suns.size)
+    tracer = _Tracer(medium_of(atmosphere, False), paths, seed, max_order, 1)
+    batches = tracer.zeros(suns.size)[0]
     start = partial(_from_surface, altitude_m)
     for i, cosine in enumerate(suns):
         sun = np.array([np.sqrt((1.0 - cosine) * (1.0 + cosine)), 0.0, cosine])
-        batches[:, i] = tracer.run(i, 2, start, sun, False)
+        batches[:, i] = tracer.run(i, 2, start, sun, False)[0]
     # Directions are drawn with the density cosine / pi.
     return MonteCarloEstimate(np.pi * batches * np.asarray(atmosphere.solar_irradiance))
 
@@ -147,10 +186,10 @@ def monte_carlo_leaving(
 
     n is 1. With `unscattered_share` this sums to 1 where nothing absorbs.
     """
-    tracer = _Tracer(atmosphere, paths, seed, max_order)
-    batches = tracer.zeros(1)
+    tracer = _Tracer(medium_of(atmosphere, False), paths, seed, max_order, 1)
+    batches = tracer.zeros(1)[0]
     start = partial(_from_outside, atmosphere.top_altitude_m)
-    batches[:, 0] = tracer.run(0, 3, start, np.array([0.0, 0.0, 1.0]), True)
+    batches[:, 0] = tracer.run(0, 3, start, np.array([0.0, 0.0, 1.0]), True)[0]
     # The mean radiance L over the top's sphere and, by cosine, over directions sends out
     # 4 pi r^2 pi L; pi r^2 times the solar irradiance comes in.
     return MonteCarloEstimate(4.0 * np.pi * batches)
@@ -188,24 +227,30 @@ def enter_atmosphere(
 
 
 class _Tracer:
-    """The common part of estimates in one atmosphere: its parameters, the batches, the seeds."""
+    """The common part of estimates in one medium: its parameters, the batches, the seeds.
 
-    def __init__(self, atmosphere: Atmosphere, paths: int, seed: int, max_order: int) -> None:
+    It measures I, or with `parameters` 3 I, Q and U.
+    """
+
+    def __init__(
+        self, medium: Medium, paths: int, seed: int, max_order: int, parameters: int
+    ) -> None:
         as_count("paths", paths, 1, _MOST_PATHS)
         as_count("max_order", max_order, 1, 1000)
-        self._medium = medium_of(atmosphere)
+        self._medium = medium
         self._log2_paths = max(int(np.ceil(np.log2(paths / BATCHES))), 0)
         self._seed = seed
-        self._shape = max_order, self._medium.albedo.size
+        self._parameters = parameters
+        self._shape = max_order, medium.albedo.size
 
     def zeros(self, count: int) -> FloatArray:
-        """Batches (BATCHES, count, orders, C) to be filled."""
-        return np.zeros((BATCHES, count, *self._shape))
+        """Batches (parameters, BATCHES, count, orders, C) to be filled."""
+        return np.zeros((self._parameters, BATCHES, count, *self._shape))
 
     def run(
         self, index: int, extra: int, start: Start, sun: FloatArray, may_land: bool
     ) -> FloatArray:
-        """Batches (BATCHES, orders, C) of one quantity.
+        """Batches (parameters, BATCHES, orders, C) of one quantity.
 
         Args:
             index: of the quantity; with the seed it makes the random numbers.
@@ -216,7 +261,8 @@ class _Tracer:
         """
         from scipy.stats.qmc import Sobol  # Here: its import takes longer than this package's.
 
-        means = np.zeros((BATCHES, *self._shape))
+        orders, wavelengths = self._shape
+        means = np.zeros((BATCHES, orders, self._parameters, wavelengths))
         for batch, mean in enumerate(means):
             words = np.random.SeedSequence((self._seed, index, batch)).generate_state(2)
             points = Sobol(extra + 3 * SOBOL_EVENTS, seed=int(words[0])).random_base2(
@@ -229,7 +275,8 @@ class _Tracer:
                 self._medium, altitudes, zeniths * radii, directions, sun,
                 np.ascontiguousarray(numbers), int(words[1]), may_land, mean,
             )  # fmt: skip
-        return means / (2**self._log2_paths * self._medium.importance)
+        per_path = means / (2**self._log2_paths * self._medium.importance)
+        return per_path.transpose(2, 0, 1, 3)
 
 
 def _from_eye(

@@ -15,7 +15,7 @@ from bruneton_sky.optical_path import optical_depth_to_top
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.monte_carlo import monte_carlo_radiance
+from vrut_lite_lab.monte_carlo import monte_carlo_stokes
 from vrut_lite_lab.study.framework.atmosphere import STUDY
 from vrut_lite_lab.study.models.in_parts import in_parts
 from vrut_lite_lab.study.models.model import cosines
@@ -93,5 +93,5 @@ def monte_carlo_sky(
     seen = cosines(sun_zenith_rad, view_zenith_rad, relative_azimuth_rad)
     # Light scattered once needs no chance.
     once = single_scattering(air, 0.0, *seen, samples=_NODES)
-    light = monte_carlo_radiance(air, 0.0, *seen, paths=paths)
+    light, _, _ = monte_carlo_stokes(air, 0.0, *seen, paths=paths)
     return MonteCarloSky(once + light.total(2), light.total_error(2))

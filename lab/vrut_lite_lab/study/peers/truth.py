@@ -11,7 +11,7 @@ from bruneton_sky.solver_rungs import SolverRung
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_lab.monte_carlo import monte_carlo_radiance
+from vrut_lite_lab.monte_carlo import monte_carlo_stokes
 from vrut_lite_lab.study.peers.airs import air
 from vrut_lite_lab.study.peers.peer import PeerAir
 from vrut_lite_lab.study.peers.views import LOWEST_SOLVED_DEG, SkyViewpoint, rays
@@ -51,7 +51,7 @@ def _by_paths(here: PeerAir, view: SkyViewpoint, rgb: FloatArray, paths: int) ->
     seen = rays(view)
     mu, nu = seen.mu[_SOME], seen.nu[_SOME]
     mu_s = view.sun_direction[1]
-    light = monte_carlo_radiance(
+    light, _, _ = monte_carlo_stokes(
         here.atmosphere, view.altitude_m, mu.ravel(), mu_s, nu.ravel(), paths=paths
     )
     found = (light.total(1) @ here.to_rgb).reshape(*mu.shape, 3)
