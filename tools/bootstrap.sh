@@ -121,7 +121,7 @@ case ${1-} in
 run) extras='[app]' lab_extras= ;;
 test) extras='[app,test,ref]' lab_extras='[test]' ;;
 lint) extras='[app,test,ref,lint]' lab_extras='[test]' ;;
-long) extras='[app,test,ref,usd,film]' lab_extras='[test,radiance]' ;;
+long) extras='[app,test,ref,usd,film]' lab_extras='[test,radiance,truth]' ;;
 docs) extras='[app,docs]' lab_extras= ;;
 *)
     say "usage: tools/bootstrap.sh run|test|lint|long|docs"

@@ -1,0 +1,50 @@
+"""Another program as oracle: published Stokes vectors, and Mie's theory beside the product's."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vrut_lite_lab.polarised_truth.airs import independent_air, product_air
+from vrut_lite_lab.polarised_truth.by_sasktran import sasktran_stokes
+from vrut_lite_lab.polarised_truth.neutral_points import polarisation_of, rayleigh_layer
+from vrut_lite_lab.polarised_truth.views import Rays
+
+pytest.importorskip("sasktran2", reason="sasktran2 of the laboratory's extra truth is missing")
+DATA = Path(__file__).parents[1] / "data"
+
+
+def test_stokes_vectors_are_iprts():
+    """Cases A1 and A2 of the intercomparison, from the ground and from above: 1e-3 of I."""
+    for row in np.loadtxt(DATA / "iprt_phase_a.txt"):
+        depth, albedo, depolarisation, above = row[:4]
+        mu_s, mu = np.cos(np.radians(row[[4, 6]]))
+        around = np.radians(row[7] - row[5])
+        nu = mu * mu_s + np.sqrt((1.0 - mu**2) * (1.0 - mu_s**2)) * np.cos(around)
+        rays = Rays(6e4 * above, np.array([mu]), np.array([around]), np.array([nu]), mu_s)
+        layer = rayleigh_layer(depth, albedo, depolarisation)
+        found = sasktran_stokes(layer, rays, 0, flat=True)[0]
+        np.testing.assert_allclose(found, row[8:] * (1.0, 1.0, -1.0), atol=1e-3 * row[8])
+
+
+def test_neutral_points_are_on_file():
+    """The table that solvers are held to, made again: a row for a sun at 70 degrees."""
+    table = np.loadtxt(Path(__file__).parents[3] / "tests" / "data" / "rayleigh_neutral_points.txt")
+    row = table[(table[:, 0] == 0.1) & (table[:, 1] == 0.0) & (table[:, 2] == 70.0)][0]
+    np.testing.assert_allclose(polarisation_of(0.1, 0.0, 70.0), row[3:], atol=0.01)
+
+
+@pytest.mark.parametrize("name", ["default", "desert"])
+def test_the_products_aerosol_is_sasktrans(name):
+    """Two Mie codes and two transcripts of OPAC: 0.1 % of depth and albedo, 1 % of P11 and P12."""
+    ours, theirs = product_air(name), independent_air(name)
+    for layer in ("mie", "aloft"):
+        for quantity in ("extinction", "scattering"):
+            values = [getattr(air, f"{layer}_{quantity}") for air in (ours, theirs)]
+            np.testing.assert_allclose(*values, rtol=1e-3)
+        nu = np.cos(np.radians(np.arange(1.0, 180.0)))
+        tables = [getattr(air, f"{layer}_table") for air in (ours, theirs)]
+        np.testing.assert_allclose(*(table(nu) for table in tables), rtol=0.01)
+        p12, p33 = zip(*(table.polarisation(nu) for table in tables), strict=True)
+        np.testing.assert_allclose(*p12, atol=0.01)
+        np.testing.assert_allclose(*p33, atol=0.01)

@@ -1,0 +1,107 @@
+"""The airs that are compared: the product's, and the same conditions with independent optics."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+from bruneton_sky import Atmosphere
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at
+
+from vrut_lite.atmosphere.aerosols import PhaseTable
+from vrut_lite.geometry.colour import SKYLIGHT_NM
+from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite_lab.polarised_truth.gases import (
+    depolarisation,
+    ozone_depth,
+    rayleigh_depth,
+    standard_density,
+)
+from vrut_lite_lab.polarised_truth.particles import mixture
+
+_OZONE_DU = 300.0
+# Scale heights (m) of the exponentials whose sum is fitted to the standard atmosphere's density, by
+# this power of it: within 3 % to 30 km and 7 % to 60.
+_SCALE_HEIGHTS_M = (3000.0, 4000.0, 5000.0, 6000.0, 7000.0, 8000.0, 10_000.0)
+_WEIGHT_POWER = 0.1
+# Above the standard's altitudes density falls by e over so many metres.
+_STANDARD_TO_M, _ABOVE_M = 84_000.0, 5500.0
+# Particles per cm^3 of OPAC's types, table 4, and of its free troposphere.
+_TYPES: Mapping[str, Mapping[str, float]] = {
+    "continental-average": {"waso80": 7000.0, "inso": 0.4, "soot": 8300.0},
+    "desert": {"waso80": 2000.0, "minm": 269.5, "miam": 30.5, "micm": 0.142},
+}
+_ALOFT = {"waso50": 438.0, "inso": 0.0013, "soot": 294.0}
+HAZES: Mapping[str, SetHaze] = {
+    "default": DEFAULT_HAZE,
+    "clear": msgspec.structs.replace(DEFAULT_HAZE, optical_depth_550=0.0),
+    "desert": msgspec.structs.replace(DEFAULT_HAZE, aerosol="desert", optical_depth_550=0.3),
+}
+
+
+def product_air(name: str) -> Atmosphere:
+    """The air that the product solves, by one of HAZES."""
+    return atmosphere_at(SKYLIGHT_NM, BrunetonSkySettings(), 0.0, HAZES[name])
+
+
+def independent_air(name: str) -> Atmosphere:
+    """The same conditions with independent optics, at a pressure of 1013.25 hPa.
+
+    Conditions are the planet, the ground, the aerosol's layers and their depth at 550 nm, and the
+    form of the ozone layer of 300 DU. Nitrogen dioxide and pairs of oxygen molecules, which take
+    0.1 and 0.4 % of the light, stay the product's: their wavelengths stand for bands.
+    """
+    air = product_air(name)
+    nm = np.asarray(SKYLIGHT_NM)
+    ozone_m = np.trapezoid(air.absorber_density, air.absorber_altitude_m)
+    shares, molecules_m = _standard_profile(air.top_altitude_m)
+    changed = replace(
+        air,
+        rayleigh_scattering=tuple(rayleigh_depth(nm) / molecules_m),
+        rayleigh_scale_height_m=_SCALE_HEIGHTS_M[0],
+        rayleigh_more=shares[1:],
+        rayleigh_more_scale_height_m=_SCALE_HEIGHTS_M[1:],
+        rayleigh_depolarisation=float(depolarisation(nm).mean()),
+        gas_absorption=tuple(np.array(air.gas_absorption) * air.column_m / molecules_m),
+        absorption_extinction=tuple(ozone_depth(nm, _OZONE_DU) / ozone_m),
+    )
+    if air.aerosol_depth().any():
+        low = _layer(_TYPES[HAZES[name].aerosol], _at_550(name, "mie"))
+        aloft = _layer(_ALOFT, _at_550(name, "aloft"))
+        changed = replace(
+            changed,
+            mie_extinction=low[0], mie_scattering=low[1], mie_table=low[2],
+            aloft_extinction=aloft[0], aloft_scattering=aloft[1], aloft_table=aloft[2],
+        )  # fmt: skip
+    return changed
+
+
+def _at_550(name: str, layer: str) -> float:
+    """Extinction (1/m) on the ground of a layer of the product's air at 550 nm."""
+    air = atmosphere_at((550.0,), BrunetonSkySettings(), 0.0, HAZES[name])
+    return float(getattr(air, f"{layer}_extinction")[0])
+
+
+def _layer(
+    particles: Mapping[str, float], extinction_550: float
+) -> tuple[tuple[float, ...], tuple[float, ...], PhaseTable]:
+    """Extinction and scattering (C,) in 1/m on the ground, and the scattering matrix."""
+    found = mixture(particles, np.array([*SKYLIGHT_NM, 550.0]))
+    scale = extinction_550 / found.extinction[-1]
+    p11, p12, p33 = found.matrix[:, :-1]
+    table = PhaseTable.of_angles(found.angle_rad, p11, [p12 / p11, p33 / p11])
+    extinction, scattering = scale * found.extinction[:-1], scale * found.scattering[:-1]
+    return tuple(extinction), tuple(scattering), table
+
+
+def _standard_profile(top_m: float) -> tuple[tuple[float, ...], float]:
+    """Shares of _SCALE_HEIGHTS_M in the density of molecules; their column in m, up to the top."""
+    altitude_m = top_m * np.linspace(0.0, 1.0, 800) ** 2
+    density = standard_density(np.minimum(altitude_m, _STANDARD_TO_M))
+    density *= np.exp(-np.maximum(altitude_m - _STANDARD_TO_M, 0.0) / _ABOVE_M)
+    heights_m, weight = np.array(_SCALE_HEIGHTS_M), density**_WEIGHT_POWER
+    relative = np.exp(-altitude_m[:, None] / heights_m) / density[:, None]
+    shares = np.linalg.lstsq(weight[:, None] * relative, weight)[0]
+    shares /= shares.sum()
+    column_m = float(shares @ (-heights_m * np.expm1(-top_m / heights_m)))
+    return tuple(shares), column_m
