@@ -2,8 +2,9 @@
 
 The first rays of a texel decide how many it gets in all. At creases, where the harmonic mean
 distance of surfaces in view is short, light varies between neighbouring texels: little of their
-noise can be smoothed. If they see little sky too, they get twice as many rays as others; texels
-inside bodies, none of whose rays count, get no more. Any number of rounds gives the same rays.
+noise can be smoothed. If they see little sky too, they get three times as many rays as others;
+texels inside bodies, few of whose rays count, get no more. Any number of rounds gives the same
+rays.
 
 A row's entries are a column and a count in one number. Columns are nodes of the sky and of open
 ground, then the rows that rays met, later replaced by patches.
@@ -30,7 +31,9 @@ TRIED = 8
 _TELLING = 16
 # Harmonic mean distance, in texels, below which a texel is at a crease, the share of its rays below
 # which it sees little sky, and what the number of its rays is multiplied by where both hold.
-_CREASE_TEXELS, _LITTLE_SKY, _AT_CREASES = 8.0, 0.125, 2
+_CREASE_TEXELS, _LITTLE_SKY, _AT_CREASES = 8.0, 0.125, 3
+# Share of the first rays that must count for more to be traced: half of them must in the end.
+_LEAST_COUNTED = 0.25
 # So many bits of an entry, of 16 or 32, are its column; those above are its rays less one.
 SMALL_BITS, LARGE_BITS = 14, 24
 
@@ -151,13 +154,14 @@ def with_rays(
 def _last_rays(rows: RayRows, texels: Texels, first: int, last: int) -> NDArray[np.int32]:
     """How many rays each of some texels (R,) has when others, that have `first`, have `last`."""
     width = texels.width[rows.first : rows.first + len(rows.valid)]
-    crease = rows.traced > first
+    crease, buried = rows.traced > first, rows.traced < first
     if first == _TELLING:
+        buried = rows.valid <= _LEAST_COUNTED * rows.traced
         at_crease = rows.valid < np.float32(_CREASE_TEXELS) * width * rows.nearness
         crease |= at_crease & (rows.nodes < _LITTLE_SKY * rows.valid)
-    return np.where(
-        rows.valid == 0, rows.traced, np.where(crease, _AT_CREASES * last, last)
-    ).astype(np.int32)
+    return np.where(buried, rows.traced, np.where(crease, _AT_CREASES * last, last)).astype(
+        np.int32
+    )
 
 
 def with_columns(rows: RayRows, new_column: NDArray[np.int32]) -> RayRows:
