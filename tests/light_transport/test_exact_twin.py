@@ -47,13 +47,21 @@ def smoothed(transport, e):
 
 
 def at_borders(transport, e):
-    """Values of border texels, by the frame's look-ups in the map, place by place."""
+    """Values of texels at borders, and of those that see surfaces less than two texels away, by
+    the frame's look-ups in the map, place by place."""
     texels, finished, shown = transport.texels, transport.cache, e.copy()
     quad = texels.triangle // 2
     fronts = np.flatnonzero(texels.side > 0)
     rows_at = {tuple(at): row for row, at in zip(fronts, texels.pixel[fronts], strict=True)}
     bits = (texels.begins[:, None] >> np.arange(64, dtype=np.uint64)) & np.uint64(1)
-    for row in fronts[finished.good[fronts] & (bits[fronts].sum(axis=1) % 64 > 0)]:
+    close = (
+        transport.table.valid
+        < 2.0
+        * np.append(texels.width, np.zeros(transport.rows - len(texels.width)))
+        * transport.table.nearness
+    )
+    of_all = bits[fronts].sum(axis=1)
+    for row in fronts[finished.good[fronts] & (of_all > 0) & ((of_all < 64) | close[fronts])]:
         column, line = texels.pixel[row]
         mean, own = np.zeros(3), 0.0
         places = np.flatnonzero(bits[row])

@@ -2,7 +2,8 @@
 
 Rays begin in the part of a texel that surfaces cover and that is seen, the frame takes their mean
 for the light of the texel's middle. At a chart's border and at the foot of a body across a
-texel both are up to half a texel apart. There a texel shows x_i = m_i + (m_i - sum_j w_ij m_j) /
+texel both are up to half a texel apart, and close to other surfaces light bends within a texel.
+There a texel shows x_i = m_i + (m_i - sum_j w_ij m_j) /
 w_ii instead, the first step of Jacobi's iteration for sum_j w_ij x_j = m_i: m are the means, and w
 the shares that texels have in the frame's look-ups (linear between texels) at the places where rays
 begin.
@@ -22,12 +23,14 @@ from vrut_lite.numeric_types import BoolArray, Float32Array
 # Least w_ii: a strip along a chart's border is far from its texel's middle, and extrapolated light
 # has more noise.
 _LEAST_OWN = np.float32(0.6)
+# Harmonic mean distance, in texels, of what is in view, below which light bends within a texel.
+_CLOSE = np.float32(2.0)
 # A texel shows from half to twice the mean of its rays.
 _MOST_CHANGE = np.float32(2.0)
 
 
 class Borders(NamedTuple):
-    """Texels (K) some of whose places no ray begins at: their rows (K,) int32.
+    """Texels (K) at borders or close to other surfaces: their rows (K,) int32.
 
     `near` (K, 9) int32: rows whose light look-ups in a texel find, line by line of the map;
     `weight` (K, 9) float32: their shares w_ij.
@@ -39,14 +42,21 @@ class Borders(NamedTuple):
 
 
 def borders_of(
-    texels: Texels, beside: NDArray[np.int32], source: NDArray[np.int32], good: BoolArray
+    texels: Texels,
+    beside: NDArray[np.int32],
+    source: NDArray[np.int32],
+    good: BoolArray,
+    room: Float32Array,
 ) -> Borders:
     """Borders of good texels (N,), by the texels beside each (N, 4) and whose light it shows (N,).
+
+    `room` (N,): harmonic mean distance of surfaces in view, in radii.
 
     Where the chart has no texel, look-ups find the texel itself: charts are padded by it, and in
     those of one texel's width the frame looks at its middle alone.
     """
-    there = good & (texels.side > 0.0) & (texels.begins != ANYWHERE) & (texels.begins != 0)
+    there = (texels.begins != ANYWHERE) | (room < _CLOSE * texels.width)
+    there &= good & (texels.side > 0.0) & (texels.begins != 0)
     row = np.flatnonzero(there).astype(np.int32)
     near = np.repeat(row[:, None], 9, axis=1)
     weight = np.zeros(near.shape, np.float32)

@@ -45,6 +45,7 @@ from light_transport.hour.smoothing import (
     STEPS,
     Smoothing,
     mix_at_seams,
+    parted_by_sky,
     smoothed_rows,
     smoothing_of,
 )
@@ -110,19 +111,22 @@ def cache_of(scene: RayScene) -> TransportCache:
     exchange = patch_transfer_of(scene.table, scene.patches)
     lamps = _lamp_light(scene)
     mirrored = _mirrored_texels(scene, texels)
-    smoothing = smoothing_of(scene.texels, scene.links, scene.seams, good[:texels], room)
+    moments = _sky_moments(scene)
+    by_room = smoothing_of(scene.texels, scene.links, scene.seams, good[:texels], room)
+    smoothing = parted_by_sky(by_room, smoothed(scene, moments.copy(), by_room)[:, 3])
+    sky = visible_sky(smoothed(scene, moments, smoothing), scene.texels.normal)
     shown = np.where(shown < 0, texels, shown).astype(np.int32)
     return TransportCache(
         good,
         exchange,
         smoothing,
-        borders_of(scene.texels, scene.beside, source, good[:texels]),
+        borders_of(scene.texels, scene.beside, source, good[:texels], room),
         source,
         shown,
         KeyShadows(key_rays_of(scene.patches, scene.table.free, enclosure(exchange), mirrored)),
         lamps,
         None if lamps is None else patch_lamp_light(scene.patches, scene.table.free, lamps),
-        Array(as_map(_visible_sky(scene, smoothing), shown).astype(np.float16)),
+        Array(as_map(sky, shown).astype(np.float16)),
     )
 
 
@@ -140,14 +144,14 @@ def _lamp_light(scene: RayScene) -> LampLight | None:
     return light
 
 
-def _visible_sky(scene: RayScene, smoothing: Smoothing) -> Float32Array:
-    """Directions in which each texel (N, 4) sees the sky; see `HourLight.visible_sky`."""
+def _sky_moments(scene: RayScene) -> Float32Array:
+    """Means (N, 4) of `sky_moments` over the rays of each texel."""
     assert scene.patches is not None
     texels = len(scene.texels.pixel)
     towards = sky_moments(NODES + len(scene.patches.area) + 1)
     moments = np.empty((texels, 4), np.float32)
     scene.over_rows(texels, lambda a, b: sky_gathered(scene.table, towards, a, b, moments))
-    return visible_sky(smoothed(scene, moments, smoothing), scene.texels.normal)
+    return moments
 
 
 def _mirrored_texels(scene: RayScene, texels: int) -> NDArray[np.integer]:

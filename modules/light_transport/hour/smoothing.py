@@ -4,9 +4,10 @@ The bound is the harmonic mean distance R to the surfaces that a texel sees (War
 1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel, and by a
 half at least: along an edge, where R is small, light changes slowly too. All of it is multiplied by
 (R_i / R_j)^4, the smaller above: towards an edge light changes as R does, and the dark foot of a
-wall must not spread; and by the 32nd power of the cosine between both normals: facets of a column
-15 degrees apart mix by a third, for they see different things. Neighbours exchange light
-symmetrically, so that none is lost.
+wall must not spread; by the eighth power of the ratio of the shares of the sky that both see, for
+beside a sill or a reveal these change while R does not; and by the 32nd power of the cosine between
+both normals: facets of a column 15 degrees apart mix by a third, for they see different things.
+Neighbours exchange light symmetrically, so that none is lost.
 
 Near edges light bends within few texels, and steps as many as noise asks for take some of it away.
 There what they took is smoothed alike and given back ("twicing", Tukey 1977): noise is not even
@@ -30,6 +31,8 @@ _MOST = 0.2
 _ALIKE_POWER = 32
 # Neighbours with the same room mix at least so much; with a third of it hardly at all.
 _SAME_ROOM, _ROOM_POWER = 0.5, 4
+# Power of the ratio of two shares of the sky, each with this added: of few rays shares are noise.
+_SKY_POWER, _LEAST_SKY = 8, np.float32(0.02)
 # Rooms of more texels count as so many: where few rays meet anything their mean is noise.
 _ENOUGH_ROOM = 16.0
 # Room in texels up to which all that steps took is given back; nothing is where there is enough
@@ -81,6 +84,19 @@ def smoothing_of(
         across,
         back[:, None].astype(np.float32),
     )
+
+
+def parted_by_sky(smoothing: Smoothing, sky: Float32Array) -> Smoothing:
+    """The smoothing of texels (N,) that see these shares (N,) of the sky, smoothed ones."""
+    level = np.maximum(sky, 0.0) + _LEAST_SKY
+
+    def alike(here: Float32Array, there: Float32Array) -> Float32Array:
+        ratio = np.minimum(here, there) / np.maximum(here, there)
+        return np.asarray(ratio**_SKY_POWER, np.float32)
+
+    weights = smoothing.weights * alike(level[:, None], level[smoothing.links])
+    at_seams = alike(*level[smoothing.seams].T)[:, None] * smoothing.seam_weights
+    return smoothing._replace(weights=weights, seam_weights=at_seams)
 
 
 def _exchange(
