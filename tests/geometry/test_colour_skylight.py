@@ -16,7 +16,7 @@ FINE_NM = colour_table()[:, 0]
 
 
 @pytest.mark.parametrize(
-    ("power", "tolerance"), [(4.0, 0.0115), (2.0, 0.004), (0.0, 0.004), (-2.0, 0.01)]
+    ("power", "tolerance"), [(4.0, 0.0115), (2.0, 0.005), (0.0, 0.004), (-2.0, 0.01)]
 )
 def test_colour_of_smooth_light_is_that_of_its_whole_spectrum(
     power: float, tolerance: float
