@@ -1,8 +1,8 @@
 """Atmospheres by name, at any wavelengths.
 
 `earth_standard` is the real Earth's air, which the module shows by default. The presets by name are
-published airs, with the molecules and the ozone of their publications: those of Bruneton's
-demonstration are 8 to 13 % too thick. All share the host's solar spectrum (ASTM G-173), so that
+published airs, with the molecules of their publications: those of Bruneton's demonstration are 8
+to 13 % too thick. All share the host's solar spectrum (ASTM G-173), so that
 their skies share one scale; `Atmosphere.earth` alone keeps the demonstration's, up to 7 % from it.
 """
 
@@ -43,8 +43,8 @@ _KNOWN_NM = (360.0, 830.0)
 HAZY_TURBIDITY = 6.0
 # Lower, the sun leaves less than a tenth of the light of a moonless night.
 LOWEST_SUN_DEG = -18.5
-# From so many wavelengths on each stands for its neighbourhood alone; below, for a band as wide.
-_MANY, WIDE_BAND_NM = 8, 50.0
+# Widest band (nm) that a wavelength stands for.
+WIDE_BAND_NM = 50.0
 # Bruneton's 2017 demonstration: Rayleigh at 1 micrometre in 1/m, 300 Dobson units in a tent
 # whose integral is 15 km.
 _RAYLEIGH_AT_1_UM, _OZONE_DU, _TENT_M = 1.24062e-6, 300.0, 15_000.0
@@ -56,7 +56,8 @@ def earth_spectral(wavelength_nm: ArrayLike = RGB_NM, ozone: bool = True) -> Atm
     """Bruneton's 2017 demonstration atmosphere at any wavelengths in nm.
 
     Rayleigh scattering as wavelength^-4, grey aerosol, measured ozone cross sections, grey
-    ground; at 680, 550 and 440 nm it is `Atmosphere.earth` but for the solar spectrum.
+    ground; at 680, 550 and 440 nm it is `Atmosphere.earth` but for the solar spectrum and ozone,
+    whose means of 10 nm the demonstration takes for values at their lower ends.
 
     Raises:
         ValueError: wavelengths are outside 360 to 830 nm, where sun and ozone are known, or do not
@@ -64,8 +65,7 @@ def earth_spectral(wavelength_nm: ArrayLike = RGB_NM, ozone: bool = True) -> Atm
     """
     ozone = as_flag("ozone", ozone)
     wavelength = _wavelengths(wavelength_nm)
-    # The demonstration takes the means of 10 nm for values at their lower ends.
-    absorption = ozone_absorption(wavelength + 5.0, _OZONE_DU if ozone else 0.0, _TENT_M)
+    absorption = ozone_absorption(wavelength, _OZONE_DU if ozone else 0.0, _TENT_M)
     earth, count = Atmosphere.earth(ozone=ozone), wavelength.size
     return replace(
         earth,
@@ -114,12 +114,13 @@ def earth_standard(
 ) -> Atmosphere:
     """The real Earth's air (`vrut_lite.atmosphere.clear_air`) for suns to 18.5 degrees down.
 
-    Its aerosol, ground and radius are the demonstration's. Of eight wavelengths and more each
-    stands for 5 nm; of fewer, for so much that narrow bands of oxygen have their mean.
+    Its aerosol, ground and radius are the demonstration's. Each wavelength stands for all that are
+    nearer to it than to others, up to 50 nm: narrow bands of oxygen have their mean there.
     """
     wavelength = _wavelengths(wavelength_nm)
     share, height_m = (tuple(part) for part in zip(*STANDARD_DENSITY, strict=True))
-    band_nm = 0.0 if wavelength.size >= _MANY else WIDE_BAND_NM
+    step_nm = np.abs(np.diff(wavelength)).mean() if wavelength.size > 1 else WIDE_BAND_NM
+    band_nm = min(float(step_nm), WIDE_BAND_NM)
     return replace(
         earth_spectral(wavelength),
         top_altitude_m=TOP_ALTITUDE_M,

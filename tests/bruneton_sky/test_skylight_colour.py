@@ -94,12 +94,12 @@ def errors_percent(name: str, wavelength_nm: tuple[float, ...], sun_deg: float) 
 @pytest.mark.parametrize("sun_deg", mostly_long(SUNS_DEG, set(SUNS_DEG[::3]).__contains__))
 @pytest.mark.parametrize("name", mostly_long(AIRS, "mars-like".__eq__))
 def test_four_wavelengths_make_the_colour_of_all(name: str, sun_deg: float) -> None:
-    """Day and twilight, clear, hazy and on Mars, which the fit never saw: per channel 1.0 % in
-    the mean and 3 % at most; the part that aerosol scatters once adds 0.6 %."""
+    """Day and twilight, clear, hazy and on Mars, which the fit never saw: per channel 1.2 % in
+    the mean and 3 % at most; the part that aerosol scatters once adds 0.7 %."""
     error = errors_percent(name, SKYLIGHT_NM, sun_deg)
-    assert error[:, 0].mean(axis=0).max() < 1.0
+    assert error[:, 0].mean(axis=0).max() < 1.2
     assert error[:, 0].max() < 3.0
-    assert error[:, 1].max() < 0.6
+    assert error[:, 1].max() < 0.7
 
 
 def test_three_wavelengths_make_twilight_purple_and_four_blue() -> None:
