@@ -1,7 +1,7 @@
 """Make tests/data/twilight_truth.npz: twilight by another method than the table's.
 
 Run from the repository's root: python -m vrut_lite_lab.twilight_fit.make_truth
-Some four minutes on one core. The first order is exact, the others are the backward path
+Some five minutes on one core. The first order is exact, the others are the backward path
 tracer's, with standard errors: no grid, no harmonics, no bins. Suns and directions are none of
 the table's.
 """
@@ -13,7 +13,7 @@ from bruneton_sky import single_scattering
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.checkout import ROOT
-from vrut_lite_lab.monte_carlo import monte_carlo_radiance
+from vrut_lite_lab.monte_carlo import monte_carlo_stokes
 from vrut_lite_lab.twilight_fit.air import WAVELENGTH_NM, air
 from vrut_lite_lab.twilight_fit.solve_skies import SINGLE_SAMPLES, cosine_to_sun
 
@@ -26,8 +26,8 @@ PATHS = {
 }  # fmt: skip
 DIRECTIONS = 4
 NOTES = """Sky radiance at the ground in twilight, W m^-2 sr^-1 nm^-1, and its standard error:
-exact first order plus backward Monte Carlo (vrut_lite_lab.monte_carlo) of all others. Spherical,
-top 120 km, no refraction; molecules, aerosol and ozone as in twilight_fit/air.py; made by
+exact first order plus backward vector Monte Carlo (vrut_lite_lab.monte_carlo) of all others.
+Spherical, top 120 km, no refraction; molecules, aerosol and ozone as in twilight_fit/air.py; made by
 vrut_lite_lab.twilight_fit.make_truth. turbidity_sun_view_azimuth: rows of turbidity, the sun's
 elevation, the view's elevation and its azimuth from the sun (deg); wavelength_nm; radiance,
 error (row, wavelength)."""
@@ -46,7 +46,7 @@ def trace(turbidity: float, sun_deg: float, seed: int) -> tuple[FloatArray, Floa
     mu, mu_s = np.sin(np.radians(view_deg)), np.sin(np.radians(sun_deg))
     nu = cosine_to_sun(mu, sun_deg, np.radians(azimuth_deg))
     first = single_scattering(atmosphere, 0.0, mu, mu_s, nu, samples=SINGLE_SAMPLES)
-    light = monte_carlo_radiance(
+    light, _, _ = monte_carlo_stokes(
         atmosphere, 0.0, mu, mu_s, nu, paths=PATHS[sun_deg], seed=seed, max_order=3
     )
     sun = np.full_like(view_deg, sun_deg)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray
 from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
-from bruneton_sky.phase import particles_phase, rayleigh_phase
+from bruneton_sky.phase import molecules_phase, particles_phase
 from bruneton_sky.published.classical_rules import classical_integrals
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
@@ -57,7 +57,7 @@ def single_scattering(
     each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
     light = atmosphere.by_name(each)
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
-    radiance = light.pop("molecules") * rayleigh_phase(cosine)[..., None]
+    radiance = light.pop("molecules") * molecules_phase(atmosphere, cosine)[..., None]
     for name, part in light.items():
         radiance = radiance + part * particles_phase(atmosphere, name, cosine)
     return np.asarray(radiance)
