@@ -27,8 +27,8 @@ PATHS = {
 DIRECTIONS = 4
 NOTES = """Sky radiance at the ground in twilight, W m^-2 sr^-1 nm^-1, and its standard error:
 exact first order plus backward vector Monte Carlo (vrut_lite_lab.monte_carlo) of all others.
-Spherical, top 120 km, no refraction; molecules, aerosol and ozone as in twilight_fit/air.py; made by
-vrut_lite_lab.twilight_fit.make_truth. turbidity_sun_view_azimuth: rows of turbidity, the sun's
+Spherical, top 120 km, no refraction; molecules, aerosol and ozone as in twilight_fit/air.py; made
+by vrut_lite_lab.twilight_fit.make_truth. turbidity_sun_view_azimuth: rows of turbidity, the sun's
 elevation, the view's elevation and its azimuth from the sun (deg); wavelength_nm; radiance,
 error (row, wavelength)."""
 
