@@ -25,6 +25,9 @@ from vrut_lite.messages.haze import (
     DEFAULT_HAZE,
     MOST_NITROGEN_DIOXIDE_DU,
     MOST_OPTICAL_DEPTH,
+    MOST_STRATOSPHERE_DEPTH,
+    SCALE_HEIGHTS_M,
+    STRATOSPHERE_PEAKS_KM,
     AerosolType,
     SetHaze,
 )
@@ -101,6 +104,15 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     nitrogen_dioxide_du: (
         Annotated[float, msgspec.Meta(ge=0, le=MOST_NITROGEN_DIOXIDE_DU)] | None
     ) = None
+    scale_height_m: (
+        Annotated[float, msgspec.Meta(ge=SCALE_HEIGHTS_M[0], le=SCALE_HEIGHTS_M[1])] | None
+    ) = None
+    stratosphere_depth_550: Annotated[float, msgspec.Meta(ge=0, le=MOST_STRATOSPHERE_DEPTH)] = (
+        DEFAULT_HAZE.stratosphere_depth_550
+    )
+    stratosphere_peak_km: Annotated[
+        float, msgspec.Meta(ge=STRATOSPHERE_PEAKS_KM[0], le=STRATOSPHERE_PEAKS_KM[1])
+    ] = DEFAULT_HAZE.stratosphere_peak_km
 
     def input(self) -> SetHaze:
         """The input that sets it."""

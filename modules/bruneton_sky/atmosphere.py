@@ -28,6 +28,9 @@ from vrut_lite.atmosphere.aerosol import (
     SINGLE_SCATTERING_ALBEDO,
 )
 from vrut_lite.atmosphere.aerosols import AerosolOptics, PhaseTable
+from vrut_lite.atmosphere.aerosols.optics import AerosolLayer
+from vrut_lite.atmosphere.aerosols.stratosphere import HALF_WIDTH_M, PEAK_M
+from vrut_lite.atmosphere.slant_path import exponential, tent
 from vrut_lite.numeric_types import FloatArray
 
 _ANGSTROM_WAVELENGTH_NM = 550.0
@@ -38,21 +41,46 @@ KOSCHMIEDER = 3.912
 class Scatterer(NamedTuple):
     """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m; its name.
 
-    Molecules may be several, whose sum they are; one of them may be negative.
+    Molecules may be several, whose sum they are; one of them may be negative. With a peak at the
+    altitude `peak_m` its density is a tent of half width `scale_height_m`, and coefficients are
+    those at the peak.
     """
 
     scale_height_m: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
-    name: Literal["molecules", "aerosol", "aloft", "fog"]
+    name: Literal["molecules", "aerosol", "aloft", "fog", "stratosphere"]
+    peak_m: float | None = None
+
+    @property
+    def kinks_m(self) -> tuple[float, ...]:
+        """Altitudes between which a tent is linear; none of an exponential."""
+        if self.peak_m is None:
+            return ()
+        return tuple(self.peak_m + side * self.scale_height_m for side in (-1.0, 0.0, 1.0))
+
+    def density(self, altitude_m: FloatArray) -> FloatArray:
+        """Relative density (...,) at altitudes (...,)."""
+        if self.peak_m is None:
+            return exponential(self.scale_height_m, altitude_m)
+        return tent(self.scale_height_m, self.peak_m, altitude_m)
+
+    def column_above(self, altitude_m: FloatArray) -> FloatArray:
+        """Integral (...,) of the density over the altitude from altitudes (...,) up, in m."""
+        if self.peak_m is None:
+            return self.scale_height_m * self.density(altitude_m)
+        x = np.clip((altitude_m - self.peak_m) / self.scale_height_m, -1.0, 1.0)
+        return np.asarray(self.scale_height_m * (0.5 - x + 0.5 * x * np.abs(x)))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Atmosphere:
-    """A spherical atmosphere: exponential molecules, aerosol and fog, a piecewise linear absorber.
+    """A spherical atmosphere: exponential molecules, aerosol and fog, a piecewise linear absorber,
+    and aerosol of the stratosphere in a tent.
 
     Spectral values are tuples, one number per wavelength; a single number is repeated for all.
-    Coefficients are those at altitude zero (the absorber's: where its density is 1), in 1/m.
+    Coefficients are those at altitude zero (of absorber and stratosphere: where the density is 1),
+    in 1/m.
 
     Attributes:
         wavelength_nm: increasing or decreasing, in nm.
@@ -84,6 +112,10 @@ class Atmosphere:
             extinction is zero.
         fog_table: the phase function of its droplets, a row for each wavelength; none is the
             aerosol's.
+        stratosphere_scattering, stratosphere_extinction: aerosol whose density falls linearly from
+            1 at `stratosphere_peak_m` to 0 over `stratosphere_half_width_m`, down and up; none
+            where the extinction is zero.
+        stratosphere_table: its phase function, a row for each wavelength; none is the aerosol's.
 
     Raises:
         ValueError: a value is outside its physical range; the sentence names it.
@@ -122,6 +154,11 @@ class Atmosphere:
     fog_extinction: tuple[float, ...] = (0.0,)
     fog_scale_height_m: float = 100.0
     fog_table: PhaseTable | None = None
+    stratosphere_scattering: tuple[float, ...] = (0.0,)
+    stratosphere_extinction: tuple[float, ...] = (0.0,)
+    stratosphere_peak_m: float = PEAK_M
+    stratosphere_half_width_m: float = HALF_WIDTH_M
+    stratosphere_table: PhaseTable | None = None
 
     def __post_init__(self) -> None:
         for name in self._numeric():
@@ -195,13 +232,15 @@ class Atmosphere:
             mie_scattering=tuple(factor * self.mie_scattering + usual),
             aloft_extinction=tuple(factor * self.aloft_extinction),
             aloft_scattering=tuple(factor * self.aloft_scattering),
+            stratosphere_extinction=tuple(factor * self.stratosphere_extinction),
+            stratosphere_scattering=tuple(factor * self.stratosphere_scattering),
             mie_g=self.mie_g if mie_g is None else mie_g,
             mie_table=self.mie_table if mie_g is None else None,
             aloft_table=self.aloft_table if mie_g is None else None,
         )
 
     def with_optics(self, optics: AerosolOptics, optical_depth_550: float | None = None) -> Self:
-        """This atmosphere with a measured or tabulated aerosol instead.
+        """This atmosphere with a measured or tabulated aerosol in its troposphere instead.
 
         Its layers thin out exponentially, each with its own column, albedo and phase function.
 
@@ -230,8 +269,27 @@ class Atmosphere:
             aloft_table=aloft.phase_at(nm) if upper.any() else None,
         )
 
+    def with_stratosphere(self, layer: AerosolLayer) -> Self:
+        """This atmosphere with a tent of aerosol in its stratosphere instead.
+
+        Raises:
+            ValueError: the layer is exponential.
+        """
+        if layer.peak_m is None:
+            raise ValueError("aerosol of the stratosphere needs the altitude of its peak")
+        nm = self.wavelength_nm
+        extinction = layer.depth_at(nm) / layer.height_m
+        return replace(
+            self,
+            stratosphere_extinction=tuple(extinction),
+            stratosphere_scattering=tuple(extinction * layer.albedo_at(nm)),
+            stratosphere_peak_m=layer.peak_m,
+            stratosphere_half_width_m=layer.height_m,
+            stratosphere_table=layer.phase_at(nm) if extinction.any() else None,
+        )
+
     def in_one_layer(self, scale_height_m: float) -> Self:
-        """This atmosphere with all its aerosol in one layer of a scale height.
+        """This atmosphere with all aerosol of its troposphere in one layer of a scale height.
 
         The column up to the air's top stays; albedo and phase function are the mean of both
         layers'.
@@ -288,7 +346,8 @@ class Atmosphere:
         )
 
     def scatterers(self) -> tuple[Scatterer, ...]:
-        """Molecules, aerosol and, where there is any, aerosol aloft and fog, in that order."""
+        """Molecules, aerosol and, where there are any, aerosol aloft, fog and aerosol of the
+        stratosphere, in that order."""
         molecules, extinction = np.asarray(self.rayleigh_scattering), self.molecule_extinction
         haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
         all_of_it = [
@@ -304,6 +363,12 @@ class Atmosphere:
         if self.foggy:
             fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
             all_of_it.append(Scatterer(self.fog_scale_height_m, *fog, "fog"))
+        if self.has_stratosphere:
+            extinction = np.asarray(self.stratosphere_extinction)
+            scattering = np.asarray(self.stratosphere_scattering)
+            shape = self.stratosphere_half_width_m, self.stratosphere_peak_m
+            high = Scatterer(shape[0], extinction, scattering, "stratosphere", shape[1])
+            all_of_it.append(high)
         return tuple(all_of_it)
 
     def particles(self) -> tuple[Scatterer, ...]:
@@ -359,14 +424,21 @@ class Atmosphere:
         )
 
     def aerosol_depth(self) -> NDArray[np.float64]:
-        """Vertical optical depth (C,) of both layers of aerosol."""
-        lower = self.mie_scale_height_m * np.asarray(self.mie_extinction)
-        return np.asarray(lower + self.aloft_scale_height_m * np.asarray(self.aloft_extinction))
+        """Vertical optical depth (C,) of all layers of aerosol."""
+        depth = self.mie_scale_height_m * np.asarray(self.mie_extinction)
+        depth = depth + self.aloft_scale_height_m * np.asarray(self.aloft_extinction)
+        high = self.stratosphere_half_width_m * np.asarray(self.stratosphere_extinction)
+        return np.asarray(depth + high)
 
     @property
     def has_aloft(self) -> bool:
         """Whether there is aerosol in a second layer."""
         return any(self.aloft_extinction)
+
+    @property
+    def has_stratosphere(self) -> bool:
+        """Whether there is aerosol in the stratosphere."""
+        return any(self.stratosphere_extinction)
 
     @property
     def foggy(self) -> bool:
@@ -387,7 +459,25 @@ class Atmosphere:
     @property
     def mixed(self) -> bool:
         """Whether particles of several phase functions lie at different altitudes."""
-        return self.has_droplets or (self.has_aloft and self.aloft_table is not None)
+        aloft = self.has_aloft and self.aloft_table is not None
+        high = self.has_stratosphere and self.stratosphere_table is not None
+        return self.has_droplets or aloft or high
+
+    @property
+    def kinks_m(self) -> tuple[float, ...]:
+        """Altitudes inside the air, rising, where a density has a kink."""
+        kinks = {*self.absorber_altitude_m, *(m for k in self.particles() for m in k.kinks_m)}
+        return tuple(sorted(m for m in kinks if 0.0 < m < self.top_altitude_m))
+
+    def table_of(self, name: str) -> PhaseTable | None:
+        """The phase table of "aerosol", "aloft", "fog" or "stratosphere", its own or the
+        aerosol's; none of a closed form."""
+        own = {
+            "aloft": self.aloft_table,
+            "fog": self.fog_table,
+            "stratosphere": self.stratosphere_table,
+        }
+        return own.get(name) or self.mie_table
 
     def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the absorber at altitudes (...,)."""

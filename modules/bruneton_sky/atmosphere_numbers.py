@@ -24,6 +24,8 @@ LAYERS = (
     "aloft_extinction",
     "fog_scattering",
     "fog_extinction",
+    "stratosphere_scattering",
+    "stratosphere_extinction",
     "gas_absorption",
     "pair_absorption",
 )
@@ -42,14 +44,15 @@ _POSITIVE = (
     "mie_scale_height_m",
     "fog_scale_height_m",
     "aloft_scale_height_m",
+    "stratosphere_half_width_m",
     "sun_angular_radius_rad",
 )
 # Accepted lengths: squares of shorter and longer ones lose digits or overflow.
-_LENGTHS, LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
+_LENGTHS, LENGTHS_M = _POSITIVE[:7], (1e-3, 1e12)
 _AMOUNTS = ("rayleigh_depolarisation", "water_vapour_cm", "refractivity")
-_SCALAR = (*_POSITIVE, *_AMOUNTS, "mie_g", "mu_s_min")
+_SCALAR = (*_POSITIVE, *_AMOUNTS, "mie_g", "mu_s_min", "stratosphere_peak_m")
 _MOST_AMOUNTS = (1.0, 100.0, 0.1)
-_TABLES = ("mie_table", "aloft_table", "fog_table")
+_TABLES = ("mie_table", "aloft_table", "fog_table", "stratosphere_table")
 NO_NUMBERS = ("mie_phase", *_TABLES)
 # Where a density of several exponentials is looked at.
 _PLACES = 241
@@ -97,7 +100,7 @@ def check_numbers(values: Mapping[str, Any], molecules: Callable[[FloatArray], F
         as_number(f"{name} of the atmosphere", values[name], 0.0, most)
     within = -1 <= values["mu_s_min"] < 1
     _require(within, "mu_s_min", f"must be a cosine below 1, not {values['mu_s_min']}")
-    for name in ("mie", "aloft", "fog"):
+    for name in ("mie", "aloft", "fog", "stratosphere"):
         scattering = values[f"{name}_scattering"]
         pairs = zip(scattering, values[f"{name}_extinction"], strict=True)
         # Rounding of scattering = albedo * extinction may pass the extinction by one unit.

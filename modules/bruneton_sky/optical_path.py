@@ -11,6 +11,8 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from vrut_lite.numeric_types import FloatArray
 
+# Densities of a tent at its kinks.
+TENT = 0.0, 1.0, 0.0
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(3)
 
 
@@ -110,7 +112,10 @@ def optical_depth(
     depth = np.zeros((*np.broadcast(ray.y, end_y).shape, len(atmosphere.wavelength_nm)))
     for kind in atmosphere.scatterers():
         if kind.extinction.any():
-            path = exponential_path(ray, end_altitude_m, end_y, kind.scale_height_m)
+            if kind.peak_m is None:
+                path = exponential_path(ray, end_altitude_m, end_y, kind.scale_height_m)
+            else:
+                path = layered_path(ray, end_y, kind.kinks_m, TENT)
             depth += path[..., None] * kind.extinction
     if any(atmosphere.absorption_extinction):
         layers = atmosphere.absorber_altitude_m, atmosphere.absorber_density

@@ -42,18 +42,13 @@ def mie_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(factor * (1.0 + form * cosine * cosine) / _spread(cosine, g) ** 1.5)
 
 
-def aerosol_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
-    """Phase function (..., C) in sr^-1 of the atmosphere's aerosol, table or closed form."""
-    if atmosphere.mie_table is not None:
-        return atmosphere.mie_table(nu)
+def particles_phase(atmosphere: Atmosphere, name: str, nu: ArrayLike) -> NDArray[np.float64]:
+    """Phase function (..., C) in sr^-1 of a kind of particles: see `Atmosphere.table_of`."""
+    table = atmosphere.table_of(name)
+    if table is not None:
+        return table(nu)
     one = mie_phase(atmosphere, nu)[..., None]
     return np.broadcast_to(one, (*one.shape[:-1], len(atmosphere.wavelength_nm)))
-
-
-def particles_phase(atmosphere: Atmosphere, name: str, nu: ArrayLike) -> NDArray[np.float64]:
-    """Phase function (..., C) in sr^-1 of "aerosol", "aloft" or "fog": its own or the aerosol's."""
-    table = {"aloft": atmosphere.aloft_table, "fog": atmosphere.fog_table}.get(name)
-    return aerosol_phase(atmosphere, nu) if table is None else table(nu)
 
 
 def particles_polarisation(
@@ -61,8 +56,7 @@ def particles_polarisation(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """P12 / P11 and P33 / P11 (..., C) of the same; a closed form keeps polarisation and makes
     none: 0 and 1. Where P12 is negative light vibrates across the scattering plane."""
-    table = {"aloft": atmosphere.aloft_table, "fog": atmosphere.fog_table}.get(name)
-    table = table or atmosphere.mie_table
+    table = atmosphere.table_of(name)
     if table is not None:
         return table.polarisation(nu)
     shape = *np.shape(nu), len(atmosphere.wavelength_nm)

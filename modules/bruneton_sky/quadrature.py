@@ -17,7 +17,7 @@ Ground fog ends within so few metres that one map cannot serve it and the air ab
 at the top of the fog too, FOG_TOP of its scale heights up, and have as many nodes as in air. In
 fog of visibility 1 km 12 nodes leave 4e-4; at 200 m 24 leave 1e-4, where 12 err by 0.3 on rays
 that sink slowly through it, whose nodes cluster at the far end; at 50 m 24 leave 0.05 on those
-(fog 20 m high).
+(fog 20 m high). Segments also end at the kinks of a tent of aerosol.
 """
 
 from functools import lru_cache
@@ -65,7 +65,7 @@ def view_nodes(
 ) -> ViewNodes:
     """Nodes on rays (...,), `count` on each segment.
 
-    Segments end at the perigee, at the top of fog and at the edge of the planet's shadow, across
+    Segments end at the perigee, at `break_levels_m` and at the edge of the planet's shadow, across
     which the integrand jumps. `end`: altitude and y (...,) of the rays' ends; by default the
     ground or the top of the atmosphere.
     """
@@ -111,8 +111,7 @@ def _extinction(atmosphere: Atmosphere, altitude_m: FloatArray) -> FloatArray:
     """Extinction (...,) of all that scatters in 1/m where it is largest in the spectrum."""
     return sum(
         (
-            kind.extinction[np.abs(kind.extinction).argmax()]
-            * np.exp(-altitude_m / kind.scale_height_m)
+            kind.extinction[np.abs(kind.extinction).argmax()] * kind.density(altitude_m)
             for kind in atmosphere.scatterers()
         ),
         np.zeros(()),
@@ -129,15 +128,14 @@ def _break_points(
 ) -> tuple[FloatArray, FloatArray]:
     """Sorted y and altitude (..., 5): start, perigee, two shadow edges, end; some coincide.
 
-    In fog there are two more, where it begins and ends.
+    There are two more for each of `break_levels_m`.
     """
     points = [ray.y, np.zeros_like(ray.y), end_y]
     for distance in shadow_boundary(ray, mu_s, nu):
         points.append(np.where(distance > 0, y_along(ray, distance), ray.y))
-    if atmosphere.foggy:
-        fog_top_m = FOG_TOP * atmosphere.fog_scale_height_m
-        fog_y = np.sqrt(np.maximum(fog_top_m - ray.perigee_altitude_m, 0.0))
-        points += [-fog_y, fog_y]
+    for level_m in break_levels_m(atmosphere):
+        level_y = np.sqrt(np.maximum(level_m - ray.perigee_altitude_m, 0.0))
+        points += [-level_y, level_y]
     inside = [np.clip(point, ray.y, end_y) for point in points]
     y = np.sort(np.stack(np.broadcast_arrays(*inside), axis=-1), axis=-1)
     one = _add_axes(ray, 1)
@@ -146,6 +144,12 @@ def _break_points(
     altitude = np.where(y == one.y, one.altitude_m, altitude)
     altitude = np.where((y == end_y[..., None]) & (y > one.y), end_altitude[..., None], altitude)
     return y, altitude
+
+
+def break_levels_m(atmosphere: Atmosphere) -> tuple[float, ...]:
+    """Altitudes where segments end: the top of fog, and the kinks of the stratosphere's tent."""
+    fog = (FOG_TOP * atmosphere.fog_scale_height_m,) * atmosphere.foggy
+    return *fog, *(m for kind in atmosphere.particles() for m in kind.kinks_m)
 
 
 def _signed_length(y: FloatArray, altitude: FloatArray, ascending: NDArray[np.bool_]) -> FloatArray:

@@ -44,6 +44,7 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
         aloft_scattering=tuple(np.asarray(atmosphere.aloft_scattering) * aloft),
         aloft_extinction=tuple(np.asarray(atmosphere.aloft_extinction) * aloft),
+        stratosphere_peak_m=atmosphere.stratosphere_peak_m - altitude_m,
         absorber_altitude_m=layers,
         absorber_density=density,
     )

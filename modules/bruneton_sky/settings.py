@@ -269,9 +269,14 @@ def _preset(
         return air.with_aerosol(depth, ANGSTROM_EXPONENT)
     if haze.one_lobe:
         # The published air. One lobe needs no table: its closed form is exact.
-        return earth_spectral(wavelength_nm).with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
+        published = earth_spectral(wavelength_nm)
+        if haze.scale_height_m is not None:
+            published = replace(published, mie_scale_height_m=haze.scale_height_m)
+        return published.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
     air = earth_standard(wavelength_nm, haze.nitrogen_dioxide)
-    return air.with_optics(haze.optics, haze.optical_depth_550)
+    air = air.with_optics(haze.optics, haze.troposphere_depth_550)
+    high = haze.stratosphere
+    return air if high is None else air.with_stratosphere(high)
 
 
 def _with_fog(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
@@ -315,10 +320,10 @@ def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
 
 def _mean_height_m(air: Atmosphere) -> float:
     """Aerosol above a square metre over its extinction at altitude 0."""
-    at_ground = air.mie_extinction[0] + air.aloft_extinction[0]
-    if at_ground == 0.0:
+    low, aloft = air.mie_extinction[0], air.aloft_extinction[0]
+    if low + aloft == 0.0:
         return air.mie_scale_height_m
-    return float(air.aerosol_depth()[0] / at_ground)
+    return (low * air.mie_scale_height_m + aloft * air.aloft_scale_height_m) / (low + aloft)
 
 
 def _column_m(scale_height_m: float, top_m: float) -> float:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.optical_path import TENT
 from bruneton_sky.path_kernels import (
     compiled,
     exponential_path,
@@ -17,8 +18,10 @@ from bruneton_sky.path_kernels import (
     layered_path,
     make_ray,
 )
-from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
+from bruneton_sky.quadrature import CLUSTERING, HAZE_DEPTH, break_levels_m, unit_nodes
 from vrut_lite.numeric_types import FloatArray
+
+_TENT = np.array(TENT)
 
 
 def fast_scattered_without_phase(
@@ -58,13 +61,15 @@ def fast_by_name(
     out = np.zeros((len(scatterers), len(mu), len(atmosphere.wavelength_nm)))
     _trace_rays(
         (atmosphere.ground_radius_m, atmosphere.top_altitude_m),
-        np.array([kind.scale_height_m for kind in scatterers]),
+        np.array([kind.scale_height_m for kind in scatterers if kind.peak_m is None]),
+        np.array([kind.kinks_m for kind in scatterers if kind.peak_m is not None]).reshape(-1, 3),
         np.array([kind.extinction for kind in scatterers]),
         np.array(atmosphere.absorption_extinction),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *unit_nodes(samples),
-        (CLUSTERING, HAZE_DEPTH, FOG_TOP * atmosphere.fog_scale_height_m * atmosphere.foggy),
+        (CLUSTERING, HAZE_DEPTH),
+        np.array(break_levels_m(atmosphere)),
         (float(altitude_m), float(mu_s)),
         np.ascontiguousarray(mu, dtype=float),
         np.ascontiguousarray(nu, dtype=float),
@@ -77,15 +82,14 @@ def fast_by_name(
 
 @compiled
 def _trace_rays(  # type: ignore[no-untyped-def]
-    planet, scales, extinction, absorption, absorber_altitude, absorber_density, nodes, weights,
-    rule, place, mu, nu, out,
+    planet, scales, tents, extinction, absorption, absorber_altitude, absorber_density, nodes,
+    weights, rule, levels, place, mu, nu, out,
 ):  # fmt: skip
-    fog_top = rule[2]
-    breaks = np.empty((2, 7 if fog_top > 0.0 else 5))
-    matter = np.empty((2, scales.size))
+    breaks = np.empty((2, 5 + 2 * levels.size))
+    matter = np.empty((2, len(extinction)))
     for i in range(mu.size):
         ray = make_ray(planet[0], place[0], mu[i])
-        _fill_break_points(planet, ray, place[1], nu[i], fog_top, breaks)
+        _fill_break_points(planet, ray, place[1], nu[i], levels, breaks)
         for segment in range(breaks.shape[1] - 1):
             length, low_y, low_altitude = _segment(breaks, segment)
             middle = 0.5 * (breaks[0, segment] + breaks[0, segment + 1])
@@ -93,7 +97,7 @@ def _trace_rays(  # type: ignore[no-untyped-def]
                 continue
             b = rule[0]
             if length > 0.0:
-                thickness = _extinction(extinction, scales, low_altitude) * length
+                thickness = _extinction(extinction, scales, tents, low_altitude) * length
                 b += math.log1p(thickness * jacobian(ray[2], low_y) / rule[1])
             whole = math.expm1(b)
             for k in range(nodes.size):
@@ -104,49 +108,60 @@ def _trace_rays(  # type: ignore[no-untyped-def]
                 weight = weights[k] * b * (part + 1.0) / whole
                 metres = abs(length) * weight * jacobian(ray[2], y)
                 _add_node(
-                    planet, scales, extinction, absorption, absorber_altitude, absorber_density,
-                    ray, altitude, y, place[1], nu[i], metres, matter, out[:, i],
+                    planet, scales, tents, extinction, absorption, absorber_altitude,
+                    absorber_density, ray, altitude, y, place[1], nu[i], metres, matter, out[:, i],
                 )  # fmt: skip
 
 
 @compiled
 def _add_node(  # type: ignore[no-untyped-def]
-    planet, scales, extinction, absorption, absorber_altitude, absorber_density, ray, altitude, y,
-    mu_s, nu, metres, matter, out,
+    planet, scales, tents, extinction, absorption, absorber_altitude, absorber_density, ray,
+    altitude, y, mu_s, nu, metres, matter, out,
 ):  # fmt: skip
     sun = make_ray(planet[0], altitude, _sun_cosine(planet[0], ray, altitude, y, mu_s, nu))
     sun_y = max(math.sqrt(max(planet[1] - sun[3], 0.0)), sun[4])
     path, density = matter[0], matter[1]
     for k in range(scales.size):
         path[k], density[k] = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[k])
+    for k in range(len(tents)):
+        last = scales.size + k
+        path[last] = layered_path(ray, y, tents[k], _TENT)
+        path[last] += layered_path(sun, sun_y, tents[k], _TENT)
+        density[last] = _tent(tents[k], altitude)
     absorbed = 0.0
     if absorption.any():
         absorbed = layered_path(ray, y, absorber_altitude, absorber_density)
         absorbed += layered_path(sun, sun_y, absorber_altitude, absorber_density)
     for c in range(extinction.shape[1]):
         depth = absorption[c] * absorbed
-        for k in range(scales.size):
+        for k in range(path.size):
             depth += extinction[k, c] * path[k]
         light = metres * math.exp(-depth)
-        for k in range(scales.size):
+        for k in range(path.size):
             out[k, c] += light * density[k]
 
 
 @compiled
-def _extinction(extinction, scales, altitude):  # type: ignore[no-untyped-def]
+def _extinction(extinction, scales, tents, altitude):  # type: ignore[no-untyped-def]
     total = 0.0
-    for k in range(scales.size):
+    for k in range(len(extinction)):
         most, least = extinction[k].max(), extinction[k].min()
-        total += (most if most > -least else least) * math.exp(-altitude / scales[k])
+        if k < scales.size:
+            density = math.exp(-altitude / scales[k])
+        else:
+            density = _tent(tents[k - scales.size], altitude)
+        total += (most if most > -least else least) * density
     return total
 
 
 @compiled
-def _fill_break_points(planet, ray, mu_s, nu, fog_top, breaks):  # type: ignore[no-untyped-def]
-    """y and altitude of start, perigee, both shadow edges and end, sorted by y.
+def _tent(kinks, altitude):  # type: ignore[no-untyped-def]
+    return max(1.0 - abs(altitude - kinks[1]) / (kinks[2] - kinks[1]), 0.0)
 
-    With room for two more, there are those where fog begins and ends.
-    """
+
+@compiled
+def _fill_break_points(planet, ray, mu_s, nu, levels, breaks):  # type: ignore[no-untyped-def]
+    """y and altitude of start, perigee, both shadow edges, end and altitudes, sorted by y."""
     altitude, radius, p, perigee, start, along = ray
     hits = along < 0 and perigee <= 0
     end = -math.sqrt(-perigee) if hits else math.sqrt(planet[1] - altitude + start * start)
@@ -158,9 +173,10 @@ def _fill_break_points(planet, ray, mu_s, nu, fog_top, breaks):  # type: ignore[
     q = -(b + math.copysign(math.sqrt(max(discriminant, 0.0)), b))
     breaks[0, :] = start
     breaks[0, 1], breaks[0, 4] = min(max(0.0, start), end), end
-    if breaks.shape[1] > 5:
-        fog = math.sqrt(max(fog_top - perigee, 0.0))
-        breaks[0, 5], breaks[0, 6] = min(max(-fog, start), end), min(max(fog, start), end)
+    for k in range(levels.size):
+        level = math.sqrt(max(levels[k] - perigee, 0.0))
+        breaks[0, 5 + 2 * k] = min(max(-level, start), end)
+        breaks[0, 6 + 2 * k] = min(max(level, start), end)
     for k in range(2):
         numerator, denominator = (q, a) if k == 0 else (c, q)
         if discriminant > 0 and abs(denominator) > abs(numerator) * 1e-9:

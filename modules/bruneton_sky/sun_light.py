@@ -49,7 +49,7 @@ def bent_air(atmosphere: Atmosphere) -> BentAir:
         top_m,
         atmosphere.refractivity,
         atmosphere.molecules,
-        tuple(m for m in atmosphere.absorber_altitude_m if 0.0 < m < top_m),
+        atmosphere.kinks_m,
     )
     heights_m = np.linspace(0.0, top_m, _SLOPES)
     terms = atmosphere.rayleigh_terms
@@ -67,15 +67,13 @@ def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLik
     air = bent_air(atmosphere)
     altitude = np.asarray(altitude_m, dtype=float)
     mu = np.maximum(np.asarray(mu_s, dtype=float), horizon_sine(air, altitude))
-    kinds = [kind for kind in atmosphere.scatterers() if kind.name != "molecules"]
+    kinds = atmosphere.particles()
     densities: list[Density] = [
         atmosphere.molecules,
         lambda height: atmosphere.molecules(height) ** 2,
         atmosphere.absorber,
-        *(
-            partial(exponential, height_m)
-            for height_m in [WATER_HEIGHT_M, *(k.scale_height_m for k in kinds)]
-        ),
+        partial(exponential, WATER_HEIGHT_M),
+        *(kind.density for kind in kinds),
     ]
     paths = slant_paths(air, altitude, mu, densities)
     per_m = [
@@ -95,10 +93,9 @@ def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLik
 def haze_layers(atmosphere: Atmosphere) -> tuple[HazeLayer, ...]:
     """Aerosol and fog of an atmosphere at `HAZE_NM`, as the key light names them."""
     layers = []
-    for scatterer in atmosphere.scatterers():
-        if scatterer.name != "molecules":
-            red, green, blue = (scatterer.extinction * scatterer.scale_height_m).tolist()
-            layers.append(HazeLayer(scatterer.scale_height_m, (red, green, blue)))
+    for kind in atmosphere.particles():
+        red, green, blue = (kind.extinction * kind.scale_height_m).tolist()
+        layers.append(HazeLayer(kind.scale_height_m, (red, green, blue), kind.peak_m))
     return tuple(layers)
 
 

@@ -198,7 +198,9 @@ def _air_depths(
     """
     horizontal_m = distance_m * np.sqrt(np.maximum(1.0 - mu * mu, 0.0))
     far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * GROUND_RADIUS_M)
-    of_haze = [(layer.height_m, layer.depth_at(_RGB_NM) / layer.height_m) for layer in haze]
+    # Clouds lie below the stratosphere's aerosol.
+    low = [layer for layer in haze if layer.peak_m is None]
+    of_haze = [(layer.height_m, layer.depth_at(_RGB_NM) / layer.height_m) for layer in low]
     before, whole = np.zeros((2, len(mu), 3))
     for scale_m, per_m in [(COLUMN_M, molecules_per_m(_RGB_NM)), *of_haze]:
         in_m = distance_m * _mean_density(eye_altitude_m, far_altitude_m, scale_m)

@@ -9,8 +9,8 @@ molecules and aerosol at the eye, but at most nine tenths: the sky's aureole is 
 phase function. All of it counts as the molecules'. The rest is light scattered
 again; with the sun below the horizon all light counts as such, though high air may still be lit.
 
-The aerosol is the haze's (`SetHaze.optics`); molecules are those of the standard air, in one
-exponential with their column.
+The aerosol is the troposphere's (`SetHaze.optics`): that of the stratosphere lies behind the scene.
+Molecules are those of the standard air, in one exponential with their column.
 """
 
 from functools import lru_cache
@@ -74,8 +74,7 @@ def layers_of(haze: SetHaze) -> Layers:
     """The air of a haze."""
     optics = haze.optics
     heights_m = np.array([COLUMN_M, *(layer.height_m for layer in optics.layers)])
-    share = haze.optical_depth_550 / optics.optical_depth_550
-    low, aloft = (share * layer.depth_at(SKYLIGHT_NM) for layer in optics.layers)
+    low, aloft = (layer.depth_at(SKYLIGHT_NM) for layer in haze.troposphere_layers)
     # The colour of a channel's light is that of the wavelengths near it: negative shares, of
     # others, would make no phase function.
     near = np.maximum(_shares(), 0.0)

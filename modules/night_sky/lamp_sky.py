@@ -65,7 +65,7 @@ def _depth_below(haze: SetHaze, altitude: FloatArray) -> FloatArray:
 
 def _albedo(haze: SetHaze, kind: int) -> FloatArray:
     """Single scattering albedo (3,) of molecules (kind 0) or of a layer of aerosol."""
-    return np.ones(3) if kind == 0 else haze.optics.layers[kind - 1].albedo_at(RGB_NM)
+    return np.ones(3) if kind == 0 else haze.aerosol_layers[kind - 1].albedo_at(RGB_NM)
 
 
 def _mean_phase(haze: SetHaze, kind: int, elevation: FloatArray, slope: FloatArray) -> FloatArray:
@@ -77,7 +77,7 @@ def _mean_phase(haze: SetHaze, kind: int, elevation: FloatArray, slope: FloatArr
     if kind == 0:
         found = 3.0 / (16.0 * np.pi) * (1.0 + cosine**2)
         return np.repeat(found.mean(axis=-1)[:, None], 3, axis=1)
-    table = haze.optics.layers[kind - 1].phase_at(RGB_NM).values
+    table = haze.aerosol_layers[kind - 1].phase_at(RGB_NM).values
     at = np.sqrt(np.maximum(0.5 - 0.5 * cosine, 0.0))
     nodes = np.linspace(0.0, 1.0, PHASE_NODES)
     return np.stack([np.interp(at, nodes, row).mean(axis=-1) for row in table], axis=1)

@@ -16,6 +16,7 @@ from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
 from vrut_lite.atmosphere.aerosols.mie import lognormal_volume, optics_of_sizes
 from vrut_lite.atmosphere.aerosols.own import OwnAerosol
 from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
+from vrut_lite.atmosphere.aerosols.stratosphere import BACKGROUND_DEPTH_550, stratosphere
 from vrut_lite.atmosphere.aerosols.types import AerosolMixture
 
 # Hess, Koepke and Schult 1998, table 4: optical depth at 550 nm at 80 % humidity.
@@ -48,10 +49,12 @@ WATER_SOLUBLE_PHASE = {
 
 
 def test_the_nine_types_have_the_published_optical_depths():
-    """To 0.5 %, and half of the last digit that is printed."""
+    """To 0.5 %, and half of the last digit that is printed; with the background of the
+    stratosphere, which lies in a layer of its own."""
     assert set(OPAC_TYPES) == set(PUBLISHED_DEPTHS)
     for name, depth in PUBLISHED_DEPTHS.items():
-        assert type_optics(name).optical_depth_550 == pytest.approx(depth, rel=5e-3, abs=5e-4)
+        whole = type_optics(name).optical_depth_550 + BACKGROUND_DEPTH_550
+        assert whole == pytest.approx(depth, rel=5e-3, abs=5e-4)
 
 
 def test_the_table_of_water_soluble_particles_is_opacs():
@@ -232,3 +235,17 @@ def test_droplets_have_a_fogbow_and_no_peak_that_harmonics_cannot_carry():
     bow, beside = (phase(np.cos(np.radians(angle)))[1] for angle in (142.0, 120.0))
     assert bow > 4.0 * beside
     assert np.abs(phase.coefficients(24)[:, 17:]).max() < 0.02
+
+
+def test_droplets_of_the_stratosphere_are_those_of_their_depth():
+    """The background's are small: their depth falls with the wavelength to the power -1.3, about
+    Angstrom's mean; those of an eruption are larger, and nearly grey. None absorb."""
+    exponents = []
+    for depth in (0.005, 0.3):
+        layer = stratosphere(depth)
+        assert layer.depth_at([550.0])[0] == pytest.approx(depth)
+        assert layer.albedo_at([450.0, 650.0]) == pytest.approx(1.0, abs=1e-6)
+        blue, red = layer.depth_at([445.0, 635.0])
+        exponents.append(np.log(blue / red) / np.log(635.0 / 445.0))
+    assert exponents[0] == pytest.approx(1.3, abs=0.1)
+    assert abs(exponents[1]) < 0.6

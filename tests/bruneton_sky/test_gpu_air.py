@@ -35,6 +35,7 @@ def fields(other_planet) -> dict[str, SourceField]:
     sun = tuple(solar_irradiance(SKYLIGHT_NM))
     airs = {
         "haze": air_of(),
+        "fog under the stratosphere": air_of(fog_visibility_m=800.0),
         "fog": air_of(fog_visibility_m=800.0, mie_phase="henyey-greenstein"),
         "molecules": replace(air_of(preset="earth-clear"), mie_scattering=(0.0,) * 4),
         "aerosol": replace(air_of(), rayleigh_scattering=(0.0,) * 4),

@@ -13,7 +13,7 @@ from bruneton_sky import Atmosphere
 from bruneton_sky.atmosphere_numbers import SPECTRAL_FIELDS
 from bruneton_sky.background import surroundings
 from bruneton_sky.ground_light import ground_radiance
-from bruneton_sky.phase import aerosol_phase, rayleigh_phase
+from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.presets import RGB_NM, preset
 from bruneton_sky.settings import (
     BrunetonSkySettings,
@@ -77,7 +77,7 @@ def _parts_rgb(
     molecules, aerosol = fast_scattered_without_phase(air, 0.0, mu, mu_s, nu, 24)
     once = molecules * rayleigh_phase(nu)[:, None]
     rest = once + multiple_scattering(field, 0.0, mu, mu_s, nu)
-    of_aerosol = aerosol * aerosol_phase(air, nu)
+    of_aerosol = aerosol * particles_phase(air, "aerosol", nu)
     nm = air.wavelength_nm
     return rgb_from_spectrum(of_aerosol, nm), rgb_from_spectrum(rest + of_aerosol, nm)
 

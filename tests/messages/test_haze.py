@@ -1,5 +1,6 @@
 """One haze for every sky: a host input that skies follow, unless their own settings name one."""
 
+import msgspec
 import pytest
 from bruneton_sky.module import BrunetonSky
 from command_output import shared_options
@@ -156,3 +157,42 @@ def test_the_command_line_overrides_what_a_project_sets():
         "dynamic_skylight": {"albedo": 0.2},
         "bruneton_sky": {"albedo": 0.2, "turbidity": "2"},
     }
+
+
+def test_the_stratosphere_is_a_part_of_the_column():
+    """The layers add to the depth that was set, with background, eruption and none; more than all
+    of it is all of it. One lobe is one layer."""
+    for depth, high in ((0.2, 0.005), (0.2, 0.0), (0.2, 0.15), (0.01, 0.1), (0.0, 0.005)):
+        haze = SetHaze(optical_depth_550=depth, stratosphere_depth_550=high)
+        depths = [layer.depth_at([550.0])[0] for layer in haze.aerosol_layers]
+        assert sum(depths) == pytest.approx(depth)
+        assert len(depths) == (3 if min(depth, high) > 0.0 else 2)
+        assert depths[2:] in ([], [pytest.approx(min(depth, high))])
+    peak_m = SetHaze(optical_depth_550=0.2, stratosphere_peak_km=25.0).layers[-1].peak_m
+    assert peak_m == 25_000.0
+    lobe = SetHaze(optical_depth_550=0.2, aerosol="one-lobe", stratosphere_depth_550=0.1)
+    assert [layer.peak_m for layer in lobe.aerosol_layers] == [None, None]
+    assert lobe.troposphere_depth_550 == 0.2
+
+
+@pytest.mark.parametrize("aerosol", ["continental-average", "one-lobe"])
+def test_the_height_of_the_haze_changes_its_lower_layer_alone(aerosol):
+    """Its column stays; both skies and the night take the layers."""
+    haze = SetHaze(optical_depth_550=0.2, aerosol=aerosol)
+    high = msgspec.structs.replace(haze, scale_height_m=3000.0)
+    for usual, now in zip(haze.aerosol_layers, high.aerosol_layers, strict=True):
+        assert now.depth_at([450.0, 550.0]) == pytest.approx(usual.depth_at([450.0, 550.0]))
+    assert [layer.height_m for layer in high.layers[1:]] == [
+        layer.height_m for layer in haze.layers[1:]
+    ]
+    assert high.layers[0].height_m == 3000.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("scale_height_m", 10.0), ("stratosphere_depth_550", 0.4), ("stratosphere_peak_km", 5.0)],
+)
+def test_an_impossible_layer_is_refused(field, value):
+    """By the field's name."""
+    with pytest.raises(UserError, match=field):
+        SetHaze(**{"optical_depth_550": 0.2, field: value}).check()

@@ -19,7 +19,7 @@ from vrut_lite.atmosphere.gases import (
     rayleigh_optical_depth,
 )
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
-from vrut_lite.atmosphere.slant_path import BentAir
+from vrut_lite.atmosphere.slant_path import BentAir, tent
 from vrut_lite.numeric_types import FloatArray
 
 # Exponentials of the density over its value on the ground: shares and scale heights in m.
@@ -60,8 +60,7 @@ def pair_density(altitude_m: ArrayLike) -> FloatArray:
 
 def ozone_density(altitude_m: ArrayLike) -> FloatArray:
     """Density (...,) of ozone at altitudes (...,), 1 in the middle of its tent."""
-    away_m = np.abs(np.asarray(altitude_m, dtype=float) - OZONE_MIDDLE_M)
-    return np.maximum(1.0 - away_m / OZONE_HALF_WIDTH_M, 0.0)
+    return tent(OZONE_HALF_WIDTH_M, OZONE_MIDDLE_M, np.asarray(altitude_m, dtype=float))
 
 
 def molecules_per_m(wavelength_nm: ArrayLike) -> FloatArray:

@@ -14,13 +14,15 @@ _LEAST_DEPTH = 1e-12
 
 
 class HazeLayer(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Aerosol above the ground that thins out exponentially.
+    """A layer of aerosol: exponential from the ground up, or a tent about a peak.
 
-    `optical_depth` is vertical, at `HAZE_NM`; `height_m` its scale height.
+    `optical_depth` is vertical, at `HAZE_NM`; `height_m` is the scale height, with a peak at the
+    altitude `peak_m` the tent's half width.
     """
 
     height_m: float
     optical_depth: Vector
+    peak_m: float | None = None
 
     def depth_at(self, wavelength_nm: ArrayLike) -> FloatArray:
         """Vertical depth (n,): its logarithm is a parabola of the wavelength's."""
@@ -32,3 +34,5 @@ class HazeLayer(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """A height to divide by, and depths."""
         checks.number(self, "height_m", 1.0, _MOST_HEIGHT_M)
         checks.light(self, "optical_depth", _MOST_DEPTH)
+        if self.peak_m is not None:
+            checks.number(self, "peak_m", -_MOST_HEIGHT_M, _MOST_HEIGHT_M)

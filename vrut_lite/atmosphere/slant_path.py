@@ -57,6 +57,11 @@ def exponential(scale_height_m: float, altitude_m: FloatArray) -> FloatArray:
     return np.asarray(np.exp(-altitude_m / scale_height_m))
 
 
+def tent(half_width_m: float, peak_m: float, altitude_m: FloatArray) -> FloatArray:
+    """Relative density (...,) that falls linearly from 1 at a peak to 0 on both sides."""
+    return np.maximum(1.0 - np.abs(altitude_m - peak_m) / half_width_m, 0.0)
+
+
 def slant_paths(
     air: BentAir, altitude_m: ArrayLike, sine: ArrayLike, densities: Sequence[Density]
 ) -> FloatArray:

@@ -13,19 +13,29 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.atmosphere import clear_air
 from vrut_lite.atmosphere.gases import water_optical_depth
-from vrut_lite.atmosphere.slant_path import Density, exponential, horizon_sine, slant_paths
+from vrut_lite.atmosphere.slant_path import (
+    Density,
+    exponential,
+    horizon_sine,
+    slant_paths,
+    tent,
+)
 from vrut_lite.geometry.colour import colour_table, rgb_from_spectrum, solar_irradiance
 from vrut_lite.numeric_types import FloatArray
 
 _SUN_RADIUS_RAD = 0.004675
 
 
-class ExponentialHaze(Protocol):
-    """An exponential layer of aerosol."""
+class LayerOfHaze(Protocol):
+    """A layer of aerosol: exponential, or a tent about a peak."""
 
     @property
     def height_m(self) -> float:
-        """The scale height."""
+        """The scale height, or the tent's half width."""
+
+    @property
+    def peak_m(self) -> float | None:
+        """Altitude of the tent's peak; None where the layer is exponential."""
 
     def depth_at(self, wavelength_nm: ArrayLike) -> FloatArray:
         """The vertical optical depth (n,)."""
@@ -34,7 +44,7 @@ class ExponentialHaze(Protocol):
 def sunlight_at_altitude(
     altitude_m: ArrayLike,
     sine: ArrayLike,
-    haze: Sequence[ExponentialHaze] = (),
+    haze: Sequence[LayerOfHaze] = (),
     nitrogen_dioxide_du: float = clear_air.NITROGEN_DIOXIDE_DU,
 ) -> FloatArray:
     """Irradiance (..., 3) of a plane that faces the sun, linear sRGB in W m^-2.
@@ -60,7 +70,7 @@ def sunlight_at_altitude(
 def whole_disc_rgb(
     altitude_m: ArrayLike,
     sine: ArrayLike,
-    haze: Sequence[ExponentialHaze],
+    haze: Sequence[LayerOfHaze],
     nitrogen_dioxide_du: float = clear_air.NITROGEN_DIOXIDE_DU,
 ) -> FloatArray:
     """The same by the whole disc, seen or not; may lie below 0, outside the gamut."""
@@ -74,7 +84,7 @@ def slant_depth(
     altitude_m: ArrayLike,
     sine: ArrayLike,
     wavelength_nm: ArrayLike,
-    haze: Sequence[ExponentialHaze],
+    haze: Sequence[LayerOfHaze],
     nitrogen_dioxide_du: float = clear_air.NITROGEN_DIOXIDE_DU,
 ) -> FloatArray:
     """Optical depth (..., n) of all the air along a refracted ray to space; see `slant_paths`."""
@@ -83,9 +93,11 @@ def slant_depth(
         clear_air.ozone_density,
         clear_air.pair_density,
         partial(exponential, clear_air.WATER_HEIGHT_M),
-        *(partial(exponential, layer.height_m) for layer in haze),
+        *(layer_density(layer) for layer in haze),
     ]
-    paths = slant_paths(clear_air.STANDARD_AIR, altitude_m, sine, densities)
+    kinks = {*clear_air.STANDARD_AIR.kinks_m, *(m for layer in haze for m in layer_kinks_m(layer))}
+    air = clear_air.STANDARD_AIR._replace(kinks_m=tuple(sorted(kinks)))
+    paths = slant_paths(air, altitude_m, sine, densities)
     nm = np.asarray(wavelength_nm, dtype=float)
     per_m = [
         clear_air.molecules_per_m(nm) + clear_air.nitrogen_dioxide_per_m(nm, nitrogen_dioxide_du),
@@ -99,7 +111,7 @@ def slant_depth(
 
 
 def extinctions_per_m(
-    altitude_m: ArrayLike, wavelength_nm: ArrayLike, haze: Sequence[ExponentialHaze]
+    altitude_m: ArrayLike, wavelength_nm: ArrayLike, haze: Sequence[LayerOfHaze]
 ) -> FloatArray:
     """Extinction by ozone, molecules and each layer of haze, (2 + layers, ..., n), 1/m.
 
@@ -112,8 +124,22 @@ def extinctions_per_m(
         clear_air.molecules_per_m(nm) * clear_air.molecule_density(altitude),
     ]
     for layer in haze:
-        found.append(layer.depth_at(nm) / layer.height_m * exponential(layer.height_m, altitude))
+        found.append(layer.depth_at(nm) / layer.height_m * layer_density(layer)(altitude))
     return np.stack(found)
+
+
+def layer_density(layer: LayerOfHaze) -> Density:
+    """Relative density of a layer; its integral over the altitude is the layer's height."""
+    if layer.peak_m is None:
+        return partial(exponential, layer.height_m)
+    return partial(tent, layer.height_m, layer.peak_m)
+
+
+def layer_kinks_m(layer: LayerOfHaze) -> tuple[float, ...]:
+    """Altitudes where a layer's density has a kink; none where it is exponential."""
+    if layer.peak_m is None:
+        return ()
+    return tuple(layer.peak_m + side * layer.height_m for side in (-1.0, 0.0, 1.0))
 
 
 def _shown_share(over_horizon: FloatArray) -> FloatArray:

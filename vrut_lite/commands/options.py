@@ -22,9 +22,11 @@ from vrut_lite.messages.haze import (
     DEFAULT_HAZE,
     MOST_NITROGEN_DIOXIDE_DU,
     MOST_OPTICAL_DEPTH,
+    MOST_STRATOSPHERE_DEPTH,
     ONE_LOBE,
     OWN_HAZE,
-    AerosolType,
+    SCALE_HEIGHTS_M,
+    STRATOSPHERE_PEAKS_KM,
 )
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.plain_numbers import plain_float
@@ -54,7 +56,8 @@ def _tolerance(text: str) -> float:
 
 def daylight_options(command: Command) -> Command:
     """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity,
-    --no2, --sky, --tolerance, --set and an option per setting.
+    --haze-height, --stratosphere, --stratosphere-peak, --no2, --sky, --tolerance, --set and an
+    option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
     name is that of another option is reached by --set alone.
@@ -83,6 +86,16 @@ def daylight_options(command: Command) -> Command:
         click.option("--humidity", "humidity_percent", type=FiniteRange(0.0, MOST_HUMIDITY),
                      metavar="%", help="Of the lower air, in which particles grow. Default "
                      f"{USUAL_HUMIDITY:g}."),
+        click.option("--haze-height", "scale_height_m", type=FiniteRange(*SCALE_HEIGHTS_M),
+                     metavar="M", help="Over which its lower layer thins by a factor e. Default "
+                     "the type's."),
+        click.option("--stratosphere", "stratosphere_depth_550", metavar="DEPTH",
+                     type=FiniteRange(0.0, MOST_STRATOSPHERE_DEPTH),
+                     help="What of the haze lies in the stratosphere, whose dusk is pink. Default "
+                     f"{DEFAULT_HAZE.stratosphere_depth_550:g}; 0.02 and more after an eruption."),
+        click.option("--stratosphere-peak", "stratosphere_peak_km", metavar="KM",
+                     type=FiniteRange(*STRATOSPHERE_PEAKS_KM), help="Altitude about which it "
+                     f"lies. Default {DEFAULT_HAZE.stratosphere_peak_km:g}."),
         click.option("--no2", "nitrogen_dioxide_du", metavar="DU",
                      type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU),
                      help="Nitrogen dioxide above the place. Default 1 above a city (type urban), "
@@ -133,9 +146,7 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
-    names = "turbidity", "aerosol", "humidity_percent", "nitrogen_dioxide_du"
-    named = (options.pop(key) for key in names)
-    haze = _haze(project.haze, options.pop("optical_depth_550"), *named)
+    haze = _haze(project.haze, options.pop("turbidity"), said(options, Haze.__struct_fields__))
     if haze is not None:
         changes["haze"] = haze
         project = _without_own_haze(project)
@@ -178,30 +189,22 @@ def _tell_weather(project: Project) -> None:
         click.echo(f"vrut-lite: {project.weather}: {line}", err=True)
 
 
-def _haze(
-    haze: Haze | None,
-    optical_depth_550: float | None,
-    turbidity: float | None,
-    aerosol: AerosolType | None,
-    humidity_percent: float | None,
-    nitrogen_dioxide_du: float | None,
-) -> Haze | None:
+def _haze(haze: Haze | None, turbidity: float | None, changes: dict[str, Any]) -> Haze | None:
     """The haze of the options, each of which changes its part of the project's."""
-    if optical_depth_550 is not None and turbidity is not None:
-        raise UserError("--haze and --turbidity name the same thing: say one of them")
     if turbidity is not None:
-        optical_depth_550 = float(optical_depth_of_turbidity(turbidity))
-    named = optical_depth_550, aerosol, humidity_percent, nitrogen_dioxide_du
-    if all(part is None for part in named):
+        if "optical_depth_550" in changes:
+            raise UserError("--haze and --turbidity name the same thing: say one of them")
+        changes["optical_depth_550"] = float(optical_depth_of_turbidity(turbidity))
+    if not changes:
         return None
-    known = haze or Haze(DEFAULT_HAZE.optical_depth_550, DEFAULT_HAZE.aerosol)
-    depth = known.optical_depth_550 if optical_depth_550 is None else optical_depth_550
-    humidity = known.humidity_percent if humidity_percent is None else humidity_percent
-    if aerosol is not None and aerosol != ONE_LOBE and optical_depth_550 is None:
-        depth = type_optics(aerosol, humidity).optical_depth_550
-    own = known.own if aerosol is None else None
-    dioxide = known.nitrogen_dioxide_du if nitrogen_dioxide_du is None else nitrogen_dioxide_du
-    return Haze(depth, aerosol or known.aerosol, humidity, own, dioxide)
+    known = haze or Haze(DEFAULT_HAZE.optical_depth_550)
+    if "aerosol" in changes:
+        changed = msgspec.structs.replace(known, **changes, own=None)
+        if changed.aerosol != ONE_LOBE and "optical_depth_550" not in changes:
+            published = type_optics(changed.aerosol, changed.humidity_percent).optical_depth_550
+            changes["optical_depth_550"] = published + changed.stratosphere_depth_550
+        changes["own"] = None
+    return msgspec.structs.replace(known, **changes)
 
 
 def _without_own_haze(project: Project) -> Project:

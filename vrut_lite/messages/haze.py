@@ -19,6 +19,11 @@ from vrut_lite.atmosphere.aerosol import (
 from vrut_lite.atmosphere.aerosols import AerosolOptics, optics_of_aerosol, type_optics
 from vrut_lite.atmosphere.aerosols.optics import AerosolLayer
 from vrut_lite.atmosphere.aerosols.own import OwnAerosol
+from vrut_lite.atmosphere.aerosols.stratosphere import (
+    BACKGROUND_DEPTH_550,
+    PEAK_M,
+    stratosphere,
+)
 from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.atmosphere.clear_air import CITY_NITROGEN_DIOXIDE_DU, NITROGEN_DIOXIDE_DU
 from vrut_lite.atmosphere.haze_layer import HAZE_NM, HazeLayer
@@ -51,15 +56,25 @@ DEFAULT_TURBIDITY = 3.0
 # Ten times what is above large cities.
 MOST_NITROGEN_DIOXIDE_DU = 20.0
 DEFAULT_AEROSOL: AerosolType = "continental-average"
+# Twice that of Pinatubo's first months.
+MOST_STRATOSPHERE_DEPTH = 0.3
+# Peaks of layers that volcanoes have made lie between the tropopause of the poles and 35 km.
+STRATOSPHERE_PEAKS_KM = (10.0, 40.0)
+SCALE_HEIGHTS_M = (100.0, 50_000.0)
 
 
 class SetHaze(Input, frozen=True, kw_only=True):
     """Amount and type of the aerosol above the place, and its nitrogen dioxide.
 
-    `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
-    (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
-    of a type of OPAC grow. `own` takes the type's place. `nitrogen_dioxide_du` is the column of the
-    brown gas of exhaust, in Dobson units; unset it is 1 above a city (type urban), 0.2 elsewhere.
+    `optical_depth_550` is vertical, at 550 nm, of all aerosol; turbidity is an alias on Preetham's
+    scale, 3 is 0.20 (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in
+    which particles of a type of OPAC grow. `own` takes the type's place. `scale_height_m` is that
+    of the lower layer; unset it is the type's. `nitrogen_dioxide_du` is the column of the brown gas
+    of exhaust, in Dobson units; unset it is 1 above a city (type urban), 0.2 elsewhere.
+
+    `stratosphere_depth_550` is the stratosphere's part of the depth, at most all of it, about an
+    altitude of `stratosphere_peak_km`: 0.005 as background, more after an eruption. One lobe is one
+    layer, without it.
     """
 
     optical_depth_550: float
@@ -67,6 +82,9 @@ class SetHaze(Input, frozen=True, kw_only=True):
     humidity_percent: float = USUAL_HUMIDITY
     own: OwnAerosol | None = None
     nitrogen_dioxide_du: float | None = None
+    scale_height_m: float | None = None
+    stratosphere_depth_550: float = BACKGROUND_DEPTH_550
+    stratosphere_peak_km: float = 0.001 * PEAK_M
 
     @property
     def one_lobe(self) -> bool:
@@ -88,21 +106,48 @@ class SetHaze(Input, frozen=True, kw_only=True):
 
     @property
     def optics(self) -> AerosolOptics:
-        """Optical properties of the aerosol at its reference depth."""
+        """Optical properties of the troposphere's aerosol at its reference depth."""
         if self.own is not None:
-            return self.own.optics
+            optics = self.own.optics
+        elif self.one_lobe:
+            optics = _one_lobe()
+        else:
+            optics = type_optics(self.aerosol, self.humidity_percent)
+        if self.scale_height_m is None:
+            return optics
+        low, aloft = optics.layers
+        low = replace(low, height_m=self.scale_height_m)
+        return replace(optics, height_m=self.scale_height_m, layers=(low, aloft))
+
+    @property
+    def stratosphere(self) -> AerosolLayer | None:
+        """The stratosphere's aerosol, if there is any."""
+        depth = min(self.stratosphere_depth_550, self.optical_depth_550)
+        if depth == 0.0 or self.one_lobe:
+            return None
+        return stratosphere(depth, 1000.0 * self.stratosphere_peak_km)
+
+    @property
+    def troposphere_depth_550(self) -> float:
+        """Vertical optical depth at 550 nm of the aerosol below the stratosphere."""
         if self.one_lobe:
-            return _one_lobe()
-        return type_optics(self.aerosol, self.humidity_percent)
+            return self.optical_depth_550
+        return max(self.optical_depth_550 - self.stratosphere_depth_550, 0.0)
+
+    @property
+    def troposphere_layers(self) -> tuple[AerosolLayer, ...]:
+        """The lower layer and that of the free troposphere, at the actual depth."""
+        optics = self.optics
+        share = self.troposphere_depth_550 / optics.optical_depth_550
+        return tuple(
+            replace(layer, optical_depth=share * layer.optical_depth) for layer in optics.layers
+        )
 
     @property
     def aerosol_layers(self) -> tuple[AerosolLayer, ...]:
         """Layers of the aerosol between the ground and the sun, at the actual depth."""
-        optics = self.optics
-        share = self.optical_depth_550 / optics.optical_depth_550
-        return tuple(
-            replace(layer, optical_depth=share * layer.optical_depth) for layer in optics.layers
-        )
+        high = self.stratosphere
+        return self.troposphere_layers if high is None else (*self.troposphere_layers, high)
 
     @property
     def layers(self) -> tuple[HazeLayer, ...]:
@@ -110,7 +155,7 @@ class SetHaze(Input, frozen=True, kw_only=True):
         layers = []
         for layer in self.aerosol_layers:
             red, green, blue = layer.depth_at(HAZE_NM).tolist()
-            layers.append(HazeLayer(layer.height_m, (red, green, blue)))
+            layers.append(HazeLayer(layer.height_m, (red, green, blue), layer.peak_m))
         return tuple(layers)
 
     def check(self) -> None:
@@ -120,6 +165,10 @@ class SetHaze(Input, frozen=True, kw_only=True):
         checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
         if self.nitrogen_dioxide_du is not None:
             checks.number(self, "nitrogen_dioxide_du", 0.0, MOST_NITROGEN_DIOXIDE_DU, of="haze")
+        if self.scale_height_m is not None:
+            checks.number(self, "scale_height_m", *SCALE_HEIGHTS_M, of="haze")
+        checks.number(self, "stratosphere_depth_550", 0.0, MOST_STRATOSPHERE_DEPTH, of="haze")
+        checks.number(self, "stratosphere_peak_km", *STRATOSPHERE_PEAKS_KM, of="haze")
         if self.own is not None:
             checks.instance(self, "own", OwnAerosol)
             try:

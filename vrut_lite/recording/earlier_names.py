@@ -22,8 +22,8 @@ _ADDED: dict[str, Plain] = {
 }
 
 
-# Fields that earlier atmospheres lack: a tabulated phase function, aerosol aloft, more than one
-# exponential of molecules.
+# Fields that earlier atmospheres lack: a tabulated phase function, aerosol aloft and in the
+# stratosphere, more than one exponential of molecules.
 _LATER_OF_AIR: Plain = {
     "mie_table": None,
     "aloft_scattering": UNKNOWN,
@@ -31,6 +31,11 @@ _LATER_OF_AIR: Plain = {
     "aloft_scale_height_m": 8000.0,
     "aloft_table": None,
     "fog_table": None,
+    "stratosphere_scattering": UNKNOWN,
+    "stratosphere_extinction": UNKNOWN,
+    "stratosphere_peak_m": UNKNOWN,
+    "stratosphere_half_width_m": 6000.0,
+    "stratosphere_table": UNKNOWN,
     "rayleigh_more": [0.0],
     "rayleigh_more_scale_height_m": [8000.0],
 }

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from bruneton_sky.solver.later_order_kernels import Source
 
 _GROUP = 8
-# Kinds of particles that the shader keeps apart: aerosol, aerosol aloft, fog.
-_KINDS = 3
+# Kinds of particles that the shader keeps apart, at most: see `particles.kinds_of`.
+_KINDS = 4
 
 
 class _FieldOnGpu(NamedTuple):
@@ -120,14 +120,13 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
 # One while the sun moves: not uploaded again.
 @lru_cache(maxsize=1)
 def _angles(field: SourceField, altitude_m: float) -> Array:
-    """The shader's `Phases` (n, 16)."""
+    """The shader's `Phases` (n, 20)."""
     phases = channel_phases(field, altitude_m)
-    spare = _KINDS * LANES - phases.lanes.shape[2]
-    padded = (
-        np.pad(phases.lanes[0], ((0, 0), (0, spare))),
-        np.pad(phases.channels, ((0, 0), (0, 1))),
-    )
-    return Array(np.concatenate(padded, axis=1).astype(np.float32))
+    lanes = phases.lanes[0]
+    # Kinds that share a phase function are one.
+    spare = np.tile(lanes[:, :LANES], _KINDS - lanes.shape[1] // LANES)
+    channels = np.pad(phases.channels, ((0, 0), (0, 1)))
+    return Array(np.concatenate([lanes, spare, channels], axis=1).astype(np.float32))
 
 
 def _bends(source: "Source") -> NDArray[np.float32]:

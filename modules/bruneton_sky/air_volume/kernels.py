@@ -23,13 +23,14 @@ from bruneton_sky.solver.ray_kernels import (
     mean_density,
     molecules_density,
     ray_length,
+    tent_density,
 )
 
 _f4 = np.float32
 # A slice that scatters less than this share of all slices before it is left out.
 NEGLIGIBLE = 1e-6
 # Numbers of a slice in the GPU's buffer.
-SLICE_FLOATS = 40
+SLICE_FLOATS = 44
 
 
 @fast
@@ -74,15 +75,16 @@ def _march(air, altitude, mu, start, stop, steps, light, centre, weight):  # typ
         aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
         fog = metres * layer_density(near, middle, far, air.fog_scale_height_m)
+        high = metres * tent_density(air, near, middle, far)
         absorber = metres * absorber_density(air, middle)
-        mass = _add_step(air, molecules, aerosol, aloft, fog, absorber, light, weight)
+        mass = _add_step(air, molecules, aerosol, aloft, fog, high, absorber, light, weight)
         centre[0] += mass * at
         centre[3] += mass
         near = far
 
 
 @inner
-def _add_step(air, molecules, aerosol, aloft, fog, absorber, light, weight):  # type: ignore[no-untyped-def]
+def _add_step(air, molecules, aerosol, aloft, fog, high, absorber, light, weight):  # type: ignore[no-untyped-def]
     """Add a step's matter, given in m, to the weights and dim the light; the sum of the additions.
 
     Its mean transmittance is that of an exponential.
@@ -91,12 +93,13 @@ def _add_step(air, molecules, aerosol, aloft, fog, absorber, light, weight):  # 
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
         depth += air.extinction[2, c] * absorber + air.extinction[3, c] * fog
-        depth += air.extinction[4, c] * aloft
+        depth += air.extinction[4, c] * aloft + air.extinction[5, c] * high
         passed = math.exp(-depth)
         seen = light[c] * ((1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth)
         clear = seen * air.scattering[0, c] * molecules
         haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * aloft
-        haze = seen * (haze + air.scattering[3, c] * fog)
+        haze += air.scattering[3, c] * fog + air.scattering[4, c] * high
+        haze *= seen
         weight[0, c] += clear
         weight[1, c] += haze
         mass += clear + haze
@@ -214,7 +217,7 @@ def pack_slices(air, distance, centre, weight, colour, out):  # type: ignore[no-
     Arguments as for `light_rows`.
     """
     ground, top = air.ground_radius_m, air.top_altitude_m
-    whole, share = top * (2.0 * ground + top), np.empty((3, 4))
+    whole, share = top * (2.0 * ground + top), np.empty((4, 4))
     for i in range(out.shape[0]):
         mass = 0.0
         for k in range(out.shape[1]):
@@ -238,3 +241,4 @@ def pack_slices(air, distance, centre, weight, colour, out):  # type: ignore[no-
                 for c in range(4):
                     packed[12 + c], packed[16 + c] = weight[i, k, 0, c], weight[i, k, 1, c]
                     packed[32 + c], packed[36 + c] = share[1, c], share[2, c]
+                    packed[40 + c] = share[3, c]

@@ -113,12 +113,12 @@ def air_is_seen(atmosphere: Atmosphere, altitude_m: float, reach_m: float) -> bo
     if reach_m <= 0.0:
         return False
     lowest_m = max(min(altitude_m, atmosphere.top_altitude_m) - reach_m, 0.0)
-    layers = np.asarray(atmosphere.absorber_altitude_m)
-    absorber = atmosphere.absorber([lowest_m, *layers[layers > lowest_m]]).max()
-    densest = absorber * np.asarray(atmosphere.absorption_extinction)
+    # Between kinks no sum of exponentials and lines is denser than at both.
+    height = np.array([lowest_m, *(m for m in atmosphere.kinks_m if m > lowest_m)])
+    each = np.multiply.outer(atmosphere.absorber(height), atmosphere.absorption_extinction)
     for kind in atmosphere.scatterers():
-        densest = densest + kind.extinction * np.exp(-lowest_m / kind.scale_height_m)
-    return bool(-np.expm1(-densest.max() * reach_m) > UNSEEN_SHARE)
+        each += np.multiply.outer(kind.density(height), kind.extinction)
+    return bool(-np.expm1(-each.max() * reach_m) > UNSEEN_SHARE)
 
 
 def matter_before(

@@ -132,8 +132,7 @@ def _light_depth(
 
 def _densities(atmosphere: Atmosphere, altitude_m: FloatArray) -> list[FloatArray]:
     """Relative densities (...,) of each scatterer and of the absorber."""
-    scatterers = atmosphere.scatterers()
-    densities = [np.exp(-altitude_m / kind.scale_height_m) for kind in scatterers]
+    densities = [kind.density(altitude_m) for kind in atmosphere.scatterers()]
     return [*densities, atmosphere.absorber(altitude_m)]
 
 

@@ -126,5 +126,5 @@ def _gauss_legendre_integrals(
     mu_s_there = sun_cosine(along, node_altitude, node_y, mu_s[..., None], nu[..., None])
     depth += optical_depth_to_top(atmosphere, node_altitude, mu_s_there)
     light = np.exp(-depth) * (metres * lit)[..., None]
-    densities = (np.exp(-node_altitude / kind.scale_height_m) for kind in atmosphere.scatterers())
+    densities = (kind.density(node_altitude) for kind in atmosphere.scatterers())
     return [(light * density[..., None]).sum(axis=-2) for density in densities]

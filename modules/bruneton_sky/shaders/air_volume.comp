@@ -12,8 +12,7 @@ struct Slice {
     vec4 molecules;    // weight of their scattering, four wavelengths
     vec4 aerosol;
     vec4 colour[3];    // of four wavelengths in red, green and blue, over 1 - T
-    vec4 aloft;        // share of aerosol aloft in what particles scatter, and of fog
-    vec4 fog;
+    vec4 shares[3];    // of the second and further kinds in what particles scatter
 };
 
 layout(std430, binding = 1) restrict readonly buffer Slices { Slice slices[]; };  // of each row
@@ -23,9 +22,7 @@ layout(std430, binding = 4) restrict readonly buffer Transmittance { vec4 transm
 layout(std430, binding = 5) restrict readonly buffer Rayleigh { vec4 rayleigh[]; };
 layout(std430, binding = 6) restrict readonly buffer Mie { vec4 mie[]; };
 struct Phases {
-    vec4 aerosol;      // phase functions of the particles' kinds at four wavelengths
-    vec4 aloft;
-    vec4 fog;
+    vec4 kinds[4];     // phase functions of the particles' kinds at four wavelengths
     vec4 channels;     // red, green and blue of their light
 };
 
@@ -168,13 +165,21 @@ vec3 coloured(Slice s, vec4 spectral) {
 Phases phases_of(float nu) {
     Place at = place_on(sqrt(max(0.5 - 0.5 * nu, 0.0)), angles.length());
     Phases here = angles[at.low], next = angles[at.low + 1];
-    return Phases(mix(here.aerosol, next.aerosol, at.far), mix(here.aloft, next.aloft, at.far),
-                  mix(here.fog, next.fog, at.far), mix(here.channels, next.channels, at.far));
+    Phases between;
+    for (int k = 0; k < 4; ++k) {
+        between.kinds[k] = mix(here.kinds[k], next.kinds[k], at.far);
+    }
+    between.channels = mix(here.channels, next.channels, at.far);
+    return between;
 }
 
 // The mean phase function of a slice's particles.
 vec4 mean_phase(Slice s, Phases p) {
-    return p.aerosol + s.aloft * (p.aloft - p.aerosol) + s.fog * (p.fog - p.aerosol);
+    vec4 mean = p.kinds[0];
+    for (int k = 0; k < 3; ++k) {
+        mean += s.shares[k] * (p.kinds[k + 1] - p.kinds[0]);
+    }
+    return mean;
 }
 
 void store(int part, int slice, ivec2 at, vec3 rgb) {

@@ -25,6 +25,7 @@ from bruneton_sky.solver.ray_kernels import (
     mean_density,
     molecules_density,
     ray_length,
+    tent_density,
 )
 
 # Columns of the scratch array of steps; the middle is the centre of the light.
@@ -170,14 +171,15 @@ def _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end):  # type: igno
         molecules = metres * molecules_density(air, near, middle, far)
         aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
+        high = metres * tent_density(air, near, middle, far)
         absorber = metres * absorber_density(air, middle)
-        centre = _weigh_step(air, molecules, aerosol, aloft, absorber, end, step)
+        centre = _weigh_step(air, molecules, aerosol, aloft, high, absorber, end, step)
         step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
 
 
 @inner
-def _weigh_step(air, molecules, aerosol, aloft, absorber, light, step):  # type: ignore[no-untyped-def]
+def _weigh_step(air, molecules, aerosol, aloft, high, absorber, light, step):  # type: ignore[no-untyped-def]
     """Weights of a step whose matter is given in m, and what light is left after it.
 
     Returns where in the step, from 0 to 1, the centre of its light lies.
@@ -186,7 +188,9 @@ def _weigh_step(air, molecules, aerosol, aloft, absorber, light, step):  # type:
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
         depth += air.extinction[2, c] * absorber + air.extinction[4, c] * aloft
+        depth += air.extinction[5, c] * high
         haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * aloft
+        haze += air.scattering[4, c] * high
         passed = math.exp(-depth)
         mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
         step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
@@ -248,24 +252,25 @@ def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-
         aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
         fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)
+        high = metres * tent_density(air, near, middle, far)
         absorber = metres * absorber_density(air, middle)
-        centre = _weigh_step_in_fog(air, molecules, aerosol, aloft, fog, absorber, end, step)
+        centre = _weigh_step_in_fog(air, molecules, aerosol, aloft, fog, high, absorber, end, step)
         step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
 
 
 @inner
-def _weigh_step_in_fog(air, molecules, aerosol, aloft, fog, absorber, light, step):  # type: ignore[no-untyped-def]
+def _weigh_step_in_fog(air, molecules, aerosol, aloft, fog, high, absorber, light, step):  # type: ignore[no-untyped-def]
     """`_weigh_step` with fog."""
     mass, moment = 0.0, 0.0
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
         depth += air.extinction[2, c] * absorber + air.extinction[3, c] * fog
-        depth += air.extinction[4, c] * aloft
+        depth += air.extinction[4, c] * aloft + air.extinction[5, c] * high
         passed = math.exp(-depth)
         mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
         haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * aloft
-        haze += air.scattering[3, c] * fog
+        haze += air.scattering[3, c] * fog + air.scattering[4, c] * high
         step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
         step[_WEIGHT + 4 + c] = light[c] * mean * haze
         part = step[_WEIGHT + c] + step[_WEIGHT + 4 + c]

@@ -28,14 +28,14 @@ from vrut_lite.numeric_types import FloatArray
 
 @lru_cache(maxsize=8)
 def forward_shares(atmosphere: Atmosphere, degree: int) -> Mapping[str, FloatArray]:
-    """f (C,) of "aerosol", "aloft" and "fog": the share of the light that each scatters which
+    """f (C,) of all kinds of particles: the share of the light that each scatters which
     counts as not scattered; none of droplets'."""
     none = np.zeros(len(atmosphere.wavelength_nm))
     shares = {
         name: np.maximum(_chi(atmosphere, name, degree + 1)[:, -1], 0.0)
         if atmosphere.mie_table is not None
         else none
-        for name in ("aerosol", "aloft")
+        for name in ("aerosol", "aloft", "stratosphere")
     }
     fog = none if atmosphere.has_droplets else shares["aerosol"]
     return MappingProxyType({**shares, "fog": fog})
@@ -65,8 +65,7 @@ def thinned(atmosphere: Atmosphere, degree: int) -> Atmosphere:
 @lru_cache(maxsize=32)
 def _chi(atmosphere: Atmosphere, name: str, degree: int) -> FloatArray:
     """Coefficients (C, degree + 1) of a kind's whole phase function."""
-    own = {"aloft": atmosphere.aloft_table, "fog": atmosphere.fog_table}.get(name)
-    table = own or atmosphere.mie_table
+    table = atmosphere.table_of(name)
     if table is not None:
         return table.coefficients(degree)
     one = phase_coefficients(lambda nu: mie_phase(atmosphere, nu), degree)

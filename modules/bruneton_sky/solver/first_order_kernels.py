@@ -9,7 +9,7 @@ import numpy as np
 
 from bruneton_sky.path_kernels import exponential_path, layered_path, make_ray
 from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner
-from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place
+from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place, tent_at
 
 _f4 = np.float32
 _OUT_OF_REACH = np.float32(3e38)
@@ -51,6 +51,7 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
                 molecules += air.molecules[0, k] * path
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
+            high = layered_path(ray, end, air.stratosphere[0], air.stratosphere[1])
             fog, aloft = 0.0, 0.0
             if air.fog_scale_height_m > 0.0:
                 fog = _path_to_top(air.fog_scale_height_m, top, ray, end)
@@ -59,6 +60,7 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
             for c in range(4):
                 depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
                 depth += air.extinction[3, c] * fog + air.extinction[4, c] * aloft
+                depth += air.extinction[5, c] * high
                 table[i, j, c] = _f4(math.exp(-depth - air.extinction[2, c] * absorber))
 
 
@@ -73,14 +75,13 @@ def gather_first(air, altitude, mu, bins, cells, table, row, once):  # type: ign
     """Light scattered once toward a ray's start, by molecules over Rayleigh's phase function
     3 / (16 pi) (1 + nu^2), by particles over their own.
 
-    `once` (parts * cells * 4,): by molecules; then by all particles, or by aerosol, aerosol aloft
-    and fog apart. `table` is the transmittance (altitudes, columns * 4), `row` (columns * 4,) is
-    scratch.
+    `once` (parts * cells * 4,): by molecules; then by all particles, or by each of their kinds.
+    `table` is the transmittance (altitudes, columns * 4), `row` (columns * 4,) is scratch.
     """
     _find_shadow(air, altitude, mu, cells)
     once[:] = ZERO
     parts = once.size // (4 * cells.nu.size)
-    weight, share = np.empty(16, _f4), np.empty((3, 4))
+    weight, share = np.empty(20, _f4), np.empty((4, 4))
     for b in range(bins.centre.shape[0]):
         if bins.centre[b, 3] > 0.0:
             for c in range(4):
@@ -114,17 +115,23 @@ def _depolarise(dipoles, nu, once):  # type: ignore[no-untyped-def]
 
 @inner
 def share_particles(air, altitude, share):  # type: ignore[no-untyped-def]
-    """Shares (3, 4) of aerosol, aerosol aloft and fog in what particles scatter at an altitude."""
-    low, aloft, fog = math.exp(-altitude / air.mie_scale_height_m), 0.0, 0.0
+    """Shares (4, 4) of aerosol, aerosol aloft and, where there are any, fog and aerosol of the
+    stratosphere in what particles scatter at an altitude: the order of `particles.kinds_of`."""
+    low, aloft, fog, high = math.exp(-altitude / air.mie_scale_height_m), 0.0, 0.0, 0.0
     if air.aloft_scale_height_m > 0.0:
         aloft = math.exp(-altitude / air.aloft_scale_height_m)
     if air.fog_scale_height_m > 0.0:
         fog = math.exp(-altitude / air.fog_scale_height_m)
+    if air.stratosphere.shape[1] > 1:
+        high = tent_at(air, altitude)
+    last = 3 if air.fog_scale_height_m > 0.0 else 2
     for c in range(4):
         one, two = air.scattering[1, c] * low, air.scattering[2, c] * aloft
-        three = air.scattering[3, c] * fog
-        per_all = 1.0 / max(one + two + three, 1e-300)
-        share[0, c], share[1, c], share[2, c] = one * per_all, two * per_all, three * per_all
+        three, four = air.scattering[3, c] * fog, air.scattering[4, c] * high
+        per_all = 1.0 / max(one + two + three + four, 1e-300)
+        share[0, c], share[1, c], share[3, c] = one * per_all, two * per_all, 0.0
+        share[2, c] = three * per_all
+        share[last, c] = four * per_all
 
 
 @inner

@@ -1,4 +1,4 @@
-"""Aerosol in its two layers and fog's droplets together: their phase functions where they scatter.
+"""Aerosol in its layers and fog's droplets together: their phase functions where they scatter.
 
 Orders two and up know one kind of particle besides molecules: its phase function is the mean by
 what each kind scatters at an altitude. Light that is shown scattered once keeps the kinds apart
@@ -17,15 +17,15 @@ from vrut_lite.numeric_types import FloatArray
 
 # Nodes of the phase functions in sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
 _PHASE_NODES = 1024
-KINDS = ("aerosol", "aloft", "fog")
 _TINY = 1e-300
 
 
 def kinds_of(atmosphere: Atmosphere) -> tuple[str, ...]:
     """The kinds whose light is kept apart: one for all where they share a phase function."""
     if not atmosphere.mixed:
-        return KINDS[:1]
-    return KINDS if atmosphere.foggy else KINDS[:2]
+        return ("aerosol",)
+    more = ("fog",) * atmosphere.foggy + ("stratosphere",) * atmosphere.has_stratosphere
+    return "aerosol", "aloft", *more
 
 
 def shares_at(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike) -> FloatArray:
@@ -45,10 +45,10 @@ def _shares(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike, column: 
     if len(kinds) == 1:
         return scattered + 1.0
     for kind in thinned(atmosphere, degree).particles():
-        # Far above a layer its density is too small a number.
-        density = np.exp(-np.minimum(height / kind.scale_height_m, 600.0))
-        amount = kind.scattering * density * (kind.scale_height_m if column else 1.0)
-        scattered[..., kinds.index(kind.name), :] = amount
+        # Far above an exponential layer its density is too small a number.
+        within = np.minimum(height, 600.0 * kind.scale_height_m)
+        amount = kind.column_above(within) if column else kind.density(within)
+        scattered[..., kinds.index(kind.name), :] = kind.scattering * amount
     return np.asarray(scattered / np.maximum(scattered.sum(axis=-2, keepdims=True), _TINY))
 
 

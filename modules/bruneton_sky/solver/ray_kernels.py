@@ -16,6 +16,8 @@ from bruneton_sky.solver.cell_kernels import fast, inner
 
 # Bisections: 60 km over 2^50 is below a nanometre.
 _HALVINGS = 50
+# Rise in m below which a tent's density counts as even: the difference of columns loses digits.
+_LEVEL_M = 1.0
 
 
 def nodes_of_axis(count: int, layer_share: float) -> int:
@@ -114,6 +116,37 @@ def molecules_density(air, near, middle, far):  # type: ignore[no-untyped-def]
     for k in range(share.size):
         density += share[k] * mean_density(near, middle, far, scale[k])
     return density
+
+
+@inner
+def tent_density(air, near, middle, far):  # type: ignore[no-untyped-def]
+    """The same of the stratosphere's aerosol; 0 without any."""
+    if air.stratosphere.shape[1] < 2:
+        return 0.0
+    return 0.5 * (_tent_mean(air, near, middle) + _tent_mean(air, middle, far))
+
+
+@inner
+def _tent_mean(air, start, end):  # type: ignore[no-untyped-def]
+    """Mean density of the tent between two altitudes: its column between them over the rise."""
+    if abs(end - start) < _LEVEL_M:
+        return tent_at(air, 0.5 * (start + end))
+    return (_tent_column(air, end) - _tent_column(air, start)) / (end - start)
+
+
+@inner
+def _tent_column(air, altitude):  # type: ignore[no-untyped-def]
+    """Column of the tent below an altitude, in m of the density 1."""
+    peak, half_width = air.stratosphere[0, 1], air.stratosphere[0, 2] - air.stratosphere[0, 1]
+    x = min(max((altitude - peak) / half_width, -1.0), 1.0)
+    return half_width * (0.5 + x - 0.5 * x * abs(x))
+
+
+@inner
+def tent_at(air, altitude):  # type: ignore[no-untyped-def]
+    """Density of the stratosphere's aerosol at an altitude; there must be some."""
+    peak, half_width = air.stratosphere[0, 1], air.stratosphere[0, 2] - air.stratosphere[0, 1]
+    return max(1.0 - abs(altitude - peak) / half_width, 0.0)
 
 
 @inner

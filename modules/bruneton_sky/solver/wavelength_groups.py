@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.optical_path import TENT
 
 LANES = 4
 # Reach of a dense layer in scale heights, and its share of an axis of altitudes.
@@ -19,18 +20,20 @@ HAZE_REACH, HAZE_SHARE = 1.0, 0.4
 # Optical depths from which on aerosol counts as haze, and as thick haze: at 445 nm turbidity 2 has
 # 0.13, turbidity 4 0.4.
 _HAZE, _THICK_HAZE = 0.1, 0.4
+# Optical depth of the stratosphere's aerosol beyond which its edges need finer rays in twilight.
+_VEIL = 0.01
 
 
 class WavelengthGroup(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
-    `extinction` (5, 4): of molecules, aerosol, absorber, fog, aerosol aloft; `scattering` (4, 4):
-    of molecules, aerosol, aerosol aloft, fog; `anisotropy`: of molecules, see
-    `Atmosphere.rayleigh_anisotropy`; `molecules` (2, n): shares and scale heights of the
-    exponentials of their density; `absorber` (2, n): altitudes and relative densities of its nodes;
-    one node makes no layer, where it absorbs nothing. `aloft_scale_height_m` and
-    `fog_scale_height_m` are 0 without such a layer. `layer_reach_m`, `layer_share`: see
-    `ray_kernels`; a share of 0 is no layer.
+    `extinction` (6, 4): of molecules, aerosol, absorber, fog, aerosol aloft and of the
+    stratosphere; `scattering` (5, 4): of molecules, aerosol, aerosol aloft, fog, aerosol of the
+    stratosphere; `anisotropy`: of molecules, see `Atmosphere.rayleigh_anisotropy`; `molecules` (2,
+    n): shares and scale heights of the exponentials of their density; `absorber`, `stratosphere`
+    (2, n): altitudes and relative densities of their nodes; one node makes no layer, where there is
+    no such matter. `aloft_scale_height_m` and `fog_scale_height_m` are 0 without such a layer.
+    `layer_reach_m`, `layer_share`: see `ray_kernels`; a share of 0 is no layer.
     """
 
     ground_radius_m: float
@@ -45,6 +48,7 @@ class WavelengthGroup(NamedTuple):
     scattering: NDArray[np.float64]
     molecules: NDArray[np.float64]
     absorber: NDArray[np.float64]
+    stratosphere: NDArray[np.float64]
     solar_irradiance: NDArray[np.float64]
     ground_albedo: NDArray[np.float64]
 
@@ -58,6 +62,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
             atmosphere.absorption_extinction,
             atmosphere.fog_extinction,
             atmosphere.aloft_extinction,
+            atmosphere.stratosphere_extinction,
         ]
     )
     scattering = _in_fours(
@@ -66,11 +71,14 @@ def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
             atmosphere.mie_scattering,
             atmosphere.aloft_scattering,
             atmosphere.fog_scattering,
+            atmosphere.stratosphere_scattering,
         ]
     )
     sun_and_ground = _in_fours([atmosphere.solar_irradiance, atmosphere.ground_albedo])
     molecules = np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms))
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
+    tents = [(kind.kinks_m, TENT) for kind in atmosphere.particles() if kind.peak_m is not None]
+    tent = np.array(tents[0] if tents else ((0.0,), (0.0,)))
     return [
         WavelengthGroup(
             atmosphere.ground_radius_m,
@@ -84,6 +92,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
             scattering[group],
             molecules,
             layers if extinction[group, 2].any() else layers[:, :1].copy(),
+            tent,
             sun_and_ground[group, 0],
             sun_and_ground[group, 1],
         )
@@ -99,6 +108,12 @@ def is_hazy(atmosphere: Atmosphere) -> bool:
 def is_thick_haze(atmosphere: Atmosphere) -> bool:
     """Whether the aerosol dims it by a third: then orders of scattering fall off slowly."""
     return _aerosol_depth(atmosphere) >= _THICK_HAZE
+
+
+def is_veiled(atmosphere: Atmosphere) -> bool:
+    """Whether the stratosphere has more aerosol than its background, as after an eruption."""
+    peak = max(atmosphere.stratosphere_extinction)
+    return peak * atmosphere.stratosphere_half_width_m > _VEIL
 
 
 def _aerosol_depth(atmosphere: Atmosphere) -> float:

@@ -70,8 +70,9 @@ def refuse_untabled(atmosphere: Atmosphere) -> None:
 
 
 def refuse_unpublished(atmosphere: Atmosphere) -> None:
-    """Refuse light of a tabulated phase function, molecules that depolarise or thin otherwise than
-    exponentially, and absorbers besides ozone: the published method has none of them.
+    """Refuse light of a tabulated phase function, aerosol in the stratosphere, molecules that
+    depolarise or thin otherwise than exponentially, and absorbers besides ozone: the published
+    method has none of them.
 
     Raises:
         ValueError: the atmosphere has one of these.
@@ -80,6 +81,11 @@ def refuse_unpublished(atmosphere: Atmosphere) -> None:
         raise ValueError(
             "the published tables scatter by phase functions in closed form: "
             "use bruneton_sky.solve for an aerosol with a phase table"
+        )
+    if atmosphere.has_stratosphere:
+        raise ValueError(
+            "the published tables know aerosol that thins out exponentially: use "
+            "bruneton_sky.solve for aerosol in the stratosphere"
         )
     if len(atmosphere.rayleigh_terms) > 1 or not atmosphere.has_published_molecules:
         raise ValueError(

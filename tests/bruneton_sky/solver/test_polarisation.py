@@ -297,7 +297,12 @@ def test_what_polarisation_changes_is_that_of_monte_carlo(name: str) -> None:
     air = hazy_sky().atmosphere
     if name == "molecules":
         none = dict.fromkeys(
-            ("mie_scattering", "mie_extinction", "aloft_scattering", "aloft_extinction"), (0.0,) * 4
+            (
+                f"{kind}_{what}"
+                for kind in ("mie", "aloft", "stratosphere")
+                for what in ("scattering", "extinction")
+            ),
+            (0.0,) * 4,
         )
         air = replace(air, **none)
     vector, scalar = solved(air), scalar_sky(replace(air, rayleigh_depolarisation=0.0))

@@ -20,14 +20,15 @@ _LEAST_DEPTH = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class AerosolLayer:
-    """Aerosol above a place by wavelength (C,), rising: one exponential layer.
+    """Aerosol above a place by wavelength (C,), rising: one layer.
 
     Attributes:
         wavelength_nm: wavelengths of the values; outside, the nearest value holds.
         optical_depth: (C,), vertical; 0 throughout without aerosol.
         albedo: (C,) single scattering albedo.
         phase: phase functions, a row for each wavelength.
-        height_m: the scale height.
+        height_m: the scale height of an exponential layer, or the half width of a tent.
+        peak_m: altitude of the tent's peak; None if the layer is exponential.
     """
 
     wavelength_nm: FloatArray
@@ -35,6 +36,7 @@ class AerosolLayer:
     albedo: FloatArray
     phase: PhaseTable
     height_m: float
+    peak_m: float | None = None
 
     def depth_at(self, wavelength_nm: ArrayLike) -> FloatArray:
         """Optical depth (n,): Angstrom's law between neighbours."""
@@ -55,9 +57,9 @@ class AerosolLayer:
         return self.phase.at_rows(np.maximum(1.0 - np.abs(place[:, None] - index), 0.0))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class AerosolOptics(AerosolLayer):
-    """All the aerosol above a place: sums and means of its two layers.
+    """All the aerosol of the troposphere: sums and means of its two layers.
 
     Attributes:
         layers: the lower one, whose scale height gives the same depth and the same extinction at
@@ -80,12 +82,13 @@ class AerosolOptics(AerosolLayer):
 
 def optics_of_particles(lower: Particles, upper: Particles, lower_height_m: float) -> AerosolOptics:
     """The optics of two layers, given as columns: extinction and scattering are depths."""
-    low, aloft = _layer(lower, lower_height_m), _layer(upper, ALOFT_HEIGHT_M)
-    both = _layer(lower.with_others(upper), lower_height_m)
+    low, aloft = layer_of(lower, lower_height_m), layer_of(upper, ALOFT_HEIGHT_M)
+    both = layer_of(lower.with_others(upper), lower_height_m)
     return AerosolOptics(**vars(both), layers=(low, aloft))
 
 
-def _layer(column: Particles, height_m: float) -> AerosolLayer:
+def layer_of(column: Particles, height_m: float, peak_m: float | None = None) -> AerosolLayer:
+    """A layer of particles, given as a column: extinction and scattering are depths."""
     none = np.zeros_like(column.extinction)
     return AerosolLayer(
         column.wavelength_nm,
@@ -95,6 +98,7 @@ def _layer(column: Particles, height_m: float) -> AerosolLayer:
             column.angle_rad, column.phase, [column.p12 / column.phase, column.p33 / column.phase]
         ),
         height_m,
+        peak_m,
     )
 
 

@@ -2,7 +2,7 @@
 
 Hess, Koepke and Schult 1998, tables 4 and 5: particles per cm^3 at the ground, their scale height
 and the top of their layer. Above it, up to 12 km, lies the same thin air at 50 % humidity with an
-optical depth of 0.013 at 550 nm, and in the stratosphere 0.005 (here with the same optics).
+optical depth of 0.013 at 550 nm. OPAC's 0.005 of the stratosphere are `stratosphere`'s.
 """
 
 from collections.abc import Mapping
@@ -17,11 +17,10 @@ from vrut_lite.atmosphere.aerosols.components import Particles, component
 from vrut_lite.atmosphere.aerosols.optics import ALOFT_HEIGHT_M, AerosolOptics, optics_of_particles
 
 _550_NM = 550.0
-# Depth at 550 nm of the free troposphere from 2 to 12 km, its scale height and mixture; and of the
-# stratosphere.
+# Depth at 550 nm of the free troposphere from 2 to 12 km, its scale height and mixture.
 _ALOFT_DEPTH, _ALOFT_FROM_KM, _ALOFT_TO_KM = 0.013, 2.0, 12.0
 _ALOFT = MappingProxyType({"waso": 438.0, "inso": 0.0013, "soot": 294.0})
-_ALOFT_HUMIDITY, _STRATOSPHERE_DEPTH = 50.0, 0.005
+_ALOFT_HUMIDITY = 50.0
 USUAL_HUMIDITY = 80.0
 MOST_HUMIDITY = 95.0
 # Most particles per cm^3, a thousand times those of urban air.
@@ -86,8 +85,7 @@ def mixture_optics(
     column_km = height_km * -np.expm1(-top_km / height_km)
     lower = at_ground.times(column_km)
     aloft = particles_together(_ALOFT, _ALOFT_HUMIDITY)
-    depth = _aloft_depth(top_km) + _STRATOSPHERE_DEPTH
-    upper = aloft.times(depth / _at_550(aloft))
+    upper = aloft.times(_aloft_depth(top_km) / _at_550(aloft))
     return optics_of_particles(lower, upper, 1000.0 * column_km)
 
 
