@@ -68,7 +68,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     import warnings, a line each. `opened` is the request, with the guessed parts of its placement
     filled in; `cameras` are the names of the file's cameras, `variants` those of its materials'
     variants; `animation_s` is the length of its animations, 0 without any. `points_and_lines` is
-    None without any.
+    None without any. `border_rgb` is the mean albedo of the open ground at the scene's border, None
+    where it ends in something else.
     """
 
     path: str
@@ -86,6 +87,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     variants: tuple[str, ...] = ()
     points_and_lines: PointsAndLines | None = None
     animation_s: float = 0.0
+    border_rgb: Vector | None = None
 
     @property
     def content_key(self) -> str:
@@ -106,6 +108,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         checks.numbers(self, "lower_m", 3)
         checks.numbers(self, "upper_m", 3)
         checks.whole(self, "triangles", 0, 2**63)
+        if self.border_rgb is not None:
+            checks.light(self, "border_rgb", 1.0)
         checks.instance(self, "geometry", SceneGeometry)
         checks.instance(self, "materials", SceneMaterials)
         self.geometry.check()

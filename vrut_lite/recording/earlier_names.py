@@ -11,7 +11,7 @@ _RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
 # Fields of SceneOpened that journals of earlier versions lack.
 _LATER_OF_SCENES = (
     "geometry", "materials", "ground", "camera", "lamps", "notices", "opened", "cameras",
-    "animation_s", "variants", "points_and_lines",
+    "animation_s", "variants", "points_and_lines", "border_rgb",
 )  # fmt: skip
 # Fields that earlier messages lack, by today's type names, with their values at that time.
 _ADDED: dict[str, Plain] = {

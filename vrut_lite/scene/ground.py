@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from vrut_lite.numeric_types import BoolArray, FloatArray
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.placed import PlacedMesh
 
@@ -30,12 +31,13 @@ def has_own_ground(scene: LoadedScene) -> bool:
         return False
     if np.all(half_m > PLANETARY_M):
         return True
-    covered_m2 = sum(_area_from_above_m2(place) for place in scene.meshes)
+    covered_m2 = sum(area[up].sum() for area, up in map(areas_from_above, scene.meshes))
     return bool(covered_m2 >= _LEAST_COVER * 4.0 * half_m[0] * half_m[1])
 
 
-def _area_from_above_m2(place: PlacedMesh) -> float:
+def areas_from_above(place: PlacedMesh) -> tuple[FloatArray, BoolArray]:
+    """Area (F,) of each triangle seen from above, m^2, and whether it faces up (within 45 deg)."""
     a, b, c = np.moveaxis(place.world_triangles(), 1, 0)
     normal = np.cross(b - a, c - a)
     faces_up = normal[:, 1] > _LEAST_UP * np.linalg.norm(normal, axis=1)
-    return float(normal[faces_up, 1].sum() / 2.0)
+    return np.abs(normal[:, 1]) / 2.0, faces_up

@@ -22,6 +22,7 @@ from vrut_lite.messages.scene_content import (
 )
 from vrut_lite.messages.surface_terms import as_row
 from vrut_lite.numeric_types import vector
+from vrut_lite.scene.border import border_albedo
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.materials import SurfaceMaterial
@@ -132,6 +133,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         geometry=_geometry(loaded, meshes, materials),
         materials=_materials(materials),
         ground=ground,
+        border_rgb=border_albedo(loaded),
         camera=camera,
         lamps=loaded.lamps,
         notices=loaded.notices,
