@@ -75,7 +75,7 @@ def test_modules_lists_slots_and_settings(vrut_lite):
     listing = vrut_lite("modules")
     assert "sky (holds it)" in listing
     assert "bruneton_sky" in listing
-    assert "albedo = 0.1" in listing
+    assert "albedo = none" in listing
 
 
 @pytest.mark.parametrize("sky", ["dynamic_skylight", "bruneton_sky"])

@@ -60,6 +60,7 @@ OPTIONS = {
     "size": ["--size", "64x32"],
     "tolerance": ["--tolerance", "1%"],
     "haze": ["--haze", "0.3"],
+    "ground": ["--ground", "snow,0.8"],
     "weather": ["--weather", "YEAR.epw"],
 }
 NO_OPTION = {
@@ -97,6 +98,7 @@ def project(house, year_file):
         size=(64, 48),
         tolerance=0.5,
         haze=Haze(0.3, "desert"),
+        ground="grass,0.15",
         weather=str(year_file),
         sensors=str(house.with_name("desks.csv")),
         **{name: another(spec) for name, spec in OF_SCENE.items()},

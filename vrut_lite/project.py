@@ -20,6 +20,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, Input, SetClock, SetSetting
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.ground import DEFAULT_GROUND, SCENE_BORDER, SetGround, parse_ground
 from vrut_lite.messages.haze import (
     DEFAULT_AEROSOL,
     DEFAULT_HAZE,
@@ -125,7 +126,8 @@ class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=
     `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: largest relative error of radiance; None leaves it unchanged, and so does a missing
-    `haze`. `weather` is a file of a year (EPW), whose place holds where `place` is not said.
+    `haze`. `ground` is the name of a ground, with an albedo after a comma. `weather` is a file of a
+    year (EPW), whose place holds where `place` is not said.
     `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
@@ -150,6 +152,7 @@ class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=
     size: tuple[Pixels, Pixels] = (960, 540)
     tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
     haze: Haze | None = None
+    ground: str = SCENE_BORDER
     weather: str = ""
     sensors: str = ""
     glazing: dict[str, Glazing] = {}
@@ -254,6 +257,10 @@ _AIR = (
         SetHaze, default=DEFAULT_HAZE, input_of=lambda p: p.haze and p.haze.input(),
         fields_of=lambda m: {"haze": Haze(**msgspec.structs.asdict(m))},
         title="haze {0.optical_depth_550:.4g}, {0.aerosol}",
+    ),
+    ProjectPart(
+        SetGround, default=DEFAULT_GROUND, input_of=lambda p: parse_ground(p.ground),
+        fields_of=lambda m: {"ground": m.text}, title="ground {0.text}",
     ),
     # Without undo: the slots that come with it are undone.
     ProjectPart(

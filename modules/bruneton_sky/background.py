@@ -10,7 +10,7 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.sky_view import SkyView, fill_cube, light_view, sky_view, standing_m
 from bruneton_sky.solver import SourceField
 from bruneton_sky.sun_light import DiscLight, disc_light, sun_irradiance_rgb
-from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.atmosphere.ground_reflectance import sunlit_albedo
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 from vrut_lite.geometry.spherical_harmonics import basis, irradiance_coefficients
 
@@ -110,6 +110,6 @@ def ambient_coefficients(around: Surroundings) -> NDArray[np.float32]:
 
 def albedo_rgb(atmosphere: Atmosphere) -> NDArray[np.float64]:
     """The ground's albedo (3,) per channel: its colour in sunlight over the sunlight's."""
-    sun = np.asarray(atmosphere.solar_irradiance)
-    lit = rgb_from_spectrum(sun * atmosphere.ground_albedo, atmosphere.wavelength_nm, 0.0)
-    return np.clip(lit / rgb_from_spectrum(sun, atmosphere.wavelength_nm, 0.0), 0.0, 1.0)
+    return sunlit_albedo(
+        atmosphere.ground_albedo, atmosphere.solar_irradiance, atmosphere.wavelength_nm
+    )

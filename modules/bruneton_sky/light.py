@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from bruneton_sky.air_volume import air_is_seen, air_volume
 from bruneton_sky.air_volume.gpu import air_volume_job
+from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.background import (
     Surroundings,
     albedo_rgb,
@@ -20,6 +21,7 @@ from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
 from bruneton_sky.sun_light import haze_layers, limb_darkening_rgb
 from bruneton_sky.tolerance import TABLES, BrunetonQuality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
+from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
 from vrut_lite.atmosphere.haze_layer import HAZE_NM
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import AirVolume
@@ -49,6 +51,17 @@ class ScatteringInputs:
     ground_altitude_m: float
     rung: SolverRung
     haze: SetHaze
+    ground: GroundReflectance
+
+    def air_at(self, wavelength_nm: tuple[float, ...]) -> Atmosphere:
+        """The atmosphere at given wavelengths, in nm."""
+        where = self.settings, self.ground_altitude_m, self.haze, self.ground
+        return atmosphere_at(wavelength_nm, *where)
+
+    def spectral_air(self) -> Atmosphere:
+        """The same atmosphere each 5 nm, for light that costs next to nothing."""
+        where = self.settings, self.ground_altitude_m, self.haze, self.ground
+        return spectral_atmosphere_of(*where)
 
 
 class SurroundingsMemo:
@@ -68,7 +81,6 @@ class SurroundingsMemo:
             if before.on_scene() == light.on_scene():
                 self._counters.skip("light on the scene: only the observer moved")
                 known = around
-        air = light.of
         if self._made is None or self._made[0].solved is not light.solved:
             for what, count in light.solved.skipped.items():
                 if count:
@@ -78,7 +90,7 @@ class SurroundingsMemo:
             light.eye_height_m,
             light.sun_direction,
             light.visible_disc_fraction,
-            spectral_atmosphere_of(air.settings, air.ground_altitude_m, air.haze),
+            light.of.spectral_air(),
             known,
             TABLES[light.table],
         )
@@ -105,7 +117,7 @@ class BrunetonLight(Sky):
 
     def ground_albedo_rgb(self) -> FloatArray:
         """That of the atmosphere's ground, in sunlight's colours."""
-        return albedo_rgb(self.solved.atmosphere)
+        return albedo_rgb(self.of.spectral_air())
 
     def unseen(self, hour: SkyInputs, quality: BrunetonQuality) -> MotionThreshold:
         """Steps measured for such an atmosphere (`unseen_moves`)."""
@@ -134,10 +146,9 @@ class BrunetonLight(Sky):
 
     def sun(self) -> SunDisc:
         """The sun as the scene's light."""
-        of, radius_rad = self.of, self.solved.atmosphere.sun_angular_radius_rad
-        air = atmosphere_at(HAZE_NM, of.settings, of.ground_altitude_m, of.haze)
-        sun = self._around.sun_irradiance_rgb
-        return SunDisc(sun, radius_rad, limb_darkening_rgb(), haze=haze_layers(air))
+        radius_rad = self.solved.atmosphere.sun_angular_radius_rad
+        sun, haze = self._around.sun_irradiance_rgb, haze_layers(self.of.air_at(HAZE_NM))
+        return SunDisc(sun, radius_rad, limb_darkening_rgb(), haze=haze)
 
     def ambient(self) -> Float32Array:
         """Harmonics of the irradiance on the ground."""
@@ -162,10 +173,9 @@ class BrunetonLight(Sky):
         """Spectrum of the same atmosphere solved at twelve wavelengths; empty for the ground."""
         if direction[1] <= 0.0:
             return Spectrum()
-        air = self.of
         seen = sky_spectrum(
-            atmosphere_at(SPECTRUM_NM, air.settings, air.ground_altitude_m, air.haze),
-            air.settings.orders,
+            self.of.air_at(SPECTRUM_NM),
+            self.of.settings.orders,
             self.eye_height_m,
             direction,
             self.sun_direction,

@@ -12,7 +12,7 @@ from typing import ClassVar, get_args
 import msgspec
 
 from bruneton_sky.light import NAME, BrunetonLight, ScatteringInputs, SurroundingsMemo
-from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, haze_of_air
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, ground_of_air, haze_of_air
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.tolerance import BrunetonQuality, quality_for
@@ -54,12 +54,12 @@ class BrunetonSky(SkyModule):
         return quality_for(tolerance)
 
     def prepare(self, ground_altitude_m: float, quality: BrunetonQuality) -> Work:
-        """Solve the atmosphere of the settings, under the place's haze."""
+        """Solve the atmosphere of the settings, under the place's haze, above its ground."""
         settings = msgspec.structs.replace(self.settings, **_NOT_AIR)
-        haze = haze_of_air(settings, self.haze)
-        atmosphere = atmosphere_of(settings, ground_altitude_m, haze)
+        haze, ground = haze_of_air(settings, self.haze), ground_of_air(settings, self.ground)
+        atmosphere = atmosphere_of(settings, ground_altitude_m, haze, ground)
 
-        air = ScatteringInputs(settings, ground_altitude_m, quality.solver, haze)
+        air = ScatteringInputs(settings, ground_altitude_m, quality.solver, haze, ground)
 
         def solved(rung: SolverRung) -> Work:
             of = replace(air, rung=rung)

@@ -23,6 +23,7 @@ from vrut_lite.atmosphere.aerosol import (
 from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
 from vrut_lite.atmosphere.clear_air import OZONE_DU
 from vrut_lite.atmosphere.gases import ozone_absorption
+from vrut_lite.atmosphere.ground_reflectance import GREY, GroundReflectance
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
 from vrut_lite.messages.haze import DEFAULT_HAZE, AerosolType, SetHaze
@@ -88,9 +89,15 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             source="Hess, Koepke and Schult 1998",
         ),
     ] = None
-    albedo: Annotated[float | None, setting("Part of the light that the ground reflects", 0, 1)] = (
-        None
-    )
+    albedo: Annotated[
+        float | None,
+        setting(
+            "Part of the light that a grey ground of this sky alone reflects; none follows the "
+            "place's ground, and a preset other than earth has its own",
+            0,
+            1,
+        ),
+    ] = None
     ozone_du: Annotated[
         float | None,
         setting(
@@ -185,20 +192,21 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
 
     Albedo and g of tabulated aerosol are means, which a setting replaces.
     """
-    air = _atmosphere(msgspec.structs.replace(settings, fog_visibility_m=None), 0.0, haze, _OPEN_NM)
+    plain = msgspec.structs.replace(settings, fog_visibility_m=None)
+    air = atmosphere_at(_OPEN_NM, plain, 0.0, haze)
     one = air.in_one_layer(air.mie_scale_height_m)
     extinction, scattering = np.asarray(one.mie_extinction), np.asarray(one.mie_scattering)
     turbidity = turbidity_of_optical_depth(float(air.aerosol_depth()[0]))
     return {
         "turbidity": min(max(turbidity, LEAST_TURBIDITY), MOST_TURBIDITY),
         "aerosol": haze.aerosol,
-        "albedo": float(np.mean(air.ground_albedo)),
         "ozone_du": OZONE_DU if any(air.absorption_extinction) else 0.0,
         "rayleigh_scale_height_m": air.column_m,
         "mie_scale_height_m": _mean_height_m(air),
         "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
         "mie_g": air.mie_g,
         **({} if air.mie_table is not None else {"mie_phase": air.mie_phase}),
+        **({} if settings.preset == "earth" else {"albedo": float(np.mean(air.ground_albedo))}),
         "ground_radius_m": air.ground_radius_m,
         "top_altitude_m": air.top_altitude_m,
     }
@@ -217,22 +225,36 @@ def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
     return msgspec.structs.replace(haze, **own)
 
 
+def ground_of_air(settings: BrunetonSkySettings, ground: GroundReflectance) -> GroundReflectance:
+    """The place's ground, or the settings' own; grey for presets that bring theirs, so that equal
+    airs compare equal."""
+    if settings.albedo is not None:
+        return GroundReflectance.grey(settings.albedo)
+    return ground if settings.preset == "earth" else GREY
+
+
 def atmosphere_of(
-    settings: BrunetonSkySettings, ground_altitude_m: float = 0.0, haze: SetHaze = DEFAULT_HAZE
+    settings: BrunetonSkySettings,
+    ground_altitude_m: float = 0.0,
+    haze: SetHaze = DEFAULT_HAZE,
+    ground: GroundReflectance = GREY,
 ) -> Atmosphere:
     """The atmosphere of the settings above a ground at an altitude, as its sky is solved.
 
     It has the four wavelengths of which the colour of skylight is made. Other scale heights
     leave the amount of matter above each square metre, up to the air's top, as it was.
     """
-    return _atmosphere(settings, ground_altitude_m, haze, SKYLIGHT_NM)
+    return _atmosphere(settings, ground_altitude_m, haze, ground, SKYLIGHT_NM)
 
 
 def spectral_atmosphere_of(
-    settings: BrunetonSkySettings, ground_altitude_m: float = 0.0, haze: SetHaze = DEFAULT_HAZE
+    settings: BrunetonSkySettings,
+    ground_altitude_m: float = 0.0,
+    haze: SetHaze = DEFAULT_HAZE,
+    ground: GroundReflectance = GREY,
 ) -> Atmosphere:
     """The same atmosphere each 5 nm from 360 to 830, for sunlight, which costs next to nothing."""
-    return _atmosphere(settings, ground_altitude_m, haze, tuple(colour_table()[:, 0]))
+    return _atmosphere(settings, ground_altitude_m, haze, ground, tuple(colour_table()[:, 0]))
 
 
 def atmosphere_at(
@@ -240,9 +262,10 @@ def atmosphere_at(
     settings: BrunetonSkySettings,
     ground_altitude_m: float,
     haze: SetHaze,
+    ground: GroundReflectance = GREY,
 ) -> Atmosphere:
     """The same atmosphere at given wavelengths, in nm."""
-    return _atmosphere(settings, ground_altitude_m, haze, wavelength_nm)
+    return _atmosphere(settings, ground_altitude_m, haze, ground, wavelength_nm)
 
 
 @lru_cache(maxsize=8)
@@ -250,9 +273,13 @@ def _atmosphere(
     settings: BrunetonSkySettings,
     ground_altitude_m: float,
     haze: SetHaze,
+    ground: GroundReflectance,
     wavelength_nm: tuple[float, ...],
 ) -> Atmosphere:
     air = _preset(settings, haze_of_air(settings, haze), wavelength_nm)
+    if settings.preset == "earth" or settings.albedo is not None:
+        below = ground_of_air(settings, ground)
+        air = replace(air, ground_albedo=tuple(below.at(wavelength_nm)))
     for change in (_with_planet, _with_aerosol, _with_gases):
         air = change(air, settings)
     return _with_fog(raise_ground(air, ground_altitude_m), settings)
@@ -293,8 +320,6 @@ def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
         for name in ("ground_radius_m", "top_altitude_m")
         if (value := getattr(settings, name)) is not None
     }
-    if settings.albedo is not None:
-        changes["ground_albedo"] = settings.albedo
     return replace(air, **changes)
 
 

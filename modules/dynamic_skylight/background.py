@@ -1,7 +1,7 @@
 """The full sphere: sky above the horizon, lit ground below."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dynamic_skylight.twilight import HourSky
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
@@ -15,16 +15,16 @@ def ground_radiance(
     sky_cube: Float32Array,
     sun_irradiance_rgb: FloatArray,
     apparent_elevation_rad: float,
-    albedo: float,
+    albedo: ArrayLike,
 ) -> FloatArray:
-    """Radiance (3,) of level Lambertian ground, W m^-2 sr^-1: albedo / pi times E.
+    """Radiance (3,) of level Lambertian ground, W m^-2 sr^-1: albedo, () or (3,), / pi times E.
 
     E is the sky's irradiance (from the upper half of a cube map, in world axes) plus the direct
     sun's (given on a plane that faces it) times the sine of its elevation.
     """
     sun = sun_irradiance_rgb * max(np.sin(apparent_elevation_rad), 0.0)
     total: FloatArray = horizontal_irradiance(sky_cube) + sun
-    return albedo / np.pi * total
+    return np.asarray(albedo) / np.pi * total
 
 
 def sphere(

@@ -18,7 +18,7 @@ from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.messages.haze import SetHaze
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 # Edge (texels) of the cube for light from the sky, whatever the picture's size.
 LIGHT_SIZE = 64
@@ -28,14 +28,15 @@ LIGHT_SIZE = 64
 class Daylight:
     """Sky, ground and sun for one place of the sun; equal inputs make equal light.
 
-    `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above; `light_size` is the
-    edge of the cube that light on ground and scene is made from. `turbidity` and `level` are the
-    model's, `haze` is that of the air before the scene and of a sun behind it; without one it has
-    the model's turbidity. Without `starlight` the night is dark.
+    `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above; `albedo` is one
+    number or one per channel, `light_size` the edge of the cube that light on ground and scene is
+    made from. `turbidity` and `level` are the model's, `haze` is that of the air before the scene
+    and of a sun behind it; without one it has the model's turbidity. Without `starlight` the night
+    is dark.
     """
 
     turbidity: float
-    albedo: float
+    albedo: float | Vector
     sun_colour: SunColour
     apparent_elevation_rad: float
     sun_azimuth_rad: float

@@ -8,9 +8,11 @@ from dynamic_skylight.air import TOP_ALTITUDE_M, air_is_seen, air_volume
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
+from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import HosekWilkieQuality
+from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob
@@ -38,6 +40,7 @@ class HosekWilkieLight(Sky):
 
     daylight: Daylight
     sun_direction: Vector
+    ground: GroundReflectance
 
     def background(self, size: int) -> Background:
         """The exact model's cube by its fast fill; at twilight the blend with the table's."""
@@ -66,8 +69,8 @@ class HosekWilkieLight(Sky):
         return self.daylight.ambient()
 
     def ground_albedo_rgb(self) -> FloatArray:
-        """The same in all colours."""
-        return np.full(3, self.daylight.albedo)
+        """That of the ground in sunlight."""
+        return np.asarray(self.ground.rgb)
 
     def unseen(self, hour: SkyInputs, quality: HosekWilkieQuality) -> MotionThreshold:
         """The sun's by the model's largest change; the eye's by the air's thinning."""
@@ -96,5 +99,6 @@ class HosekWilkieLight(Sky):
             float(np.arccos(np.clip(cosine, -1.0, 1.0)))
             for cosine in (direction[1], np.dot(direction, sun))
         )
-        radiance = light.model.spectral_radiance(theta, gamma, WAVELENGTHS_NM)
+        hour = light.turbidity, self.ground.at(WAVELENGTHS_NM), light.apparent_elevation_rad
+        radiance = LevelledSky(*hour, light.level).spectral_radiance(theta, gamma, WAVELENGTHS_NM)
         return Spectrum(tuple(WAVELENGTHS_NM.tolist()), tuple(radiance.tolist()))

@@ -55,11 +55,12 @@ class DynamicSkyLight(SkyModule):
         turbidity, level = min(max(haze.turbidity, LEAST_TURBIDITY), MOST_TURBIDITY), 1.0
         if self.settings.sky_level == "equal-haze":
             turbidity, level = equal_sky(haze.optical_depth_550, elevation_rad)
+        ground = self.ground_unless(self.settings.albedo)
         daylight = Daylight(
             turbidity=turbidity,
             level=level,
             haze=haze,
-            albedo=self.settings.albedo,
+            albedo=ground.rgb,
             sun_colour=self.settings.sun_colour,
             apparent_elevation_rad=elevation_rad,
             sun_azimuth_rad=hour.sun_azimuth_rad,
@@ -67,7 +68,7 @@ class DynamicSkyLight(SkyModule):
             light_size=quality.light_size,
             starlight=not hour.night_apart,
         )
-        return HosekWilkieLight(daylight, hour.sun.direction)
+        return HosekWilkieLight(daylight, hour.sun.direction, ground)
 
     @property
     def _haze(self) -> SetHaze:

@@ -42,14 +42,15 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
         ),
     ] = None
     albedo: Annotated[
-        float,
+        float | None,
         setting(
-            "Share of light that the ground reflects",
+            "Share of light that a grey ground of this sky alone reflects; none follows the "
+            "place's ground",
             0.0,
             1.0,
             source="Hosek and Wilkie 2012, equations 8 and 9",
         ),
-    ] = 0.1
+    ] = None
     sky_level: Annotated[
         SkyLevel,
         setting(

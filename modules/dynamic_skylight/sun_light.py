@@ -16,6 +16,7 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
@@ -54,7 +55,7 @@ class SunLight(NamedTuple):
 
 def sun_light(
     turbidity: float,
-    albedo: float,
+    albedo: ArrayLike,
     apparent_elevation_rad: float,
     visible_disc_fraction: float,
     colour: SunColour = "disc",

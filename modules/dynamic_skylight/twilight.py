@@ -109,7 +109,7 @@ class HourSky:
 
 def sky_of_hour(
     turbidity: float,
-    albedo: float,
+    albedo: ArrayLike,
     apparent_elevation_rad: float,
     level: float = 1.0,
     twilight_turbidity: float | None = None,

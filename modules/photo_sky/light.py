@@ -26,7 +26,7 @@ class PhotoLight(Sky):
     rotation_rad: float
     cd_m2_per_unit: float
     illuminance_lux: float | None
-    albedo: float
+    albedo_rgb: Vector
 
     @cached_property
     def _scale(self) -> float:
@@ -95,7 +95,11 @@ class PhotoLight(Sky):
         falls, direction = horizontal_irradiance(self._light_cube), self.sun_direction
         if direction is not None:
             falls = falls + self.sun().irradiance_rgb * direction[1]
-        return self.albedo / np.pi * falls
+        return np.asarray(self.albedo_rgb) / np.pi * falls
+
+    def ground_albedo_rgb(self) -> FloatArray:
+        """That of the ground in sunlight."""
+        return np.asarray(self.albedo_rgb)
 
     @cached_property
     def _light_cube(self) -> FloatArray:

@@ -23,6 +23,7 @@ from vrut_lite.sky.sky_module import SkyModule
 from vrut_lite.sky.sky_of_hour import SkyInputs
 
 NAME = "photo_sky"
+_BLACK = (0.0, 0.0, 0.0)
 
 
 class PhotoQuality(NamedTuple):
@@ -65,7 +66,7 @@ class PhotoSky(SkyModule):
             np.radians(own.photo_rotation_deg),
             self._said_cd_m2 if own.photo_cd_m2 is None else own.photo_cd_m2,
             own.photo_lux,
-            own.photo_albedo,
+            self.ground_unless(own.photo_albedo).rgb,
         )
 
     @handles(ClockMoved)
@@ -108,7 +109,7 @@ class PhotoSky(SkyModule):
         place, own = self.link.last(SetPlace), self.settings
         if not self.link.holds("sun"):
             return
-        light = PhotoLight(self._photograph, np.radians(own.photo_rotation_deg), 1.0, None, 0.0)
+        light = PhotoLight(self._photograph, np.radians(own.photo_rotation_deg), 1.0, None, _BLACK)
         # Without a sun in the picture: straight above, where no night begins.
         direction = light.sun_direction or (0.0, 1.0, 0.0)
         east, north, up = enu_from_world(

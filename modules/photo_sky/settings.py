@@ -31,4 +31,8 @@ class PhotoSettings(msgspec.Struct, frozen=True):
         setting("Illuminance of level ground by sky and sun together, instead of that.", 1e-6, 2e5,
                 unit="lx"),
     ] = None  # fmt: skip
-    photo_albedo: Annotated[float, setting("Share of light that the ground reflects.", 0, 1)] = 0.2
+    photo_albedo: Annotated[
+        float | None,
+        setting("Share of light that a grey ground of this sky alone reflects. None: the place's "
+                "ground.", 0, 1),
+    ] = None  # fmt: skip

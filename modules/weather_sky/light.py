@@ -50,7 +50,7 @@ class WeatherLight(Sky):
 
     conditions: Conditions
     sun_direction: Vector
-    albedo: float
+    albedo_rgb: Vector
     haze: SetHaze
 
     @cached_property
@@ -100,7 +100,11 @@ class WeatherLight(Sky):
     def _ground_rgb(self) -> FloatArray:
         falls = horizontal_irradiance(self._sky_cube)
         falls = falls + self.sun().irradiance_rgb * max(self.sun_direction[1], 0.0)
-        return self.albedo / np.pi * falls
+        return np.asarray(self.albedo_rgb) / np.pi * falls
+
+    def ground_albedo_rgb(self) -> FloatArray:
+        """That of the ground in sunlight."""
+        return np.asarray(self.albedo_rgb)
 
     def sun(self) -> SunDisc:
         """The sun's light: colour by clear air, illuminance by the weather."""

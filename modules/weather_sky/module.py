@@ -87,7 +87,8 @@ class WeatherSky(SkyModule):
         )
         self._tell_outside(conditions)
         haze = haze_before(self.haze, conditions) if self._behind_clouds else self.haze
-        return WeatherLight(conditions, hour.sun.direction, own.albedo, haze)
+        ground = self.ground_unless(own.albedo)
+        return WeatherLight(conditions, hour.sun.direction, ground.rgb, haze)
 
     def _tell_outside(self, conditions: Conditions) -> None:
         """Tell the first hour of a file, or of the settings, that Perez's model does not reach."""

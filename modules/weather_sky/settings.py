@@ -60,4 +60,8 @@ class WeatherSettings(msgspec.Struct, frozen=True):
         setting("Of the air at the ground: water vapour changes how many lumens a watt is."
                 + _OPEN + " 11.", -70, 40, unit="°C", source="Perez 1990"),
     ] = None  # fmt: skip
-    albedo: Annotated[float, setting("Share of light that the ground reflects.", 0, 1)] = 0.2
+    albedo: Annotated[
+        float | None,
+        setting("Share of light that a grey ground of this sky alone reflects. None: the place's "
+                "ground.", 0, 1),
+    ] = None  # fmt: skip

@@ -33,6 +33,7 @@ from vrut_lite.messages.cloudiness import CloudinessChanged
 from vrut_lite.messages.clouds import CloudForm, CloudLayer, CloudsChanged
 from vrut_lite.messages.glazing import Glazing
 from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.ground import SetGround
 from vrut_lite.messages.ground_disc import GroundDisc
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.lamps import ALL_AROUND, NONE, TABLE_SHAPE, SceneLamps
@@ -191,6 +192,7 @@ SOUND = [
     LookAlong(direction=UP),
     SetTolerance(tolerance=0.1),
     SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
+    SetGround(ground="snow", albedo=0.8),
     SetHaze(optical_depth_550=0.3, own=OwnAerosol(angle_deg=(0.0, 180.0), phase=(2.0, 1.0))),
     WEATHER,
     SCENE,

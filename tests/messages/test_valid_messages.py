@@ -21,6 +21,7 @@ from vrut_lite.kernel.messages import (
 )
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.ground import SetGround
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.light_map import (
     LightMapLaid,
@@ -63,6 +64,8 @@ def test_valid_messages_are_delivered(message):
         (SetPlace, {"latitude_deg": True}, "latitude_deg of a place must lie from -90 to 90, not"),
         (SetPlace, {"latitude_deg": "50"}, "from -90 to 90, not '50'"),
         (SetHaze, {"optical_depth_550": 1.0}, "optical_depth_550 of haze must lie from 0 to 0.9"),
+        (SetGround, {"albedo": 1.5}, "albedo of ground must lie from 0 to 1, not 1.5"),
+        (SetGround, {"ground": "moss"}, "ground of SetGround must be one of scene, grey"),
         (SetHaze, {"aerosol": "suburban"}, "aerosol of SetHaze must be one of continental"),
         (SetClockRate, {"rate": np.float16("inf")}, "rate must be a finite number, not inf"),
         (KeyLightChanged, {"irradiance_rgb": (np.float16("inf"),) * 3}, "three finite numbers"),

@@ -25,6 +25,7 @@ from vrut_lite.pictures.write_hdr import write_hdr
 
 PHOTOS = Path(__file__).parents[3] / "shared" / "photos"
 ROWS = 128
+GROUND = (0.2, 0.2, 0.2)
 NORMALS = {"level": (0.0, 1.0, 0.0), "a wall": (0.6, 0.0, -0.8), "a roof": (0.48, 0.6, -0.64)}
 
 
@@ -62,7 +63,7 @@ def of_light(light, normal):
 def test_energy_is_kept(normal):
     """On level ground, a wall and a roof: sky and sun give what the photograph does, to 1 %."""
     picture, _ = panorama()
-    light = PhotoLight(photograph_of(picture), 0.0, 683.0, None, 0.2)
+    light = PhotoLight(photograph_of(picture), 0.0, 683.0, None, GROUND)
     expected = of_picture(picture, NORMALS[normal])
     np.testing.assert_allclose(of_light(light, NORMALS[normal]), expected, rtol=0.01)
 
@@ -92,7 +93,7 @@ def test_a_sun_of_less_than_no_red_keeps_its_luminance():
     picture, towards = panorama()
     disc = lat_long_directions(ROWS) @ towards > np.cos(np.radians(2.2))
     picture[disc] = (-800.0, -100.0, 9000.0)
-    light = PhotoLight(photograph_of(picture), 0.0, 683.0, None, 0.2)
+    light = PhotoLight(photograph_of(picture), 0.0, 683.0, None, GROUND)
     kept, expected = (
         luminance(f(NORMALS["level"]))
         for f in (partial(of_light, light), partial(of_picture, picture))
@@ -104,7 +105,7 @@ def test_a_photograph_turns():
     """A quarter turn clockwise brings the sun and the sky a quarter turn on."""
     picture, _ = panorama(sun_azimuth_deg=50.0)
     found = photograph_of(picture)
-    still, turned = (PhotoLight(found, angle, 683.0, None, 0.2) for angle in (0.0, np.pi / 2))
+    still, turned = (PhotoLight(found, angle, 683.0, None, GROUND) for angle in (0.0, np.pi / 2))
     x, y, z = still.sun_direction
     assert turned.sun_direction == pytest.approx((-z, y, x))
     # North's face has turned to the east.
@@ -114,9 +115,9 @@ def test_a_photograph_turns():
 def test_a_photograph_is_scaled():
     """To an illuminance of level ground, or by the luminance of the value 1."""
     found = photograph_of(panorama()[0])
-    asked = PhotoLight(found, 0.0, 683.0, 50_000.0, 0.2)
+    asked = PhotoLight(found, 0.0, 683.0, 50_000.0, GROUND)
     assert 683.0 * luminance(of_light(asked, NORMALS["level"])) == pytest.approx(50_000.0, rel=5e-3)
-    once, twice = (PhotoLight(found, 0.0, unit, None, 0.2) for unit in (683.0, 1366.0))
+    once, twice = (PhotoLight(found, 0.0, unit, None, GROUND) for unit in (683.0, 1366.0))
     np.testing.assert_allclose(2.0 * once.sky_cube(16), twice.sky_cube(16))
     np.testing.assert_allclose(2.0 * once.sun().irradiance_rgb, twice.sun().irradiance_rgb)
 
@@ -130,7 +131,7 @@ def test_real_photographs_keep_their_light(name):
     picture = read_panorama(path).pixels
     found = photograph_of(picture)
     assert (found.sun_direction is not None) == (name in ("park", "sunrise", "sky"))
-    light = PhotoLight(found, 1.0, 683.0, None, 0.2)
+    light = PhotoLight(found, 1.0, 683.0, None, GROUND)
     expected = luminance(of_picture(picture, NORMALS["level"]))
     assert luminance(of_light(light, NORMALS["level"])) == pytest.approx(expected, rel=0.01)
 

@@ -11,6 +11,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera, frame_bounds, look_at, perspective
+from vrut_lite.messages.ground import SetGround
 from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.messages.section import SectionChanged
@@ -97,6 +98,18 @@ def test_the_ground_gets_the_albedo_of_the_skys_lower_half(stage, box):
     expected = np.pi * 1.5 / (4 * np.pi + np.array([10.0, 9.0, 8.0]))
     # E comes from 25 harmonics, which miss the edge of the darker nadir by 1 %.
     np.testing.assert_allclose(scene.state.ground_albedo_rgb, expected, rtol=0.015)
+
+
+def test_without_a_ground_there_is_no_disc(stage, box):
+    """Also for a scene that is opened then; another ground lays the disc again."""
+    play, scene = stage
+    play(LoadScene(path=box))
+    disc = scene.state.scene.ground
+    assert disc is not None
+    assert only(play(SetGround(ground="none")), SceneOpened)[0].ground is None
+    assert only(play(LoadScene(path=box)), SceneOpened)[0].ground is None
+    assert only(play(SetGround(ground="snow")), SceneOpened)[0].ground == disc
+    assert not only(play(SetGround(ground="grass")), SceneOpened)
 
 
 def test_a_black_night_has_a_black_ground_and_no_nan():

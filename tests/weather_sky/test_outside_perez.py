@@ -31,7 +31,7 @@ def conditions(direct, diffuse, elevation_deg, kind="perez", dew_point_c=11.0, d
 
 def light_of(weather):
     up = weather.apparent_elevation_rad
-    return WeatherLight(weather, (np.cos(up), np.sin(up), 0.0), 0.2, DEFAULT_HAZE)
+    return WeatherLight(weather, (np.cos(up), np.sin(up), 0.0), (0.2,) * 3, DEFAULT_HAZE)
 
 
 def level_lux(cube):

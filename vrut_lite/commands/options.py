@@ -17,6 +17,7 @@ from vrut_lite.atmosphere.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.settings import SettingSpec, change, describe
+from vrut_lite.messages.ground import GROUND_NAMES, OWN_ALBEDOS, parse_ground
 from vrut_lite.messages.haze import (
     AEROSOL_TYPES,
     DEFAULT_HAZE,
@@ -54,10 +55,15 @@ def _tolerance(text: str) -> float:
     return share
 
 
+def _ground(text: str) -> str:
+    """The text of --ground, which names a ground."""
+    return parse_ground(text).text
+
+
 def daylight_options(command: Command) -> Command:
     """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity,
-    --haze-height, --stratosphere, --stratosphere-peak, --no2, --sky, --tolerance, --set and an
-    option per setting.
+    --haze-height, --stratosphere, --stratosphere-peak, --no2, --ground, --sky, --tolerance, --set
+    and an option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
     name is that of another option is reached by --set alone.
@@ -100,6 +106,10 @@ def daylight_options(command: Command) -> Command:
                      type=FiniteRange(0.0, MOST_NITROGEN_DIOXIDE_DU),
                      help="Nitrogen dioxide above the place. Default 1 above a city (type urban), "
                      "0.2 elsewhere."),
+        click.option("--ground", type=_ground, metavar="NAME[,ALBEDO]",
+                     help=f"What lies around the scene: {', '.join(GROUND_NAMES)}. Default "
+                     "scene: as open ground at the scene's border, grey of 0.1 without any. none "
+                     "draws no ground."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", type=_tolerance, metavar="SHARE",
@@ -149,7 +159,9 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     haze = _haze(project.haze, options.pop("turbidity"), said(options, Haze.__struct_fields__))
     if haze is not None:
         changes["haze"] = haze
-        project = _without_own_haze(project)
+        project = _without_own(project, OWN_HAZE)
+    if "ground" in changes:
+        project = _without_own(project, *OWN_ALBEDOS)
     settings = _merged_settings(project, options)
     changes |= _scene_settings(project, settings.pop(SCENE, {}))
     changes["settings"] = settings
@@ -207,10 +219,10 @@ def _haze(haze: Haze | None, turbidity: float | None, changes: dict[str, Any]) -
     return msgspec.structs.replace(known, **changes)
 
 
-def _without_own_haze(project: Project) -> Project:
-    """The project with skies that follow the place's haze, as the command line asks."""
+def _without_own(project: Project, *names: str) -> Project:
+    """The project with skies that follow the place, as the command line asks."""
     settings = {
-        module: {name: value for name, value in values.items() if name != OWN_HAZE}
+        module: {name: value for name, value in values.items() if name not in names}
         for module, values in project.settings.items()
     }
     return msgspec.structs.replace(project, settings=settings)

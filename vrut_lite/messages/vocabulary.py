@@ -6,6 +6,7 @@ from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.cloudiness import CloudinessChanged
 from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.ground import SetGround
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.moon_path import MoonPathChanged
@@ -36,6 +37,7 @@ INPUTS: tuple[type[Input], ...] = (
     LookAlong,
     SetTolerance,
     SetHaze,
+    SetGround,
     SetWeather,
     PictureClicked,
 )

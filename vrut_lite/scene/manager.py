@@ -19,6 +19,8 @@ from vrut_lite.installed_parts import (
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.ground import NO_DISC, SetGround
+from vrut_lite.messages.ground_disc import GroundDisc
 from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
@@ -59,6 +61,8 @@ class SceneManager(Module):
         self._view = view or SceneView()
         self._animated: OpenScene | None = None
         self._time_s: float | None = None
+        # The ground below the scene, also while it is not drawn.
+        self._disc: GroundDisc | None = None
         self._lights_surfaces = lights_surfaces
         self._empty_slots: set[str] = set()
         # Demanded messages of the parts that are switched on.
@@ -91,6 +95,9 @@ class SceneManager(Module):
         moves = opened.duration_s > 0.0
         time_s = self._animation_time_s() if moves else None
         scene = packed(opened.at(time_s))
+        self._disc = scene.ground
+        if (said := self.link.last(SetGround)) is not None and said.ground == NO_DISC:
+            scene = msgspec.structs.replace(scene, ground=None)
         self._animated, self._time_s = opened if moves else None, time_s
         self._show(scene, moved_camera=None)
 
@@ -100,6 +107,16 @@ class SceneManager(Module):
         self._cut()
         self.link.post(scene)
         self._look()
+
+    @handles(SetGround)
+    def on_ground(self, message: SetGround) -> None:
+        """Take the ground disc away, or lay it again."""
+        scene = self.state.scene
+        if scene is None:
+            return
+        ground = self._disc if message.ground != NO_DISC else None
+        if ground != scene.ground:
+            self._show(msgspec.structs.replace(scene, ground=ground), self.state.moved_camera)
 
     @handles(ClockMoved)
     def on_clock(self, message: ClockMoved) -> None:
@@ -114,7 +131,8 @@ class SceneManager(Module):
         posed = packed(self._animated.at(self._time_s))
         if self.state.scene is not None:
             # Moving objects change neither the framing nor the ground.
-            posed = msgspec.structs.replace(posed, ground=self.state.scene.ground)
+            ground, border_rgb = self.state.scene.ground, self.state.scene.border_rgb
+            posed = msgspec.structs.replace(posed, ground=ground, border_rgb=border_rgb)
         # The scene's own camera may move by itself.
         looks_through = self.state.moved_camera is None and posed.camera is not None
         self._show(posed, moved_camera=None if looks_through else self.state.camera)

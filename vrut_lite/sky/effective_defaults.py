@@ -2,13 +2,16 @@
 
 A settings class may define both, for panels that show them: a method `left_open(haze)` gives the
 effective value of each unset setting by its name, from the present preset and the place's haze; a
-class variable `presets` holds a `Preset` by its name. A sky's unset `turbidity` is the place's.
+class variable `presets` holds a `Preset` by its name. A sky's unset `turbidity` and `albedo` are
+the place's.
 """
 
 from typing import Any, NamedTuple
 
 import msgspec
 
+from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
+from vrut_lite.messages.ground import OWN_ALBEDOS
 from vrut_lite.messages.haze import OWN_HAZE, SetHaze
 
 Values = dict[str, Any]
@@ -21,10 +24,10 @@ class Preset(NamedTuple):
     values: Values
 
 
-def left_open(settings: msgspec.Struct, haze: SetHaze) -> Values:
+def left_open(settings: msgspec.Struct, haze: SetHaze, ground: GroundReflectance) -> Values:
     """Values of the unset settings, as far as they are known."""
     said = getattr(settings, "left_open", None)
-    known: Values = {OWN_HAZE: haze.turbidity}
+    known: Values = {OWN_HAZE: haze.turbidity} | dict.fromkeys(OWN_ALBEDOS, ground.albedo)
     if said is not None:
         known |= said(haze)
     now = msgspec.structs.asdict(settings)

@@ -19,6 +19,7 @@ import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
+from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
 from vrut_lite.atmosphere.refraction import dip_rad, eye_aloft_m, seen_from_aloft
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, JobResult, SlotChanged
@@ -27,11 +28,12 @@ from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.ground import SetGround, ground_of
 from vrut_lite.messages.haze import SetHaze, haze_of
 from vrut_lite.messages.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.messages.night import SLOT as NIGHT
 from vrut_lite.messages.place import SetPlace
-from vrut_lite.messages.scene import SceneNeeds
+from vrut_lite.messages.scene import SceneNeeds, SceneOpened
 from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -85,6 +87,7 @@ class SkyModule(Module):
         # The moon that lights the sky, and its hour.
         self._moon: tuple[MoonLight, SkyInputs] | None = None
         self._has_night = False
+        self._ground = self.ground
         # Height of the eye (m) and reach of its air (m).
         self._view = (0.0, 0.0)
         self._preparation = Preparation(link, self.counters)
@@ -120,6 +123,15 @@ class SkyModule(Module):
         """The place's haze, for a sky whose settings do not override it."""
         return haze_of(self.link)
 
+    @property
+    def ground(self) -> GroundReflectance:
+        """The ground around the scene, for a sky whose settings do not override it."""
+        return ground_of(self.link)
+
+    def ground_unless(self, albedo: float | None) -> GroundReflectance:
+        """The same, or a grey ground of an albedo of the sky's own."""
+        return self.ground if albedo is None else GroundReflectance.grey(albedo)
+
     # --- changes -------------------------------------------------------------------------
 
     @handles(SunMoved)
@@ -127,16 +139,29 @@ class SkyModule(Module):
     @handles(Demand)
     @handles(SetTolerance)
     @handles(SetHaze)
+    @handles(SetGround)
     @handles(NightLightChanged)
     def light_changed(
         self,
-        message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze | NightLightChanged,
+        message: SunMoved
+        | SetPlace
+        | Demand
+        | SetTolerance
+        | SetHaze
+        | SetGround
+        | NightLightChanged,
     ) -> None:
         """Post the demanded messages that have changed."""
         if isinstance(message, SunMoved) and self._night_will_follow():
             self.counters.skip("sky: the night of this hour follows")
             return
         self._update()
+
+    @handles(SceneOpened)
+    def scene_opened(self, _message: SceneOpened) -> None:
+        """The ground at another scene's border may be another; animations leave it."""
+        if self.ground != self._ground:
+            self._update()
 
     @handles(MoveCamera)
     @handles(SceneNeeds)
@@ -224,7 +249,7 @@ class SkyModule(Module):
         if self.link.last(SunMoved) is None or not self.link.holds("sky"):
             self.counters.skip("sky: no sun, or another sky is shown")
             return
-        self._view = self._present_view()
+        self._view, self._ground = self._present_view(), self.ground
         wanted = {kind: demand for kind in kinds if (demand := self._demand(kind)) is not None}
         if not wanted or (sky := self._present_sky()) is None:
             return
@@ -330,7 +355,7 @@ class SkyModule(Module):
         Raises:
             UserError: the settings describe no atmosphere; posted once for the same settings.
         """
-        asked = self.settings, self.haze, ground_altitude_m, quality
+        asked = self.settings, self.haze, self.ground, ground_altitude_m, quality
         try:
             work = self.prepare(ground_altitude_m, quality)
         except ValueError as error:

@@ -10,6 +10,7 @@ from window_driver import choose
 from vrut_lite.app.compare.sky_comparison import ANGLES_DEG
 from vrut_lite.app.compare.two_skies import luminance_of
 from vrut_lite.kernel.messages import SetClock, SetSetting
+from vrut_lite.messages.ground import ground_of
 from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import BackgroundChanged
@@ -60,7 +61,8 @@ def test_two_models_are_shown_at_equal_haze(driver):
     two = driver.comparisons[0].two
     assert [look.module for look in two.looks] == ["dynamic_skylight", "bruneton_sky"]
     assert two.wish.haze == DEFAULT_HAZE
-    assert two.wish.shared == {"albedo": pytest.approx(0.1)}
+    ground = ground_of(driver.session)
+    assert two.wish.shared == {"albedo": pytest.approx(ground.albedo)}
     assert [label.text() for label in driver.compare.hazes] == ["optical depth 0.201 at 550 nm"] * 2
     # What the model calls equal haze, from the table that was fitted to it.
     assert (

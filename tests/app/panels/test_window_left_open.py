@@ -13,9 +13,11 @@ from vrut_lite.app.panels.sky_panel import lack_line
 from vrut_lite.app.panels.sun_panel import phase_of
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.view.light_probe import illuminance_text
+from vrut_lite.atmosphere.ground_reflectance import GREY
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import EnableModule, Fault, SetClock, SetSetting, SlotChanged
 from vrut_lite.kernel.settings import describe, parse
+from vrut_lite.messages.ground import ground_of
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.sun import SunMoved
 from vrut_lite.render.light_meter import Illuminance
@@ -47,12 +49,13 @@ def test_a_sky_without_its_own_haze_shows_that_of_the_place(driver):
 
 
 def test_the_comparison_follows_undo(driver):
-    """Also to a setting that was left open: the preset's own albedo of 0.1 again."""
+    """Also to a setting that was left open: the albedo of the ground around the scene again."""
     comparison = driver.panel("compare").comparison
     driver.session.send(SetSetting(module="bruneton_sky", name="albedo", value=0.5))
     driver.until(lambda: comparison.shared["albedo"] == 0.5)
     driver.session.undo()
-    driver.until(lambda: comparison.shared["albedo"] == pytest.approx(0.1))
+    ground = ground_of(driver.session)
+    driver.until(lambda: comparison.shared["albedo"] == pytest.approx(ground.albedo))
 
 
 def test_the_axis_of_luminance_has_few_labels_and_all_legible(qtbot):
@@ -76,7 +79,7 @@ def test_ticking_a_box_leaves_the_air_as_it_is():
     from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 
     settings = BrunetonSkySettings()
-    ticked = msgspec.structs.replace(settings, **left_open(settings, HAZE))
+    ticked = msgspec.structs.replace(settings, **left_open(settings, HAZE, GREY))
     assert ticked.turbidity is not None
     for name, value in vars_of(atmosphere_of(settings, haze=HAZE)).items():
         if value is not None and not isinstance(value, str):

@@ -8,6 +8,7 @@ from window_driver import choose
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import FieldScale
 from vrut_lite.kernel.messages import SettingChanged, SlotChanged
+from vrut_lite.messages.ground import SetGround, ground_of
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sun import SunMoved
@@ -50,8 +51,9 @@ def test_a_slider_moves_the_sky(driver, qtbot):
     assert row.editor.value == pytest.approx(0.8, abs=0.01)
     driver.until_heard(BackgroundChanged)
     qtbot.mouseClick(row.reset, Qt.MouseButton.LeftButton)
-    driver.until_heard(SettingChanged, lambda m: m.name == "albedo" and m.value == 0.1)
-    driver.until(lambda: row.editor.value == 0.1 and not row.reset.isEnabled())
+    driver.until_heard(SettingChanged, lambda m: m.name == "albedo" and m.value is None)
+    left_open = pytest.approx(ground_of(driver.session).albedo, abs=2e-3)
+    driver.until(lambda: row.editor.value == left_open and not row.reset.isEnabled())
 
 
 def test_a_value_is_typed(driver, qtbot):
@@ -75,6 +77,18 @@ def test_the_haze_is_one_control_for_every_sky(driver):
     assert "turbidity 4.99" in field.toolTip()
     driver.session.send(SetHaze(optical_depth_550=0.05))
     driver.until(lambda: field.value == 0.05)
+
+
+def test_the_ground_is_one_control_for_every_sky(driver, qtbot):
+    """Chosen by name; it shows that of an opened project, and what an unset albedo stands for."""
+    chooser, row = driver.sky.ground, driver.sky.panels["dynamic_skylight"].rows["albedo"]
+    chooser.setCurrentIndex(chooser.findData("snow"))
+    chooser.activated.emit(chooser.currentIndex())
+    assert driver.until_heard(SetGround).ground == "snow"
+    driver.until_heard(BackgroundChanged)
+    driver.until(lambda: row.editor.value == pytest.approx(0.98, abs=0.01))
+    driver.session.send(SetGround(ground="none"))
+    driver.until(lambda: chooser.currentText() == "None" and row.editor.value == 0.1)
 
 
 def test_the_tolerance_is_typed_and_followed(driver):

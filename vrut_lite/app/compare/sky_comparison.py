@@ -25,8 +25,10 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec
+from vrut_lite.messages.ground import OWN_ALBEDOS, SetGround, ground_of
 from vrut_lite.messages.haze import DEFAULT_HAZE, OWN_HAZE, SetHaze
 from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import SpectrumSeen
 from vrut_lite.numeric_types import Vector
 from vrut_lite.pictures.display import display_picture
@@ -85,6 +87,8 @@ class SkyComparison(QObject):
         self._made: SkyWish | None = None
         session.listen(SettingChanged, self._setting_changed)
         session.listen(SetHaze, self._follow_haze)
+        session.listen(SetGround, lambda _: self._ground_changed())
+        session.listen(SceneOpened, lambda _: self._ground_changed())
         for kind in (SlotChanged, SetPlace, ClockMoved):
             session.listen(kind, lambda _: self._look())
         session.closing.connect(self.close)
@@ -98,7 +102,7 @@ class SkyComparison(QObject):
         """Compare these modules' skies; returns the settings that both have."""
         self._modules = (left.name, right.name)
         specs = shared_settings(left, right)
-        self.shared = {spec.name: _value_of(spec, left, right) for spec in specs}
+        self.shared = {spec.name: self._value_of(spec, left, right) for spec in specs}
         own = (module.values.get(OWN_HAZE) for module in (left, right))
         said = (self._haze(turbidity) for turbidity in own if isinstance(turbidity, float))
         self.haze = next(said, self._set)
@@ -146,10 +150,31 @@ class SkyComparison(QObject):
             value = message.value
             if value is None:
                 module = self._session.catalogue.modules[message.module]
-                value = module.left_open(self._set).get(message.name)
+                value = self._left_open(module).get(message.name)
             if value is not None:
                 self.shared[message.name] = float(value)
                 self.shared_changed.emit(message.name, self.shared[message.name])
+        self._look()
+
+    def _value_of(self, spec: SettingSpec, *modules: ModuleInfo) -> float:
+        """The value of a setting in the window, or what it stands for."""
+        open_values = (self._left_open(module).get(spec.name) for module in modules)
+        known = (*(module.values[spec.name] for module in modules), *open_values, spec.default)
+        value = next((v for v in known if v is not None), None)
+        return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
+
+    def _left_open(self, module: ModuleInfo) -> dict[str, object]:
+        return module.left_open(self._set, ground_of(self._session))
+
+    def _ground_changed(self) -> None:
+        """Skies whose settings leave the albedo open have that of another ground."""
+        if self._modules is not None:
+            modules = self._session.catalogue.modules
+            left, right = (modules[name] for name in self._modules)
+            for spec in shared_settings(left, right):
+                if spec.name in OWN_ALBEDOS:
+                    self.shared[spec.name] = self._value_of(spec, left, right)
+                    self.shared_changed.emit(spec.name, self.shared[spec.name])
         self._look()
 
     def _look(self) -> None:
@@ -210,13 +235,6 @@ class SkyComparison(QObject):
     def _refuse(self, asked: tuple[SkyWish, Vector], line: str) -> None:
         if asked is self._asked:
             self.refused.emit(line)
-
-
-def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:
-    """The value of a setting in the window, or its default."""
-    known = (module.values[spec.name] for module in modules)
-    value = next((v for v in known if v is not None), spec.default)
-    return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
 
 
 def compared(two: TwoSkies) -> ComparedSkies:

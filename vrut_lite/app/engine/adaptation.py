@@ -23,6 +23,7 @@ from vrut_lite.kernel.messages import (
     SetSetting,
     Tick,
 )
+from vrut_lite.messages.ground import SetGround
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.light_map import SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
@@ -44,7 +45,7 @@ _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
 # Largest error of the exposure in stops while an hour is dragged; from there it adapts.
 _MOST_OFF_EV = 3.0
 # Messages that change the light of the shown scene.
-_HOLDING = (Tick, SetSetting, SetTolerance, SetHaze, ChooseSlot, EnableModule)
+_HOLDING = (Tick, SetSetting, SetTolerance, SetHaze, SetGround, ChooseSlot, EnableModule)
 # All that `Adaptation.hear` acts on.
 LISTENED_TO = (SetClock, SetPlace, SurfaceLightChanged, *_HOLDING)
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import msgspec
 
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
 from vrut_lite.kernel.messages import Message, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec, describe
 from vrut_lite.messages.haze import SetHaze
@@ -23,9 +24,9 @@ class ModuleInfo(NamedTuple):
     specs: dict[str, SettingSpec]
     values: dict[str, object]
 
-    def left_open(self, haze: SetHaze) -> dict[str, object]:
+    def left_open(self, haze: SetHaze, ground: GroundReflectance) -> dict[str, object]:
         """Effective values of unset settings."""
-        return left_open(self.settings_type(**self.values), haze)
+        return left_open(self.settings_type(**self.values), haze, ground)
 
     @property
     def presets(self) -> dict[str, Preset]:

@@ -21,7 +21,9 @@ from vrut_lite.app.panels.setting_row import SettingRow
 from vrut_lite.app.widgets import faint_label, heading, panel_column
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
-from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.messages.ground import SetGround, ground_of
+from vrut_lite.messages.haze import SetHaze, haze_of
+from vrut_lite.messages.scene import SceneOpened
 
 
 class ModulePanel(QWidget):
@@ -45,7 +47,8 @@ class ModulePanel(QWidget):
         self._show_left_open()
         self._show_resettable()
         session.listen(SettingChanged, self._changed)
-        session.listen(SetHaze, lambda _: self._show_left_open())
+        for kind in (SetHaze, SetGround, SceneOpened):
+            session.listen(kind, lambda _: self._show_left_open())
         session.listen(Fault, self._refused)
         session.catalogue_renewed.connect(self._renew)
 
@@ -119,7 +122,7 @@ class ModulePanel(QWidget):
 
     def _show_left_open(self) -> None:
         """Show what unset settings stand for."""
-        known = self._module.left_open(self._session.last(SetHaze) or DEFAULT_HAZE)
+        known = self._module.left_open(haze_of(self._session), ground_of(self._session))
         for name, row in self.rows.items():
             if self._module.values[name] is None:
                 row.show_value(None, known.get(name))

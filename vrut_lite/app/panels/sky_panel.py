@@ -12,16 +12,28 @@ from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.widgets import Chooser, aligned_form
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
+from vrut_lite.messages.ground import (
+    DEFAULT_GROUND,
+    GROUND_NAMES,
+    NO_DISC,
+    SCENE_BORDER,
+    SetGround,
+)
 from vrut_lite.messages.haze import AEROSOL_TYPES, DEFAULT_HAZE, SetHaze
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
 
 SHOWN_SLOT = "sky"
 _EMPTY = "none"
+_GROUNDS = {
+    SCENE_BORDER: "As the scene's border",
+    **{name: name.capitalize() for name in GROUND_NAMES if name not in (SCENE_BORDER, NO_DISC)},
+    NO_DISC: "None",
+}
 _LOWEST_PERCENT = 0.1
 
 
 class SkyPanel(QWidget):
-    """A chooser for each slot that several modules can hold, the haze and the tolerance."""
+    """A chooser for each slot that several modules can hold, haze, ground and tolerance."""
 
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
@@ -41,6 +53,14 @@ class SkyPanel(QWidget):
             "What the haze is made of: a type of OPAC (Hess, Koepke and Schult 1998), or one lobe "
             "for all colours. The Bruneton sky shows it; the Hosek-Wilkie sky knows continental "
             "haze up to a depth of 0.5 only"
+        )
+        self.ground = Chooser()
+        self.ground.setAccessibleName("ground")
+        for name, title in _GROUNDS.items():
+            self.ground.addItem(title, name)
+        self.ground.setToolTip(
+            "What lies around the scene up to the horizon, and lights the sky from below. A sky "
+            "whose settings name an albedo or bring a preset has its own"
         )
         self.tolerance = NumberField(_LOWEST_PERCENT, 100.0, "%", decimals=2)
         self.tolerance.show_value(100.0 * DEFAULT_TOLERANCE)
@@ -65,6 +85,11 @@ class SkyPanel(QWidget):
         column.addLayout(self._settings, 1)
         self.haze.edited.connect(lambda depth: self._change_haze(optical_depth_550=depth))
         self.aerosol.activated.connect(lambda _: self._change_aerosol())
+        self.ground.activated.connect(
+            lambda _: session.send(SetGround(ground=self.ground.currentData()))
+        )
+        session.listen(SetGround, self._show_ground)
+        self._show_ground(DEFAULT_GROUND)
         session.listen(SetHaze, self._show_haze)
         self._show_haze(DEFAULT_HAZE)
         self.tolerance.edited.connect(
@@ -89,6 +114,7 @@ class SkyPanel(QWidget):
             self._choices.addRow(QLabel(slot.capitalize()), chooser)
         self._choices.addRow("Haze", self.haze)
         self._choices.addRow("Aerosol", self.aerosol)
+        self._choices.addRow("Ground", self.ground)
         self._choices.addRow("Tolerance", self.tolerance)
         for module in catalogue.providers(SHOWN_SLOT):
             panel = ModulePanel(self._session, module.name, self._presets)
@@ -110,6 +136,9 @@ class SkyPanel(QWidget):
         # A user's aerosol is not in this list.
         known = haze.aerosol if haze.own is None else None
         self.aerosol.setCurrentIndex(self.aerosol.findData(known))
+
+    def _show_ground(self, ground: SetGround) -> None:
+        self.ground.setCurrentIndex(self.ground.findData(ground.ground))
 
     def _choose(self, slot: str) -> None:
         module = self.choosers[slot].currentData()
