@@ -1,7 +1,7 @@
 """Make tests/data/twilight_truth.npz: twilight by another method than the table's.
 
 Run from the repository's root: python -m vrut_lite_lab.twilight_fit.make_truth
-Some five minutes on one core. The first order is exact, the others are the backward path
+Some ten minutes on one core. The first order is exact, the others are the backward path
 tracer's, with standard errors: no grid, no harmonics, no bins. Suns and directions are none of
 the table's.
 """
@@ -21,8 +21,8 @@ TRUTH = ROOT / "tests" / "data" / "twilight_truth.npz"
 TURBIDITIES = (2.0, 3.0, 6.0)
 # Paths a direction: more where fewer of them find the sun.
 PATHS = {
-    0.25: 2**14, -0.75: 2**14, -1.75: 2**15, -2.75: 2**15, -3.75: 2**16, -4.75: 2**16,
-    -5.75: 2**17, -7.25: 2**17, -9.25: 2**18,
+    0.25: 2**15, -0.75: 2**15, -1.75: 2**16, -2.75: 2**16, -3.75: 2**17, -4.75: 2**17,
+    -5.75: 2**18, -7.25: 2**18, -9.25: 2**19,
 }  # fmt: skip
 DIRECTIONS = 4
 NOTES = """Sky radiance at the ground in twilight, W m^-2 sr^-1 nm^-1, and its standard error:
