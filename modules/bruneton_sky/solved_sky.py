@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -165,7 +165,7 @@ class SolvedSky:
         radiance = self.radiance(altitude_m, mu, mu_s, nu)
         starts = [part.ravel() for part in _rays(altitude_m, mu, mu_s, nu)]
         polarised = np.zeros((2, starts[0].size, radiance.shape[-1]))
-        field = self._polarised_field
+        field = with_polarised_orders(self.field)
         for some, ways in self._ways_in_air(*starts):
             polarised[:, some] = polarised_light_along(field, *ways)
         q, u = polarised.reshape(2, *radiance.shape)
@@ -186,14 +186,6 @@ class SolvedSky:
         radiance, q, u = np.moveaxis(self.stokes(altitude_m, mu, mu_s, nu), -1, 0)
         degree = np.divide(np.hypot(q, u), radiance, out=np.zeros_like(q), where=radiance > 0.0)
         return degree, 0.5 * np.arctan2(u, q)
-
-    @cached_property
-    def _polarised_field(self) -> SourceField:
-        """The field with Q and U of all orders."""
-        if self.field.polarised is not None:
-            return self.field
-        sizes = replace(self.field.sizes, polarised_orders=None)
-        return solve_source(self.atmosphere, sizes=sizes, all_orders=True)
 
     def irradiance(self, altitude_m: ArrayLike, mu_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Irradiance (..., C) of the sun and of the sky, W m^-2 nm^-1.
@@ -285,6 +277,15 @@ class SolvedSky:
     def _batches(self, count: int) -> Iterator[slice]:
         step = max(_BATCH // len(self.atmosphere.wavelength_nm), 1)
         return (slice(start, start + step) for start in range(0, count, step))
+
+
+@lru_cache(maxsize=2)
+def with_polarised_orders(field: SourceField) -> SourceField:
+    """The field with Q and U of all orders; one that has them not is solved again."""
+    if field.polarised is not None:
+        return field
+    sizes = replace(field.sizes, polarised_orders=None)
+    return solve_source(field.atmosphere, sizes=sizes, all_orders=True)
 
 
 def _altitudes(altitude_m: ArrayLike) -> FloatArray:

@@ -63,6 +63,7 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    SkyPolarisationChanged,
     SkyRadianceChanged,
     SpectrumSeen,
     ViewShader,
@@ -211,6 +212,9 @@ SOUND = [
         limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
     ),
     SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
+    SkyPolarisationChanged(
+        cube=Array(np.zeros((2, 6, 2, 2, 3), np.float16)), radiance_scale=0.25, source="s"
+    ),
     AirChanged(volume=AIR, source="s"),
     small_air(AIR_LIGHT, second=second_light(AIR_LIGHT)),
     CloudinessChanged(

@@ -155,6 +155,37 @@ class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
         checks.contents(self, "cube", -most, most)
 
 
+class SkyPolarisationChanged(Derived, frozen=True, kw_only=True):
+    """Linear polarisation of the clear sky above the horizon, without the sun's disc.
+
+    cube (2, 6, size, size, 3) float16 holds Q and U as cube maps in world axes; linear sRGB in
+    W m^-2 sr^-1 is cube times `radiance_scale`. Q > 0 vibrates along the direction's axis
+    (`geometry.polarisation.map_axis`), U > 0 at 45 degrees counter-clockwise from it, as the
+    observer sees it. Below the horizon both are 0: the ground is unpolarised. The night's glow and
+    clouds are too: they add to I alone. `cube` is None in a sky that knows no polarisation.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    cube: Array | None
+    radiance_scale: float = 1.0
+    source: str
+
+    def check(self) -> None:
+        """Check the cubes' size and scale."""
+        if self.cube is not None:
+            edge = -LARGEST_EDGE
+            checks.array(self, "cube", (2, 6, edge, edge, 3), ("<f2",))
+        check_scale(self)
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        if self.cube is not None:
+            most = MOST_LIGHT / self.radiance_scale
+            checks.contents(self, "cube", -most, most)
+
+
 class LookAlong(Input, frozen=True, kw_only=True):
     """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
 

@@ -19,6 +19,7 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    SkyPolarisationChanged,
     SkyRadianceChanged,
     SpectrumSeen,
 )
@@ -54,6 +55,7 @@ DERIVED: tuple[type[Derived], ...] = (
     CloudsChanged,
     AmbientChanged,
     SkyRadianceChanged,
+    SkyPolarisationChanged,
     SkyGlowAdded,
     SkyLightChanged,
     GpuJob,

@@ -182,6 +182,15 @@ class SkyAtNight(Sky):
             harmonics = harmonics + self.share * _harmonics(self.glow, self._lit_ground)
         return harmonics
 
+    def polarisation(self, size: int) -> Float32Array | None:
+        """The sum of sunlight's and moonlight's; the glow is unpolarised."""
+        lights = [(self.by_sun, self._sun_left)]
+        if self.by_moon is not None:
+            lights.append((self.by_moon, self._moon_share))
+        cubes = [(sky.polarisation(size), share) for sky, share in lights if share.any()]
+        known = [cube * share.astype(np.float32) for cube, share in cubes if cube is not None]
+        return np.asarray(sum(known)) if known else None
+
     def lamps_rgb(self) -> Vector:
         """The night's share of the lamps' radiance."""
         red, green, blue = self.lamps

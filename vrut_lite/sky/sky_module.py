@@ -1,11 +1,11 @@
 """`SkyModule`: the common part of all skies, between the bus and the light of an hour.
 
 It handles the inputs of light, calls the sky for the demanded results, and posts those that have
-changed: background, key light, ambient light, radiance on the ground and air, in this order. Sizes
-follow demand, else the tolerance; invisible moves of sun and eye cost nothing; when the slot
-returns, all is posted again; a long computation runs as a background job, and the previous sky
-stays until it ends. With the setting `cube_device` on "gpu" the GPU makes cube map and air; the CPU
-does where a demand names the cube's encoding, where the host runs no GPU jobs, after one has
+changed: background, key light, ambient light, radiance on the ground, polarisation and air, in this
+order. Sizes follow demand, else the tolerance; invisible moves of sun and eye cost nothing; when
+the slot returns, all is posted again; a long computation runs as a background job, and the previous
+sky stays until it ends. With the setting `cube_device` on "gpu" the GPU makes cube map and air; the
+CPU does where a demand names the cube's encoding, where the host runs no GPU jobs, after one has
 failed, and where the sky requires it.
 
 The counters count messages by type name, posted ("BackgroundChanged") or skipped
@@ -38,6 +38,7 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    SkyPolarisationChanged,
     SkyRadianceChanged,
     SpectrumSeen,
 )
@@ -48,7 +49,15 @@ from vrut_lite.sky.air_reach import rung_m
 from vrut_lite.sky.eye import eye_height_m
 from vrut_lite.sky.sky_at_night import SkyAtNight, key_body, night_share, sun_share
 from vrut_lite.sky.sky_jobs import SOLVE, AwaitedTextures, Preparation
-from vrut_lite.sky.sky_of_hour import AIR_JOB, CUBE_JOB, Quality, Sky, SkyInputs, Work
+from vrut_lite.sky.sky_of_hour import (
+    AIR_JOB,
+    CUBE_JOB,
+    Quality,
+    Sky,
+    SkyInputs,
+    Work,
+    polarisation_message,
+)
 
 SPECTRUM = "spectrum"
 Kinds = tuple[type[Derived], ...]
@@ -57,14 +66,18 @@ PRODUCTS: Kinds = (
     KeyLightChanged,
     AmbientChanged,
     SkyRadianceChanged,
+    SkyPolarisationChanged,
     AirChanged,
 )
 # Edge of the cube that lights the scene, used when the consumer gives no size.
 LIGHT_SIZE = 64
+# Edge of the cubes of Q and U, used when the consumer gives no size: they are smooth.
+_POLARISATION_SIZE = 32
+_USUAL_SIZES = {SkyRadianceChanged: LIGHT_SIZE, SkyPolarisationChanged: _POLARISATION_SIZE}
 # Change of moonlight, as a share, that keeps the moon where it was: that of the phase in an hour.
 _UNSEEN_MOONLIGHT = 0.005
 # Messages that depend on the eye's place.
-SEEN: Kinds = (BackgroundChanged, AirChanged)
+SEEN: Kinds = (BackgroundChanged, SkyPolarisationChanged, AirChanged)
 
 
 class SkyModule(Module):
@@ -370,8 +383,7 @@ class SkyModule(Module):
 
     def _post_if_new(self, kind: type[Derived], sky: Sky, hour: SkyInputs, demand: Demand) -> None:
         """Post a message whose sources differ from the last one's."""
-        usual = LIGHT_SIZE if kind is SkyRadianceChanged else self._quality.cube_size
-        size = demand.size or usual
+        size = demand.size or _USUAL_SIZES.get(kind) or self._quality.cube_size
         name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
         made_from: tuple[object, ...] = sky.on_scene(), direction
         if kind is BackgroundChanged:
@@ -381,6 +393,8 @@ class SkyModule(Module):
             made_from = sky, size, on_gpu
         elif kind is SkyRadianceChanged:
             made_from = *made_from, size
+        elif kind is SkyPolarisationChanged:
+            made_from = sky, size
         elif kind is AirChanged:
             on_gpu = self._gpu_serves(type(sky).gpu_air is not Sky.gpu_air)
             made_from = sky, eye_m, self._view[1], on_gpu
@@ -396,6 +410,8 @@ class SkyModule(Module):
             self._post(sky.sun().message(seen, name))
         elif kind is SkyRadianceChanged:
             self._post(sky.background_on_ground(size).light_message(name))
+        elif kind is SkyPolarisationChanged:
+            self._post(polarisation_message(sky.polarisation(size), name))
         else:
             harmonics = Array(np.asarray(sky.ambient(), dtype=np.float32))
             lamps_rgb = sky.lamps_rgb()

@@ -15,11 +15,17 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.haze_layer import HazeLayer
-from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.encoding import encode_float16, float16_scale
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
-from vrut_lite.messages.sky import NO_LAMPS, BackgroundChanged, SkyRadianceChanged, ViewShader
+from vrut_lite.messages.sky import (
+    NO_LAMPS,
+    BackgroundChanged,
+    SkyPolarisationChanged,
+    SkyRadianceChanged,
+    ViewShader,
+)
 from vrut_lite.messages.sun import Body, KeyLightChanged, SunMoved
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector, vector
 
@@ -155,6 +161,15 @@ class Background(NamedTuple):
         return Array(cube), scale
 
 
+def polarisation_message(cube: Float32Array | None, source: str) -> SkyPolarisationChanged:
+    """Q and U (2, 6, size, size, 3) as a message."""
+    if cube is None:
+        return SkyPolarisationChanged(cube=None, source=source)
+    scale = float16_scale(float(np.abs(cube).max()))
+    halves = Array((cube / np.float32(scale)).astype(np.float16))
+    return SkyPolarisationChanged(cube=halves, radiance_scale=scale, source=source)
+
+
 class SunDisc(NamedTuple):
     """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`.
 
@@ -210,6 +225,10 @@ class Sky:
     def ambient(self) -> FloatArray | Float32Array:
         """Harmonics (25, 3) of the irradiance on the scene by sky and ground."""
         raise NotImplementedError
+
+    def polarisation(self, size: int) -> Float32Array | None:
+        """Q and U (2, 6, size, size, 3) as in `SkyPolarisationChanged`; None if unknown."""
+        return None
 
     def lamps_rgb(self) -> Vector:
         """Radiance of the lands around by their lamps; none by day."""

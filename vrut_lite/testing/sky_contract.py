@@ -29,6 +29,7 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    SkyPolarisationChanged,
     SkyRadianceChanged,
     SpectrumSeen,
 )
@@ -229,6 +230,19 @@ class SkyContract:
         sky.taken()
         sky.eye(9000.0)
         assert sky.taken() == []
+
+    def test_polarisation_is_no_more_than_the_light(self, sky: SkyOnBus) -> None:
+        """Where the sky knows it, under any sun: at most the radiance, to 1 % of the brightest
+        texel, and none below the horizon."""
+        sky.want(BackgroundChanged, SkyPolarisationChanged, size=SIZE)
+        for sun in SUNS:
+            sky.sun(*sun)
+            found = sky.last(SkyPolarisationChanged)
+            found.check_arrays()
+            if found.cube is not None:
+                cube, light = found.cube.values.astype(float) * found.radiance_scale, cube_of(sky)
+                assert not cube[:, texel_directions(SIZE)[..., 1] < 0.0].any()
+                assert np.all(np.hypot(*cube) <= light + 0.01 * light.max())
 
     # --- air and spectrum ----------------------------------------------------------------
 
