@@ -169,3 +169,44 @@ def test_from_space_the_sun_is_the_observer_s(sky):
     assert 683.0 * (sun @ [0.2126, 0.7152, 0.0722]) == pytest.approx(133e3, rel=0.03)
     added = ((whole - bare) * LatLongMap(64).solid_angles()[..., None]).sum(axis=(0, 1))
     np.testing.assert_allclose(added, sun, rtol=5e-3)
+
+
+@pytest.mark.parametrize("projection", MAPS)
+def test_stokes_is_the_same_light_in_exr_and_npz(sky, projection):
+    """One convention: channels of the EXR are the arrays of the npz, whose degree is highest 90
+    degrees from the sun, where vibration is across the plane of view and sun."""
+    options = ["--projection", projection, "--sky", "bruneton_sky", "--stokes"]
+    radiance, arrays = npz(sky("sky.npz", *options))
+    channels = OpenEXR.File(str(sky("sky.exr", *options)), separate_channels=True).channels()
+    degree = arrays["dolp"]
+    d = MAPS[projection].directions()
+    sun = vector(arrays["sunDirection"])
+    seen = d[..., 1] > 0.1
+    brightest = np.where(seen, degree, 0.0).argmax()
+    towards = d.reshape(-1, 3)[brightest]
+    assert abs(np.degrees(np.arccos(towards @ sun)) - 90.0) < 8.0
+    assert 0.4 < degree[seen].max() < 0.8
+    assert np.all(np.hypot(arrays["q"], arrays["u"]) <= radiance * (1.0 + 1e-6))
+    assert not degree[d[..., 1] < 0.0].any()
+    level = np.cross(towards, [0.0, 1.0, 0.0])
+    level /= np.linalg.norm(level)
+    turn = np.radians(arrays["aolp"].reshape(-1)[brightest])
+    # Counter-clockwise, seen from inside: from up to the left.
+    vibration = np.cos(turn) * np.cross(level, towards) - np.sin(turn) * level
+    assert abs(vibration @ sun) < 0.1
+    if projection != "cube":
+        np.testing.assert_array_equal(channels["Q.B"].pixels, arrays["q"][..., 2])
+        np.testing.assert_array_equal(channels["aolp"].pixels, arrays["aolp"])
+    assert (
+        channels["U.R"].pixels.shape == channels["dolp"].pixels.shape == channels["R"].pixels.shape
+    )
+
+
+def test_stokes_is_refused_where_it_cannot_be(sky, capsys):
+    """A sky without polarisation, and a format without room for it: one sentence, exit code 2."""
+    for name, model in (("sky.exr", "dynamic_skylight"), ("sky.png", "bruneton_sky")):
+        with pytest.raises(SystemExit) as exit_:
+            sky(name, "--stokes", "--sky", model)
+        assert exit_.value.code == 2
+        (sentence,) = capsys.readouterr().err.strip().splitlines()
+        assert "polarisation" in sentence

@@ -2,12 +2,17 @@
 
 from datetime import UTC, datetime, timedelta
 
+import msgspec
 import numpy as np
 import pytest
 from cloud_stage import clouds_of, rough_layer
-from light_messages import light_messages, radiance_of
+from clouds.sky_layer import CloudsBeforeSky
+from light_messages import clear_sky_light, light_messages, radiance_of
 
+from vrut_lite.array import Array
 from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Input, JobResult, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
@@ -17,7 +22,8 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.sky.sky_sum import SkySum
+from vrut_lite.sky.sky_of_hour import polarisation_message
+from vrut_lite.sky.sky_sum import SkySum, sum_up
 
 NOON = datetime(2026, 6, 21, 10, 30, tzinfo=UTC)
 SUN = (0.6, 0.8, 0.0)
@@ -173,3 +179,31 @@ def test_the_real_clouds_darken_the_real_sky():
     assert max(under.key_light.irradiance_rgb) < 0.01 * max(clear.key_light.irradiance_rgb)
     share = np.divide(under.background.ground_radiance_rgb, clear.background.ground_radiance_rgb)
     assert np.all((share > 0.1) & (share < 0.45))
+
+
+@pytest.mark.parametrize("density", [1e-4, 0.03])
+def test_clouds_transmit_polarised_light_and_add_none(density):
+    """Q and U behind clouds are those before them times the transmittance, which is the change of
+    the sum's radiance by a change of the clear sky's."""
+    clouds = clouds_of(msgspec.structs.replace(rough_layer(base_m=900.0), extinction_per_m=density))
+    rng, above = np.random.default_rng(1), texel_directions(16)[..., 1] > 0.0
+    cube = rng.uniform(-1.0, 1.0, (2, 6, 16, 16, 3)).astype(np.float32)
+    clear = clear_sky_light(*light_messages(np.full((6, 16, 16, 3), 4.0), SUN, (90.0, 80.0, 70.0)))
+    lit = []
+    for radiance in (400.0, 800.0):
+        texels = Array(np.full((6, 16, 16, 3), radiance, np.float16))
+        sky = msgspec.structs.replace(
+            clear,
+            background=msgspec.structs.replace(clear.background, cube=texels),
+            radiance=msgspec.structs.replace(clear.radiance, cube=texels),
+            polarisation=polarisation_message(cube, "test"),
+        )
+        origin = (0.0, 0.0, 0.0)
+        lit.append(sum_up({CloudsBeforeSky(): clouds}, (), sky, origin, origin, 10.0, 16))
+    seen = [decode_float16(o.background.cube.values, o.background.radiance_scale) for o in lit]
+    transmitted = (seen[1] - seen[0]) / 400.0
+    found = lit[0].polarisation
+    ours = decode_float16(found.cube.values, found.radiance_scale)
+    difference = np.abs(ours - cube * transmitted)[:, above]
+    assert difference.max() < 0.02
+    assert transmitted[above].min() < 0.97

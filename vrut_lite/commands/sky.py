@@ -5,11 +5,18 @@ from typing import Any
 import click
 
 from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.errors import UserError
 from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.project import Project
 from vrut_lite.studio.number_types import FiniteRange, WholeRange
 from vrut_lite.studio.pictures import bits_option, make_pictures, picture_bits, said_of
-from vrut_lite.studio.sky_pictures import PROJECTIONS, Projection, SkyPlan, sidecar_of
+from vrut_lite.studio.sky_pictures import (
+    PROJECTIONS,
+    STOKES_FORMATS,
+    Projection,
+    SkyPlan,
+    sidecar_of,
+)
 from vrut_lite.studio.time_span import span_options, wanted_pictures
 from vrut_lite.studio.workers import worker_options, workers_of
 
@@ -59,6 +66,13 @@ from vrut_lite.studio.workers import worker_options, workers_of
     metavar="DEG",
     help="Azimuth in the middle, clockwise of north: 90 for Blender, 180 for Mitsuba.",
 )
+@click.option(
+    "--stokes",
+    is_flag=True,
+    help="Write also how the light is polarised, to .exr or .npz: Q and U, and degree (dolp) and "
+    "angle (aolp) of its luminance. By each view's vertical plane: Q > 0 vibrates in it, U > 0 at "
+    "45 degrees counter-clockwise from it, as the observer sees it.",
+)
 @click.option("--sidecar", is_flag=True, help="Write the header also beside it, as FILE.json.")
 @bits_option
 @span_options
@@ -71,6 +85,7 @@ def sky(
     sun_disc: bool,
     stars: bool,
     turned_deg: float,
+    stokes: bool,
     sidecar: bool,
     bits: str | None,
     jobs: int,
@@ -88,11 +103,16 @@ def sky(
     is north and +X east, the scene's own axes. Then place Blender's or Mitsuba's sun lamp by the
     metadata, or draw the disc with --sun-disc.
 
+    With --stokes an EXR has the channels Q.R to U.B, dolp and aolp beside R, G and B; an npz the
+    arrays q, u, dolp and aolp. The ground, stars, glows and clouds are unpolarised.
+
     Example: vrut-lite sky -o sky.exr --at 2026-06-21T18:30 --place 50.0755,14.4378
 
     Example: vrut-lite sky -o sky_%04d.exr --from 05:00 --to 21:00 --step 30m --jobs 2
     """
     suffix = picture_format(output)
+    if stokes and suffix not in STOKES_FORMATS:
+        raise UserError(f"{suffix} holds no polarisation: name an .exr or .npz file for --stokes")
     project = with_options(Project(), options)
     wanted = wanted_pictures(output, project, options)
     paths = [path for _, path in wanted]
@@ -105,6 +125,7 @@ def sky(
         turned_deg=turned_deg,
         sun_disc=sun_disc,
         stars=stars,
+        stokes=stokes,
         bits=picture_bits(bits, suffix),
         sidecar=sidecar,
         bar=len(wanted) == 1,

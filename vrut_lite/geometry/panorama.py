@@ -44,13 +44,13 @@ def sample_sky(cube: NDArray[np.floating], direction: NDArray[np.floating]) -> N
 
 
 def unfold_cube(cube: NDArray[np.floating]) -> NDArray[np.floating]:
-    """The faces (6, n, n, 3) as a cross (3 n, 4 n, 3), as seen from inside, north in the middle.
+    """The faces (6, n, n, C) as a cross (3 n, 4 n, C), as seen from inside, north in the middle.
 
     The row of the horizon reads west, north, east, south; the zenith is above north. What
     lies outside the cross is zero.
     """
     n = cube.shape[1]
-    cross = np.zeros((3 * n, 4 * n, 3), cube.dtype)
+    cross = np.zeros((3 * n, 4 * n, cube.shape[-1]), cube.dtype)
     # Seen from inside the cube OpenGL's faces are mirror images. Flip the sides left to right,
     # zenith and nadir top to bottom, which also puts their northern rows next to north's face.
     for column, face in enumerate((1, 5, 0, 4)):

@@ -4,7 +4,12 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.limits import MOST_LIGHT
-from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.messages.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    SkyPolarisationChanged,
+    SkyRadianceChanged,
+)
 from vrut_lite.messages.sun import KeyLightChanged
 
 # The parts of the clear sky's light.
@@ -55,6 +60,8 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
         ambient: irradiance by sky, layers and ground, at the ground.
         radiance: of the sky that lights the scene, seen from the ground in its middle. Without
             layers it is None unless a consumer demands `SkyRadianceChanged`.
+        polarisation: of the background, behind the layers; glows and layers add unpolarised light.
+            None unless a consumer demands `SkyPolarisationChanged`.
         layers: names of the layers.
         source: the module that posts it.
     """
@@ -63,6 +70,7 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
     key_light: KeyLightChanged
     ambient: AmbientChanged
     radiance: SkyRadianceChanged | None = None
+    polarisation: SkyPolarisationChanged | None = None
     layers: tuple[str, ...] = ()
     source: str
 
@@ -82,8 +90,10 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
             checks.instance(self, name, kind)
             getattr(self, name).check()
         checks.instance(self, "radiance", (SkyRadianceChanged, type(None)))
-        if self.radiance is not None:
-            self.radiance.check()
+        checks.instance(self, "polarisation", (SkyPolarisationChanged, type(None)))
+        for part in (self.radiance, self.polarisation):
+            if part is not None:
+                part.check()
         checks.instance(self, "layers", tuple)
         checks.text(self, "source")
 
@@ -91,5 +101,6 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
         """Light, which is finite."""
         self.background.check_arrays()
         self.ambient.check_arrays()
-        if self.radiance is not None:
-            self.radiance.check_arrays()
+        for part in (self.radiance, self.polarisation):
+            if part is not None:
+                part.check_arrays()

@@ -1,6 +1,7 @@
 """Linear pictures as OpenEXR: half or single precision, ZIP, colour space and units stated."""
 
 import os
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,15 @@ _OF_THE_FORMAT = {
 }
 
 
-def write_exr(path: str | os.PathLike[str], rgb_linear: NDArray, metadata: Metadata) -> None:
+def write_exr(
+    path: str | os.PathLike[str],
+    rgb_linear: NDArray,
+    metadata: Metadata,
+    more: Mapping[str, NDArray] | None = None,
+) -> None:
     """Write (h, w, 3) linear sRGB radiance, W m^-2 sr^-1, in the precision of the array.
+
+    `more` holds further channels (h, w) by name.
 
     float16 becomes HALF, float32 FLOAT, both bit for bit. Metadata become string and double
     attributes. The standard attribute whiteLuminance gives the luminance of RGB (1, 1, 1) in
@@ -37,7 +45,10 @@ def write_exr(path: str | os.PathLike[str], rgb_linear: NDArray, metadata: Metad
         "whiteLuminance": LUMENS_PER_WATT,
         **{key: _attribute(key, value) for key, value in metadata.items()},
     }
-    picture = OpenEXR.File(header, {"RGB": np.ascontiguousarray(rgb_linear)})
+    channels = {"RGB": rgb_linear, **(more or {})}
+    picture = OpenEXR.File(
+        header, {name: np.ascontiguousarray(values) for name, values in channels.items()}
+    )
     with atomic_output(path) as beside:
         try:
             picture.write(os.fspath(beside))

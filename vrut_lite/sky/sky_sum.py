@@ -1,21 +1,31 @@
 """The module that posts the complete light of the sky, for all consumers."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
+
+import msgspec
+import numpy as np
 
 from vrut_lite import __version__
 from vrut_lite.array import Array
+from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.scene import SceneNeeds, SceneOpened
-from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.messages.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    SkyPolarisationChanged,
+    SkyRadianceChanged,
+)
 from vrut_lite.messages.sky_light import LIGHT, SkyGlowAdded, SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Vector
 from vrut_lite.sky.sky_glow import with_glow
 from vrut_lite.sky.sky_layer import SkyLayer, Viewpoint, sky_layers
+from vrut_lite.sky.sky_of_hour import polarisation_message
 
 NAME = "sky_sum"
 JOB = "sum"
@@ -25,7 +35,10 @@ CUBE_SIZE = 64
 # the same.
 _UNSEEN_SHARE = 0.02
 _LEAST_DISTANCE_M = 50.0
+# Radiance of an even sky that outshines all layers, to measure how much of it they transmit.
+_OUTSHINES = 2.0**24
 Layers = dict[SkyLayer, Derived]
+D = TypeVar("D", bound=Derived)
 
 
 class SumOutdated(Derived, frozen=True, kw_only=True):
@@ -96,6 +109,7 @@ class SkySum(Module):
     @handles(KeyLightChanged)
     @handles(AmbientChanged)
     @handles(SkyRadianceChanged)
+    @handles(SkyPolarisationChanged)
     @handles(SceneOpened)
     @handles(SceneNeeds)
     @handles(MoveCamera)
@@ -140,14 +154,13 @@ class SkySum(Module):
         key_light, ambient = self.link.last(KeyLightChanged), self.link.last(AmbientChanged)
         if background is None or key_light is None or ambient is None:
             return
-        # Nobody updates it unless somebody wants it.
-        wanted = self.link.wanted(SkyRadianceChanged) is not None
-        radiance = self.link.last(SkyRadianceChanged) if wanted else None
+        radiance = self._last_wanted(SkyRadianceChanged)
         clear = SkyLightChanged(
             background=background,
             key_light=key_light,
             ambient=ambient,
             radiance=radiance,
+            polarisation=self._last_wanted(SkyPolarisationChanged),
             source=NAME,
         )
         layers = self._there()
@@ -155,6 +168,10 @@ class SkySum(Module):
             self._post_clear(clear)
         elif radiance is not None and not isinstance(background.cube, GpuTexture):
             self._start(layers, clear)
+
+    def _last_wanted(self, kind: type[D]) -> D | None:
+        """The last message, if anybody wants it: else nobody updates it."""
+        return None if self.link.wanted(kind) is None else self.link.last(kind)
 
     def _forget(self) -> None:
         self.link.cancel_job(JOB)
@@ -229,7 +246,36 @@ def sum_up(
         light = with_glow(light, glow, NAME)
     for layer, message in layers.items():
         light = layer.light_under(message, light, view, size, NAME)
-    return light
+    polarised = _behind(layers, clear, view) if layers else clear.polarisation
+    return msgspec.structs.replace(light, polarisation=polarised)
+
+
+def _behind(
+    layers: Layers, clear: SkyLightChanged, view: Viewpoint
+) -> SkyPolarisationChanged | None:
+    """The clear sky's polarisation times the transmittance of the layers, if it is known.
+
+    The transmittance is the radiance of an even sky that outshines the layers' own light.
+    """
+    polarised, radiance = clear.polarisation, clear.radiance
+    if polarised is None or polarised.cube is None or radiance is None:
+        return polarised
+    size = polarised.cube.shape[2]
+    even = Array(np.ones((6, size, size, 3), np.float16))
+    light = msgspec.structs.replace(
+        clear,
+        background=msgspec.structs.replace(
+            clear.background, cube=even, radiance_scale=_OUTSHINES, view=None
+        ),
+        radiance=msgspec.structs.replace(radiance, cube=even, radiance_scale=_OUTSHINES),
+    )
+    for layer, message in layers.items():
+        light = layer.light_under(message, light, view, size, NAME)
+    seen = light.background
+    assert isinstance(seen.cube, Array)
+    share = decode_float16(seen.cube.values, seen.radiance_scale / _OUTSHINES)
+    cube = decode_float16(polarised.cube.values, polarised.radiance_scale)
+    return polarisation_message(cube * share, NAME)
 
 
 def _square(scene: SceneOpened | None) -> tuple[Vector, float]:
@@ -243,7 +289,7 @@ def _square(scene: SceneOpened | None) -> tuple[Vector, float]:
 
 
 def _parts(light: SkyLightChanged) -> tuple[Any, ...]:
-    return light.background, light.key_light, light.ambient, light.radiance
+    return light.background, light.key_light, light.ambient, light.radiance, light.polarisation
 
 
 def _same(made_from: tuple[Any, ...], before: tuple[Any, ...]) -> bool:

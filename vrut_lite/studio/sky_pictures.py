@@ -13,18 +13,27 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight_kernel import FaultCollector, demand_light
-from vrut_lite.errors import ModuleFailed
+from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
 from vrut_lite.geometry.panorama import sample_sky, unfold_cube
+from vrut_lite.geometry.polarisation import (
+    degree_and_angle,
+    map_axis,
+    turned,
+    vertical_axis,
+)
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap, SkyMap
 from vrut_lite.geometry.sun_disc import disc_radiance, points_radiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.night import MoonDiscChanged, StarsChanged
+from vrut_lite.messages.sky import SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.numeric_types import Float32Array, FloatArray
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import (
     Metadata,
@@ -43,6 +52,13 @@ from vrut_lite.studio.time_span import at_instant, other_side
 
 Projection = Literal["lat-long", "cube", "fisheye"]
 PROJECTIONS: tuple[Projection, ...] = ("lat-long", "cube", "fisheye")
+STOKES_FORMATS = (".exr", ".npz")
+# Edge of the cubes of Q and U: between its texels they err by less than 0.1 % of the radiance.
+_POLARISED_SIZE = 128
+_CONVENTION = (
+    "Q > 0 vibrates in the view's vertical plane, U > 0 at 45 degrees counter-clockwise from it as "
+    "the observer sees it; dolp is the degree of Y, aolp its angle in degrees from the vertical"
+)
 _ROWS_AT_A_TIME, _ROWS_WORTH_A_BAR = 64, 1000
 
 
@@ -58,6 +74,7 @@ class SkyPlan:
             scene's -Z axis.
         sun_disc: whether the disc is in the picture.
         stars: whether stars, planets and the moon are.
+        stokes: whether Q, U, degree and angle of polarisation are written.
         bits: of a PNG's channels.
         sidecar: whether a JSON file beside the picture repeats its metadata.
         bar: whether a large picture shows a progress bar.
@@ -70,6 +87,7 @@ class SkyPlan:
     turned_deg: float = 0.0
     sun_disc: bool = False
     stars: bool = False
+    stokes: bool = False
     bits: Bits = 8
     sidecar: bool = False
     bar: bool = False
@@ -118,6 +136,9 @@ class SkyPlan:
         if self.stars:
             for kind in (StarsChanged, MoonDiscChanged):
                 kernel.inject(Demand(consumer="sky command", message=kind.__name__))
+        if self.stokes:
+            name = SkyPolarisationChanged.__name__
+            kernel.inject(Demand(consumer="sky command", message=name, size=_POLARISED_SIZE))
         kernel.pump_until_idle()
         faults.raise_first()
         return SkyStudio(self, kernel, faults)
@@ -168,7 +189,33 @@ class SkyStudio:
             )  # fmt: skip
         if plan.stars:
             radiance = radiance + self._points()
-        return SkyShot(radiance, facts, plan)
+        if not plan.stokes:
+            return SkyShot(radiance, facts, plan)
+        q, u = self._q_and_u(light, directions, radiance)
+        facts["polarisation"] = _CONVENTION
+        return SkyShot(radiance, facts, plan, (q, u))
+
+    def _q_and_u(
+        self, light: SkyLightChanged, directions: FloatArray, radiance: Float32Array
+    ) -> tuple[Float32Array, Float32Array]:
+        """Q and U (..., 3) by the vertical planes of the views, together at most the radiance.
+
+        Raises:
+            UserError: the sky knows no polarisation.
+        """
+        found = light.polarisation
+        if found is None or found.cube is None:
+            name = light.background.source
+            raise UserError(f"{name} knows no polarisation: choose --sky bruneton_sky for --stokes")
+        cubes = decode_float16(found.cube.values, found.radiance_scale)
+        above = directions[..., 1:2] > 0.0
+        of_q, of_u = (sample_sky(cube, directions) * above for cube in cubes)
+        axes = map_axis(directions), vertical_axis(directions)
+        q, u = turned(of_q, of_u, directions, *axes)
+        length = np.hypot(q, u)
+        most = np.minimum(length, np.maximum(radiance, 0.0))
+        share = np.divide(most, length, out=np.zeros_like(length), where=length > 0.0)
+        return (share * q).astype(np.float32), (share * u).astype(np.float32)
 
     def _points(self) -> NDArray[np.float32]:
         """Radiance of stars, planets and the moon; black where no module posts them."""
@@ -195,11 +242,12 @@ class SkyStudio:
 
 @dataclass(frozen=True)
 class SkyShot:
-    """Radiance in the plan's projection, (h, w, 3) or a cube's (6, n, n, 3)."""
+    """Radiance in the plan's projection, (h, w, 3) or a cube's (6, n, n, 3); Q and U likewise."""
 
     radiance: NDArray[np.float32]
     metadata: Metadata
     plan: SkyPlan
+    q_and_u: tuple[Float32Array, Float32Array] | None = None
 
     @property
     def caption(self) -> str:
@@ -216,11 +264,11 @@ class SkyShot:
         suffix, radiance = path.suffix.lower(), self.radiance
         if suffix == ".npz":
             name = "cube" if radiance.ndim == 4 else "radiance"
-            write_npz(path, {name: radiance}, self.metadata)
+            write_npz(path, {name: radiance, **self._polarised()}, self.metadata)
         else:
             flat = unfold_cube(radiance) if radiance.ndim == 4 else radiance
             if suffix == ".exr":
-                write_exr(path, flat, self.metadata)
+                write_exr(path, flat, self.metadata, self._channels())
             elif suffix == ".hdr":
                 write_hdr(path, flat, self.metadata)
             else:
@@ -228,6 +276,31 @@ class SkyShot:
                 write_png(path, display, self.metadata)
         if self.plan.sidecar:
             write_json(sidecar_of(path), json_values(self.metadata))
+
+    def _polarised(self) -> dict[str, NDArray]:
+        """Q and U as the radiance, degree and angle (degrees) of their luminance without the last
+        axis, by name; empty without them."""
+        if self.q_and_u is None:
+            return {}
+        q, u = self.q_and_u
+        degree, angle = degree_and_angle(*map(luminance, (self.radiance, q, u)))
+        return {
+            "q": q,
+            "u": u,
+            "dolp": degree.astype(np.float32),
+            "aolp": np.degrees(angle).astype(np.float32),
+        }
+
+    def _channels(self) -> dict[str, NDArray]:
+        """The same, flat, as channels (h, w) of an EXR."""
+        channels = {}
+        for name, values in self._polarised().items():
+            letters = "RGB" if name in ("q", "u") else ""
+            parts = values if letters else values[..., None]
+            flat = unfold_cube(parts) if self.radiance.ndim == 4 else parts
+            for number, letter in enumerate(letters or " "):
+                channels[f"{name.upper()}.{letter}" if letters else name] = flat[..., number]
+        return channels
 
     def _inside(self) -> NDArray[np.bool_]:
         """Which pixels (h, w) of the flat picture show a direction: space is black too."""
