@@ -13,7 +13,7 @@ from bruneton_sky.background import (
     ground_cube,
     surroundings,
 )
-from bruneton_sky.polarised_sky import polarised_cube
+from bruneton_sky.polarised_sky import HIGHEST_M, polarised_cube
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_atmosphere_of
 from bruneton_sky.sky_view.gpu import sky_view_job, view_shader
 from bruneton_sky.solver import SourceField
@@ -155,8 +155,10 @@ class BrunetonLight(Sky):
         """Harmonics of the irradiance on the ground."""
         return ambient_coefficients(self._around)
 
-    def polarisation(self, size: int) -> Float32Array:
-        """Q and U of all orders along a grid of rays, 168 of 0.15 ms, each time anew."""
+    def polarisation(self, size: int) -> Float32Array | None:
+        """Q and U of all orders along a grid of 168 rays of 0.15 ms; unknown from high above."""
+        if self.eye_height_m > HIGHEST_M:
+            return None
         return polarised_cube(self.solved, self.eye_height_m, self.sun_direction, size)
 
     def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:

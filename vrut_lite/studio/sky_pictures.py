@@ -206,10 +206,12 @@ class SkyStudio:
         found = light.polarisation
         if found is None or found.cube is None:
             name = light.background.source
-            raise UserError(f"{name} knows no polarisation: choose --sky bruneton_sky for --stokes")
+            raise UserError(
+                f"{name} knows no polarisation here: --stokes needs --sky bruneton_sky, and a "
+                "height of 20 km at most"
+            )
         cubes = decode_float16(found.cube.values, found.radiance_scale)
-        above = directions[..., 1:2] > 0.0
-        of_q, of_u = (sample_sky(cube, directions) * above for cube in cubes)
+        of_q, of_u = (sample_sky(cube, directions) for cube in cubes)
         axes = map_axis(directions), vertical_axis(directions)
         q, u = turned(of_q, of_u, directions, *axes)
         length = np.hypot(q, u)
