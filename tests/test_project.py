@@ -77,7 +77,9 @@ def another(spec):
     """A value of a setting that is not its default."""
     if spec.choices:
         return next(choice for choice in spec.choices if choice != spec.default)
-    return not spec.default if spec.type is bool else spec.at_most
+    if spec.type is bool:
+        return not spec.default
+    return 30.0 if spec.at_most is None else spec.at_most
 
 
 @pytest.fixture(scope="module")

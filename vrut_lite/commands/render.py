@@ -81,6 +81,9 @@ def _view_options(command: Command) -> Command:
                      "(default)."),
         click.option("--light-shafts/--no-light-shafts", default=None, help="Let the scene's "
                      "shadows show in the air. Default: no."),
+        click.option("--polariser", "polariser_deg", type=FiniteRange(-180.0, 180.0),
+                     metavar="DEG", help="Put a polariser before the camera; 0 passes vibration "
+                     "along the picture's vertical, angles count counter-clockwise."),
         click.option("--show", "shows", type=click.Choice(get_args(Shown)[1:]), help="Instead of "
                      "the picture, in false colours with a legend: lux on surfaces, the edge of "
                      "the light map's texels, or the noise that its rays leave. EXR holds the "

@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.numeric_types import FloatArray
 
+# Roughness from which surfaces mix vibrations so much that their reflection counts as unpolarised;
+# it is polarised wholly up to half of that.
+UNPOLARISED_ROUGHNESS = 0.6
 _UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -60,3 +63,47 @@ def degree_and_angle(
     light, q, u = np.broadcast_arrays(*(np.asarray(part, float) for part in (radiance, q, u)))
     degree = np.divide(np.hypot(q, u), light, out=np.zeros_like(light), where=light > 0.0)
     return np.minimum(degree, 1.0), 0.5 * np.arctan2(u, q)
+
+
+def polariser_axis(rotation: ArrayLike, angle_deg: float) -> FloatArray:
+    """Vibration (3,) that a polariser before a camera passes, in world axes.
+
+    Args:
+        rotation: matrix (3, 3) or larger from world axes to the camera's: right, up, back.
+        angle_deg: counter-clockwise from the picture's vertical.
+    """
+    right, up = np.asarray(rotation, dtype=float)[:2, :3]
+    angle = np.radians(angle_deg)
+    return np.asarray(np.cos(angle) * up - np.sin(angle) * right)
+
+
+def fresnel_polarisation(cosine: ArrayLike, f0: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Polarisation by a dielectric surface, both (...,), from Fresnel's equations.
+
+    The first is (Rs - Rp) / (Rs + Rp), the degree of reflected unpolarised light, across the plane
+    of incidence; the second 2 |rs| rp / (Rs + Rp), below 0 beyond Brewster's angle.
+
+    Args:
+        cosine: of the angle of incidence, 0 to 1.
+        f0: reflectance at normal incidence, from above 0 to below 1.
+    """
+    root = np.sqrt(np.asarray(f0, dtype=float))
+    index, c = (1.0 + root) / (1.0 - root), np.asarray(cosine, dtype=float)
+    inner = np.sqrt(1.0 - (1.0 - c * c) / (index * index))
+    s = (index * inner - c) / (index * inner + c)
+    p = (index * c - inner) / (index * c + inner)
+    both = s * s + p * p
+    return (s * s - p * p) / both, 2.0 * s * p / both
+
+
+def reflected(
+    radiance: ArrayLike, q: ArrayLike, u: ArrayLike, cosine: ArrayLike, f0: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """I, Q, U (..., C) of light reflected by a smooth dielectric, over its reflectance.
+
+    Q and U are by the axis across the plane of incidence, of the light that comes in as seen from
+    the surface, of the reflected light as the eye sees it: Mueller's matrix of a mirror.
+    """
+    radiance, q, u = (np.asarray(part, dtype=float) for part in (radiance, q, u))
+    difference, product = (part[..., None] for part in fresnel_polarisation(cosine, f0))
+    return radiance + difference * q, difference * radiance + q, -product * u

@@ -10,9 +10,9 @@ from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.scene_state import SceneState
 
 # Parts of a state that must be identical for reprojection.
-_KEPT = ("scene", "section", "shows", "tolerance")
+_KEPT = ("scene", "section", "shows", "tolerance", "polariser_deg")
 # Parts that change with the hour.
-_LIGHT = ("key_light", "background", "ambient", "sky_light")
+_LIGHT = ("key_light", "background", "ambient", "sky_light", "polarisation")
 # Limits of reprojection: move of the sun, and ratio of the light.
 _LARGEST_MOVE_RAD, _LARGEST_RATIO = 0.026, 1.1
 _UP = (0.0, 1.0, 0.0)

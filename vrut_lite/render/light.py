@@ -18,6 +18,19 @@ class SkyTexture(NamedTuple):
     ground_through_air: bool = False
 
 
+class PolarisedSky(NamedTuple):
+    """Cube textures of Q and U, and their factor to radiance."""
+
+    q: Any
+    u: Any
+    scale: float
+
+    def bind(self) -> None:
+        """Bind both to their texture units in polarised_sky.glsl."""
+        self.q.use(location=12)
+        self.u.use(location=13)
+
+
 @dataclass(frozen=True)
 class Light:
     """Sun and sky of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
@@ -25,6 +38,8 @@ class Light:
     `sun_irradiance` falls on a plane facing the sun, unattenuated by layers. `irradiance_sh`
     (25, 3) is that of the sky with its layers, `clear_sh` that of the clear sky. `sky` is the
     background without layers, `mirrored` includes them. `sun_radius_rad` is of a uniform disc.
+    `polarised` and `mirrored_polarised` are the polarisation of `sky` and of `mirrored`, None where
+    nothing uses it. `polariser` is the vibration (3,) that a filter before the lens passes.
     """
 
     sun_direction: tuple[float, float, float]
@@ -34,6 +49,9 @@ class Light:
     sky: SkyTexture
     mirrored: SkyTexture
     sun_radius_rad: float
+    polarised: PolarisedSky | None = None
+    mirrored_polarised: PolarisedSky | None = None
+    polariser: NDArray | None = None
 
 
 class Shadow(NamedTuple):

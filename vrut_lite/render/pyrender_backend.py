@@ -11,18 +11,19 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.array import Array
 from vrut_lite.frame_part import Hit
+from vrut_lite.geometry.polarisation import polariser_axis
 from vrut_lite.installed_parts import PartsHeard, extra_irradiance, irradiance_at, sun_share
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sky import BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame
 from vrut_lite.render.frame_parts import PartFailed, warn_of_part
 from vrut_lite.render.gl_owner import GlOwner
-from vrut_lite.render.light import Light, SkyTexture
+from vrut_lite.render.light import Light, PolarisedSky, SkyTexture
 from vrut_lite.render.light_meter import Illuminance, illuminance
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import Measure
@@ -32,6 +33,7 @@ from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import NO_PARTS, SceneState
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
+_UNPOLARISED = np.zeros((2, 6, 1, 1, 3), np.float16)
 
 
 class PyrenderBackend:
@@ -49,6 +51,7 @@ class PyrenderBackend:
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
             "parts": self._upload_parts,
+            "polarisation": self._upload_polarisation,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
         }
@@ -61,6 +64,8 @@ class PyrenderBackend:
         # The sky with its layers, where it has any.
         self._summed_cube = _OwnCube()
         self._mirrored: SkyTexture | None = None
+        # Q and U of the clear sky, and of the sky with its layers.
+        self._polarised, self._mirrored_polarised = _OwnPolarisation(), _OwnPolarisation()
         self._rays: tuple[SceneOpened, SceneRays] | None = None
 
     @property
@@ -148,6 +153,8 @@ class PyrenderBackend:
         self._frame.release()
         self._own_cube.release()
         self._summed_cube.release()
+        self._polarised.release()
+        self._mirrored_polarised.release()
 
     # --- on the GL thread ----------------------------------------------------------------
 
@@ -192,6 +199,10 @@ class PyrenderBackend:
         self._sky_texture = texture
         self._frame.show_view(background.view)
 
+    def _upload_polarisation(self, context: Any, message: SkyPolarisationChanged | None) -> None:
+        """Upload Q and U of the clear sky."""
+        self._polarised.show(context, message)
+
     def _upload_sky_light(self, context: Any, light: SkyLightChanged | None) -> None:
         """Upload the sky with its layers, for reflections; a clear sky is the background."""
         if light is None or not light.layers:
@@ -199,6 +210,7 @@ class PyrenderBackend:
             return
         radiance = light.radiance
         assert radiance is not None
+        self._mirrored_polarised.show(context, light.polarisation)
         texture = self._summed_cube.holding(context, radiance.cube)
         texture.filter = (context.LINEAR, context.LINEAR)
         self._mirrored = SkyTexture(texture, radiance.radiance_scale, radiance)
@@ -212,9 +224,10 @@ class PyrenderBackend:
         assert camera is not None
         scene.paint_ground(state.ground_albedo_rgb)
         view = _view(camera, scene.radius_m, state.aspect)
-        return self._frame.draw(scene, view, self._light(state), state, still, is_given_up)
+        light = self._light(state, view)
+        return self._frame.draw(scene, view, light, state, still, is_given_up)
 
-    def _light(self, state: SceneState) -> Light:
+    def _light(self, state: SceneState, view: View) -> Light:
         background, sun, ambient = state.background, state.key_light, state.ambient
         assert background is not None
         assert sun is not None
@@ -230,7 +243,15 @@ class PyrenderBackend:
         summed = state.sky_light.ambient.irradiance_sh_rgb.values
         mirrored = self._mirrored or sky
         radius_rad = sun.even_radius_rad
-        return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored, radius_rad)
+        polarised = self._polarised.shown
+        behind = self._mirrored_polarised.shown if self._mirrored else polarised
+        polariser = None
+        if state.polariser_deg is not None and polarised is not None:
+            polariser = polariser_axis(view.rotation, state.polariser_deg)
+        return Light(
+            sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored, radius_rad,
+            polarised, behind, polariser,
+        )  # fmt: skip
 
 
 class _OwnCube:
@@ -258,6 +279,31 @@ class _OwnCube:
         if self._texture is not None:
             self._texture.release()
         self._texture = None
+
+
+class _OwnPolarisation:
+    """Textures for Q and U of a sky."""
+
+    def __init__(self) -> None:
+        self._cubes = _OwnCube(), _OwnCube()
+        self.shown: PolarisedSky | None = None
+
+    def show(self, context: Any, message: SkyPolarisationChanged | None) -> None:
+        """Upload the message; a sky that knows none is unpolarised."""
+        self.shown = None
+        if message is None:
+            return
+        cubes = _UNPOLARISED if message.cube is None else message.cube.values
+        q, u = (
+            own.holding(context, Array(cube)) for own, cube in zip(self._cubes, cubes, strict=True)
+        )
+        q.filter = u.filter = (context.LINEAR, context.LINEAR)
+        self.shown = PolarisedSky(q, u, message.radiance_scale)
+
+    def release(self) -> None:
+        """Free the textures."""
+        for cube in self._cubes:
+            cube.release()
 
 
 def _view(camera: MoveCamera, scene_radius_m: float, aspect: float) -> View:

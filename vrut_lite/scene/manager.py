@@ -25,7 +25,7 @@ from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.messages.section import SectionChanged, section_of
-from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
@@ -33,7 +33,7 @@ from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
 from vrut_lite.place_time import second_of_day
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import OpenScene
-from vrut_lite.scene.needs import air_reach_m, visible_faces
+from vrut_lite.scene.needs import air_reach_m, polarises, visible_faces
 from vrut_lite.scene.packing import packed
 from vrut_lite.scene.scene_state import SceneState
 from vrut_lite.scene.settings import SCENE, SceneSettings
@@ -65,6 +65,7 @@ class SceneManager(Module):
         self._disc: GroundDisc | None = None
         self._lights_surfaces = lights_surfaces
         self._empty_slots: set[str] = set()
+        self._polarised = False
         # Demanded messages of the parts that are switched on.
         self._demanded: set[type[Derived]] = set()
         self._change(tolerance=tolerance_of(link))
@@ -104,6 +105,7 @@ class SceneManager(Module):
     def _show(self, scene: SceneOpened, moved_camera: MoveCamera | None) -> None:
         parts = heard_with(self.state.parts, scene)
         self._change(scene=scene, moved_camera=moved_camera, parts=parts)
+        self._want_polarisation()
         self._cut()
         self.link.post(scene)
         self._look()
@@ -168,6 +170,23 @@ class SceneManager(Module):
         """Set the tolerance of frames."""
         self._change(tolerance=message.tolerance)
 
+    @handles(SkyPolarisationChanged)
+    def on_polarisation(self, message: SkyPolarisationChanged) -> None:
+        """Show the polarisation of the clear sky."""
+        self._change(polarisation=message)
+
+    def _want_polarisation(self) -> None:
+        """Demand the sky's polarisation for a polariser, and for smooth dielectrics."""
+        scene = self.state.scene
+        filtered = self.settings.polariser_deg is not None
+        wanted = filtered or (scene is not None and polarises(scene.materials))
+        if wanted == self._polarised:
+            return
+        self._polarised = wanted
+        self.link.demand(SkyPolarisationChanged, None if wanted else 0)
+        if not wanted:
+            self._change(polarisation=None)
+
     def settings_changed(self, name: str) -> None:
         """Apply a changed setting to animations, picture or section."""
         if name.startswith("animation"):
@@ -177,7 +196,11 @@ class SceneManager(Module):
             self._look()
 
     def _follow_settings(self) -> None:
-        self._change(light_shafts=self.settings.light_shafts, shows=self.settings.shows)
+        said = self.settings
+        self._change(
+            light_shafts=said.light_shafts, shows=said.shows, polariser_deg=said.polariser_deg
+        )
+        self._want_polarisation()
         self._cut()
 
     def _cut(self) -> None:

@@ -5,7 +5,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.geometry.polarisation import UNPOLARISED_ROUGHNESS
 from vrut_lite.messages.camera import MoveCamera, look_at, rays_through
+from vrut_lite.messages.scene_content import MAP_NAMES, SceneMaterials
+from vrut_lite.messages.scene_content import NONE as NO_IMAGE
+from vrut_lite.messages.surface_terms import from_row
 
 # Coarse directions represent whole texels, so the view is widened by a texel.
 _PROBE_SIZE = 16
@@ -32,6 +36,18 @@ def visible_faces(camera: MoveCamera, aspect: float) -> tuple[tuple[int, ...], b
     above = texel_directions(_PROBE_SIZE)[..., 1] > 0.0
     faces = tuple(int(face) for face in np.flatnonzero(inside.any(axis=(1, 2))))
     return faces, bool((inside & above).any())
+
+
+def polarises(materials: SceneMaterials) -> bool:
+    """Whether any material is a dielectric so smooth that its reflections of the sky are polarised.
+
+    A map of roughness or metal counts as smooth and dielectric somewhere.
+    """
+    row = MAP_NAMES.index("metallic_roughness")
+    mapped = materials.map_image.values[:, row] != NO_IMAGE
+    smooth = materials.roughness.values < UNPOLARISED_ROUGHNESS
+    coated = np.array([from_row(terms).clearcoat > 0.0 for terms in materials.terms.values])
+    return bool(np.any(mapped | coated | (smooth & (materials.metallic.values < 1.0))))
 
 
 def air_reach_m(

@@ -11,7 +11,7 @@ from vrut_lite.messages.camera import MoveCamera, frame_bounds
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.section import Section
-from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
@@ -56,6 +56,9 @@ class SceneState:
         sky_light: of the clear sky and its layers; what lights the scene. None before the first
             of each of these messages.
         parts: what each frame part shows that is switched on: its latest messages, by type.
+        polarisation: of the clear sky; None where neither a polariser nor a surface needs it.
+        polariser_deg: angle of the polariser before the camera, counter-clockwise from the
+            picture's vertical; None without one.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
@@ -70,6 +73,8 @@ class SceneState:
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
     sky_light: SkyLightChanged | None = None
+    polarisation: SkyPolarisationChanged | None = None
+    polariser_deg: float | None = None
     parts: PartsHeard = field(default_factory=lambda: NO_PARTS)
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
@@ -149,6 +154,7 @@ class SceneState:
             background=self.background,
             key_light=self.key_light,
             ambient=self.ambient,
+            polarisation=self.polarisation,
             source=self.background.source,
         )
         return replace(self, sky_light=light)

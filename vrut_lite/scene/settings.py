@@ -49,6 +49,15 @@ class SceneSettings(msgspec.Struct, frozen=True):
             "the light map's texels, the noise that its rays leave"
         ),
     ] = "picture"
+    polariser_deg: Annotated[
+        float | None,
+        setting(
+            "Angle of a polariser before the camera: light passes that vibrates so far "
+            "counter-clockwise from the picture's vertical. Unpolarised light keeps its radiance, "
+            "of which a real filter passes half. None: no polariser",
+            unit="deg",
+        ),
+    ] = None
     section_keeps: Annotated[
         Side, setting("Which side of the cut is seen, by the axis's values")
     ] = "below"

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.frame_part import PlacedSurface
+from vrut_lite.geometry.polarisation import UNPOLARISED_ROUGHNESS
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.messages.scene_content import MapName
 from vrut_lite.messages.section import Section
@@ -168,6 +169,9 @@ class MeshRenderer(CasterRenderer):
             "irradiance_sh": np.asarray(light.irradiance_sh),
             "picture_count": self.picture_count,
         }
+        if light.mirrored_polarised is not None:
+            of_picture["polarisation_scale"] = light.mirrored_polarised.scale
+            of_picture["polariser_axis"] = light.polariser
         _bind_maps(light, shadows, reflection)
         known_shadows: dict[str, OnMesh] = {}
         for placed in placed_in_order:
@@ -179,6 +183,7 @@ class MeshRenderer(CasterRenderer):
                     *self._cuts(placed),
                     *cut_out_defines(placed.primitive.material),
                     *_lobe_defines(placed.primitive.material),
+                    *_polarised_defines(placed.primitive.material, light),
                     *term_defines(placed.primitive.material, blended),
                     *of_light,
                     *defines_on(placed),
@@ -235,6 +240,17 @@ def _lobe_defines(material: Any) -> Defines:
     return ("BLURRED", *solid) if is_rough else solid
 
 
+def _polarised_defines(material: Any, light: Light) -> Defines:
+    """Defines of reflections that are polarised, by a dielectric or before a polariser."""
+    terms, filtered = material.terms, light.polariser is not None
+    is_metal = material.metallicFactor >= 1.0 and material.metallicRoughnessTexture is None
+    is_smooth = material.least_roughness < UNPOLARISED_ROUGHNESS and (filtered or not is_metal)
+    has_coat = terms.clearcoat > 0.0 and terms.clearcoat_roughness < UNPOLARISED_ROUGHNESS
+    if light.mirrored_polarised is None or material.matte or not (is_smooth or has_coat):
+        return ()
+    return ("POLARISED", "POLARISER") if filtered else ("POLARISED",)
+
+
 def _textures(material: Any) -> Iterable[tuple[str, Any]]:
     """The textures that a material may have, by the shader's names."""
     yield "normal", material.normalTexture
@@ -246,6 +262,8 @@ def _textures(material: Any) -> Iterable[tuple[str, Any]]:
 
 def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
     light.mirrored.texture.use(location=_SKY_UNIT)
+    if light.mirrored_polarised is not None:
+        light.mirrored_polarised.bind()
     bind_shadows(shadows)
     reflection.texture.use(location=_REFLECTION_UNIT)
     reflection.reflectance.use(location=_REFLECTANCE_UNIT)

@@ -105,6 +105,8 @@ class SkyPass:
 
     def _prepared(self, view: View, light: Light, disc: VisibleSun, defines: Defines) -> FullScreen:
         """The program that draws the background, with its uniforms set."""
+        if light.polariser is not None:
+            defines = (*defines, "POLARISER")
         seen = self._view.screen(defines)
         screen = seen or self._screen(defines)
         ray_from_clip = np.linalg.inv(view.clip_from_eye)
@@ -115,6 +117,11 @@ class SkyPass:
         screen.set("sun_solid_angle", disc.solid_angle)
         screen.set("sun_angular_radius", disc.angular_radius_rad)
         _set_flattening(screen, light.sun_direction, disc.angular_radius_rad, view.eye_m)
+        if light.polariser is not None:
+            assert light.polarised is not None
+            light.polarised.bind()
+            screen.set("polariser_axis", light.polariser)
+            screen.set("polarisation_scale", light.polarised.scale)
         hiding = disc.hidden_by
         screen.set("hiding_moon", (0.0, -1.0, 0.0) if hiding is None else hiding.direction)
         screen.set("hiding_radius", 0.0 if hiding is None else hiding.angular_radius_rad)

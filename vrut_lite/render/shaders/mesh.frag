@@ -97,6 +97,7 @@ vec2 uv_of(int layer) {
 //!include sun_shadow.glsl
 //!include facets.glsl
 //!include sky_reflection.glsl
+//!include polarised_sky.glsl
 
 #ifdef SUN_FACTOR
 //!include sun_factor.glsl
@@ -256,8 +257,9 @@ void main() {
     mean += (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
     mean = min(mean, 0.999);
 #endif
-    Seen seen = Seen(n, smooth_n, view, nv, roughness, alpha, f0, f90, more, coat_peak, coat_f90,
-                     through / (1.0 - mean), 0.0);
+    Polarised by = polarised_reflection(n, view, coat_peak, metallic, roughness);
+    Seen seen = Seen(n, smooth_n, view, nv, roughness, alpha, f0, f90, more * by.passed, coat_peak,
+                     coat_f90, through / (1.0 - mean), 0.0);
     vec3 highlights = vec3(0.0);  // of a second coat
 #ifdef CLEARCOAT
     seen.clearcoat = clearcoat;
@@ -325,16 +327,19 @@ void main() {
             mirrored = once * found.direct + at_grazing * found.grazing;
         }
 #endif
+        mirrored = polarised(by, mirrored, once * of_sky.x + at_grazing * of_sky.y);
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, mirror_n, nv, alpha);
         vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
+        imaged = polarised(by, imaged, (once + at_grazing) * (1.0 - image.a));
         mirrored = mix(imaged, mirrored, mirror_fade(roughness));
 #endif
         radiance += more * mirrored;
     }
 #else
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
-    radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
+    radiance += more * occlusion
+        * polarised(by, once * far.direct + at_grazing * far.grazing, once + at_grazing);
 #endif
     // A wide lobe changes slowly with the view and blurs all but sun and extra lights.
     vec3 of_coat = radiance - of_paint - emission / LUMENS_PER_WATT + GLINTS_COUNT * glints;
@@ -358,15 +363,17 @@ void main() {
 #endif
 #endif
 #ifdef CLEARCOAT
-    radiance = under_clearcoat(
-        radiance, clearcoat, smooth_n, view, highlights,
+    vec3 on_coat = reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness);
+    Polarised by_coat =
+        polarised_reflection(smooth_n, view, TABLE_F0, 0.0, terms.clearcoat_roughness);
 #ifdef IRRADIANCE
-        reached.a * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
-            + max(reached.rgb - reached.a * open_irradiance(smooth_n), 0.0) / PI
+    vec3 beside_sky = max(reached.rgb - reached.a * open_irradiance(smooth_n), 0.0) / PI;
+    on_coat = polarised(by_coat, reached.a * on_coat + beside_sky, vec3(reached.a));
 #else
-        occlusion * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
+    on_coat = occlusion * polarised(by_coat, on_coat, vec3(1.0));
 #endif
-    );
+    radiance = under_clearcoat(radiance, clearcoat, smooth_n, view, highlights * by_coat.passed,
+                               on_coat);
 #ifdef GLASS
     tint *= 1.0 - clearcoat * clearcoat_share(max(dot(smooth_n, view), 1e-4));
 #endif

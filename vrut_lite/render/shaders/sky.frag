@@ -18,6 +18,21 @@ out vec4 frag_radiance;
 
 //!include sky_lookup.glsl
 
+#ifdef POLARISER
+//!include polarised_sky.glsl
+
+// Twice what a polariser passes of the sky, so that unpolarised light keeps its radiance.
+vec3 through_polariser(vec3 d, vec3 radiance) {
+    vec3 q, u;
+    sky_stokes(d, polariser_across(d), q, u);
+    return max(radiance + q, 0.0);
+}
+#else
+vec3 through_polariser(vec3 d, vec3 radiance) {
+    return radiance;
+}
+#endif
+
 #ifdef SUN_FACTOR
 //!include sun_factor.glsl
 #endif
@@ -66,10 +81,12 @@ void main() {
 #endif
     float above = clamp(over_horizon / max(edge_px * fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
 #ifdef BACKGROUND
-    vec3 upper = background_radiance(d) + sun_disc(d, background_sunlight(d) / sun_solid_angle);
+    vec3 upper = through_polariser(d, background_radiance(d));
+    upper += sun_disc(d, background_sunlight(d) / sun_solid_angle);
     vec3 lower = upper;
 #else
-    vec3 upper = sky_on_side(sky, d, 1.0) * sky_scale + sun_disc(d, sun_disc_radiance);
+    vec3 upper = through_polariser(d, sky_on_side(sky, d, 1.0) * sky_scale);
+    upper += sun_disc(d, sun_disc_radiance);
     vec3 lower = sky_on_side(sky, d, -1.0) * sky_scale;
 #endif
 #ifdef THROUGH_AIR
