@@ -62,7 +62,12 @@ def medium_of(atmosphere: Atmosphere, polarises: bool) -> Medium:
     """An atmosphere of any number of wavelengths, with scattering matrices or phases alone.
 
     Particles without ratios of a matrix keep light's polarisation.
+
+    Raises:
+        ValueError: there is aerosol in the stratosphere, which this medium does not hold.
     """
+    if atmosphere.has_stratosphere:
+        raise ValueError("this Monte Carlo program knows no aerosol of the stratosphere")
     molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
     aloft, fog = atmosphere.aloft_scattering, atmosphere.fog_scattering
     extinction = [
