@@ -20,7 +20,7 @@ SUN_ZENITH_DEG, OZONE_G173_DU, WATER_CM, RURAL_500 = 48.19, 343.8, 1.416, 0.084
 class RuralHaze:
     """Rural aerosol of Shettle and Fenn 1979, by the exponents of Gueymard's SMARTS (1995)."""
 
-    height_m = 1500.0
+    height_m, peak_m = 1500.0, None
 
     def depth_at(self, wavelength_nm):
         nm = np.asarray(wavelength_nm, dtype=float)

@@ -32,10 +32,12 @@ _TYPES: Mapping[str, Mapping[str, float]] = {
     "desert": {"waso80": 2000.0, "minm": 269.5, "miam": 30.5, "micm": 0.142},
 }
 _ALOFT = {"waso50": 438.0, "inso": 0.0013, "soot": 294.0}
+# The Monte Carlo knows no layer aloft.
+_BELOW = msgspec.structs.replace(DEFAULT_HAZE, stratosphere_depth_550=0.0)
 HAZES: Mapping[str, SetHaze] = {
-    "default": DEFAULT_HAZE,
-    "clear": msgspec.structs.replace(DEFAULT_HAZE, optical_depth_550=0.0),
-    "desert": msgspec.structs.replace(DEFAULT_HAZE, aerosol="desert", optical_depth_550=0.3),
+    "default": _BELOW,
+    "clear": msgspec.structs.replace(_BELOW, optical_depth_550=0.0),
+    "desert": msgspec.structs.replace(_BELOW, aerosol="desert", optical_depth_550=0.3),
 }
 
 
