@@ -207,8 +207,8 @@ class SkyStudio:
         if found is None or found.cube is None:
             name = light.background.source
             raise UserError(
-                f"{name} knows no polarisation here: --stokes needs --sky bruneton_sky, and a "
-                "height of 20 km at most"
+                f"{name} knows no polarisation here: --stokes needs a sky that knows it (--sky), "
+                "and a height of 20 km at most"
             )
         cubes = decode_float16(found.cube.values, found.radiance_scale)
         of_q, of_u = (sample_sky(cube, directions) for cube in cubes)
