@@ -71,7 +71,9 @@ def run(code: str) -> None:
     """In a process of its own; a failure here is reported by a test, too."""
     # What an earlier run solved and kept would spare the kernels.
     with tempfile.TemporaryDirectory() as empty:
-        environment = os.environ | {"XDG_CACHE_HOME": empty, "PYTHONPATH": str(HERE)}
+        # Folders of tests have the modules' names: the modules come first.
+        path = os.pathsep.join([str(HERE.parent / "modules"), str(HERE)])
+        environment = os.environ | {"XDG_CACHE_HOME": empty, "PYTHONPATH": path}
         command = [sys.executable, "-c", NO_COLLECTOR + code]
         subprocess.run(command, stdout=subprocess.DEVNULL, env=environment, check=False)
 
