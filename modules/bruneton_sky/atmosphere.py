@@ -392,7 +392,7 @@ class Atmosphere:
 
     @property
     def molecule_extinction(self) -> FloatArray:
-        """Extinction (C,) at altitude 0 by the molecules and what is mixed as they are, 1/m."""
+        """Extinction (C,) at altitude 0 by molecules and gases mixed like them, 1/m."""
         mixed = np.asarray(self.rayleigh_scattering) + np.asarray(self.gas_absorption)
         if any(self.pair_absorption):
             mixed += self.pair_column_m / self.column_m * np.asarray(self.pair_absorption)

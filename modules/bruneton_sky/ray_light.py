@@ -42,7 +42,7 @@ from vrut_lite.numeric_types import FloatArray
 SingleArray = NDArray[np.float32]
 # Nodes on each segment of a ray: in clear air and haze they leave 1e-3 at most, in thick haze 1e-3.
 # In fog of visibility 200 m they leave 1e-4, at 50 m up to 3 % of rays that sink slowly into it.
-# Of a sun 6 degrees down, aerosol of depth 0.02 in the stratosphere 3e-3 rms, of 0.15 0.026.
+# Rms error with the sun 6 degrees down: 3e-3 at a stratospheric depth of 0.02, 0.026 at 0.15.
 _NODES, _IN_THICK_HAZE, _BELOW_VEIL, _IN_FOG = 16, 24, 32, 64
 # Sine below which a direction is vertical: rounding of its cosine makes 3e-8.
 _VERTICAL_SINE = 1e-7

@@ -281,7 +281,7 @@ class SolvedSky:
 
 @lru_cache(maxsize=2)
 def with_polarised_orders(field: SourceField) -> SourceField:
-    """The field with Q and U of all orders; one that has them not is solved again."""
+    """The field with Q and U of all orders; solved here if the sky has none."""
     if field.polarised is not None:
         return field
     sizes = replace(field.sizes, polarised_orders=None)

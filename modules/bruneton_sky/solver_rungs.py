@@ -31,8 +31,8 @@ _MOST: Mapping[str, int] = MappingProxyType(
         "polarised_azimuth": 4,
     }
 )
-# Of a draft: Q and U of light scattered once leave 0.4 to 0.7 % (scalar transfer 1.2 to 1.7 %) of
-# luminance by day, those of all orders 0.1 to 0.4 % in a quarter more time.
+# Polarised orders of a draft: Q and U of light scattered once leave 0.4 to 0.7 % of luminance
+# by day (scalar transfer 1.2 to 1.7 %), those of all orders 0.1 to 0.4 % in a quarter more time.
 _DRAFT_POLARISED_ORDERS = 1
 # The same in clear air and in haze: twilight needs as many bins in both.
 _FINE = {

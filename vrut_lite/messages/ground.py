@@ -67,7 +67,7 @@ DEFAULT_GROUND = SetGround()
 
 
 def parse_ground(text: str) -> SetGround:
-    """The ground that `NAME` or `NAME,ALBEDO` names; UserError if there is none."""
+    """Parses `NAME` or `NAME,ALBEDO`; raises UserError for an unknown ground."""
     name, comma, number = text.strip().partition(",")
     try:
         albedo = plain_float(number) if comma else None

@@ -53,7 +53,7 @@ MOST_OPTICAL_DEPTH = float(optical_depth_of_turbidity(MOST_TURBIDITY))
 # Turbidity 3 is a depth of 0.20: over land MODIS measured 0.19 in the mean of years (Remer et al.
 # 2008, "Global aerosol climatology from the MODIS satellite sensors").
 DEFAULT_TURBIDITY = 3.0
-# Ten times what is above large cities.
+# Upper bound of the column (DU): ten times that above large cities.
 MOST_NITROGEN_DIOXIDE_DU = 20.0
 DEFAULT_AEROSOL: AerosolType = "continental-average"
 # Twice that of Pinatubo's first months.

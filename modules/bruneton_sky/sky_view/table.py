@@ -175,7 +175,7 @@ def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tupl
         counts = _TWILIGHT if altitude_m <= standing_m(atmosphere) else _TWILIGHT_ALOFT
     steps, once, more = _in_this_air(atmosphere, counts, inside)
     if counts != _DAY and is_veiled(atmosphere):
-        # Of depth 0.05 the light of single wavelengths errs by 2 %, with as many as usual by 8.
+        # At depth 0.05 single wavelengths err by 2 %; with the usual counts they err by 8 %.
         steps, once = 2 * steps, 2 * once
     deep = inside and mu_s < _DEEP_BELOW_MU_S
     return steps, once, max(more, _DEEP_BINS) if deep else more

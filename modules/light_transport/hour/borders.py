@@ -23,7 +23,7 @@ from vrut_lite.numeric_types import BoolArray, Float32Array
 # Least w_ii: a strip along a chart's border is far from its texel's middle, and extrapolated light
 # has more noise.
 _LEAST_OWN = np.float32(0.6)
-# Harmonic mean distance, in texels, of what is in view, below which light bends within a texel.
+# Harmonic mean distance (texels) to visible surfaces below which light varies within a texel.
 _CLOSE = np.float32(2.0)
 # A texel shows from half to twice the mean of its rays.
 _MOST_CHANGE = np.float32(2.0)

@@ -137,7 +137,7 @@ class PhaseTable:
 
 
 def _checked_ratios(ratios: ArrayLike, values: FloatArray) -> FloatArray:
-    """The ratios as an array of their own.
+    """Checks the ratios and copies them to a read-only array.
 
     Interpolated and mixed, they may exceed what a particle can do by rounding only.
     """
