@@ -1,8 +1,8 @@
 """An atmosphere: molecules, aerosol, an absorber, fog, and the ground below."""
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
@@ -30,7 +30,8 @@ from vrut_lite.atmosphere.aerosol import (
 from vrut_lite.atmosphere.aerosols import AerosolOptics, PhaseTable
 from vrut_lite.atmosphere.aerosols.optics import AerosolLayer
 from vrut_lite.atmosphere.aerosols.stratosphere import HALF_WIDTH_M, PEAK_M
-from vrut_lite.atmosphere.slant_path import exponential, tent
+from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
+from vrut_lite.atmosphere.slant_path import tent
 from vrut_lite.numeric_types import FloatArray
 
 _ANGSTROM_WAVELENGTH_NM = 550.0
@@ -41,9 +42,9 @@ KOSCHMIEDER = 3.912
 class Scatterer(NamedTuple):
     """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m; its name.
 
-    Molecules may be several, whose sum they are; one of them may be negative. With a peak at the
-    altitude `peak_m` its density is a tent of half width `scale_height_m`, and coefficients are
-    those at the peak.
+    With a peak at the altitude `peak_m` its density is a tent of half width `scale_height_m`, and
+    coefficients are those at the peak. With `layers` these are its density, and `scale_height_m`
+    is the lowest layer's.
     """
 
     scale_height_m: float
@@ -51,6 +52,12 @@ class Scatterer(NamedTuple):
     scattering: NDArray[np.float64]
     name: Literal["molecules", "aerosol", "aloft", "fog", "stratosphere"]
     peak_m: float | None = None
+    layers: ExponentialLayers | None = None
+
+    @property
+    def exponentials(self) -> ExponentialLayers:
+        """The density of a scatterer without a peak."""
+        return self.layers or ExponentialLayers.of(self.scale_height_m)
 
     @property
     def kinks_m(self) -> tuple[float, ...]:
@@ -61,9 +68,9 @@ class Scatterer(NamedTuple):
 
     def density(self, altitude_m: FloatArray) -> FloatArray:
         """Relative density (...,) at altitudes (...,)."""
-        if self.peak_m is None:
-            return exponential(self.scale_height_m, altitude_m)
-        return tent(self.scale_height_m, self.peak_m, altitude_m)
+        if self.peak_m is not None:
+            return tent(self.scale_height_m, self.peak_m, altitude_m)
+        return self.exponentials.density(altitude_m)
 
     def column_above(self, altitude_m: FloatArray) -> FloatArray:
         """Integral (...,) of the density over the altitude from altitudes (...,) up, in m."""
@@ -87,9 +94,9 @@ class Atmosphere:
         solar_irradiance: above the atmosphere, W m^-2 nm^-1.
         absorber_altitude_m, absorber_density: nodes between which the absorber's relative
             density is linear; it is zero below the first and above the last.
-        rayleigh_more, rayleigh_more_scale_height_m: exponentials of the molecules' density beside
-            that of `rayleigh_scale_height_m`: their shares at altitude zero, of which the first one
-            has the rest, and their scale heights. Shares may be negative, the density may not.
+        rayleigh_scale_height_m: of the molecules' density, from the ground up.
+        rayleigh_above_m, rayleigh_above_scale_height_m: altitudes above which their scale height is
+            another, and those; none where there is one altitude of 0.
         rayleigh_depolarisation: ratio rho of the molecules for natural light, from 0 to 1: 0.0285
             in real air. It depolarises their light and makes their phase function more even;
             scattering coefficients contain King's factor already. The published pipeline
@@ -137,8 +144,8 @@ class Atmosphere:
     ground_albedo: tuple[float, ...]
     sun_angular_radius_rad: float
     mu_s_min: float
-    rayleigh_more: tuple[float, ...] = (0.0,)
-    rayleigh_more_scale_height_m: tuple[float, ...] = (8000.0,)
+    rayleigh_above_m: tuple[float, ...] = (0.0,)
+    rayleigh_above_scale_height_m: tuple[float, ...] = (8000.0,)
     rayleigh_depolarisation: float = 0.0
     gas_absorption: tuple[float, ...] = (0.0,)
     pair_absorption: tuple[float, ...] = (0.0,)
@@ -167,15 +174,15 @@ class Atmosphere:
             # `replace` may change the number of wavelengths: no layer fits any.
             if not any(as_tuple(getattr(self, name))):
                 object.__setattr__(self, name, 0.0)
-        if not any(as_tuple(self.rayleigh_more)):
-            object.__setattr__(self, "rayleigh_more", 0.0)
-            object.__setattr__(self, "rayleigh_more_scale_height_m", 8000.0)
+        if not any(as_tuple(self.rayleigh_above_m)):
+            object.__setattr__(self, "rayleigh_above_m", 0.0)
+            object.__setattr__(self, "rayleigh_above_scale_height_m", 8000.0)
         count = len(as_tuple(self.wavelength_nm))
         for name in SERIES:
             object.__setattr__(self, name, as_tuple(getattr(self, name)))
         for name in SPECTRAL:
             object.__setattr__(self, name, per_wavelength(name, getattr(self, name), count))
-        check_numbers(vars(self), self.molecules)
+        check_numbers(vars(self))
 
     @classmethod
     def earth(cls, ozone: bool = True) -> Self:
@@ -295,8 +302,11 @@ class Atmosphere:
         layers'.
         """
         heights_m = self.mie_scale_height_m, self.aloft_scale_height_m
-        one_m = _column_m(scale_height_m, self.top_altitude_m)
-        columns = [_column_m(height_m, self.top_altitude_m) / one_m for height_m in heights_m]
+        one_m, *layers_m = (
+            ExponentialLayers.of(height_m).column_m(self.top_altitude_m)
+            for height_m in (scale_height_m, *heights_m)
+        )
+        columns = [layer_m / one_m for layer_m in layers_m]
         extinction = np.array([self.mie_extinction, self.aloft_extinction])
         scattering = np.array([self.mie_scattering, self.aloft_scattering])
         weight = np.array(columns)[:, None] * scattering
@@ -351,9 +361,12 @@ class Atmosphere:
         molecules, extinction = np.asarray(self.rayleigh_scattering), self.molecule_extinction
         haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
         all_of_it = [
-            *(
-                Scatterer(height_m, share * extinction, share * molecules, "molecules")
-                for share, height_m in self.rayleigh_terms
+            Scatterer(
+                self.rayleigh_scale_height_m,
+                extinction,
+                molecules,
+                "molecules",
+                layers=self.molecule_layers,
             ),
             Scatterer(self.mie_scale_height_m, *haze, "aerosol"),
         ]
@@ -375,20 +388,13 @@ class Atmosphere:
         """The scatterers that are no molecules."""
         return tuple(each for each in self.scatterers() if each.name != "molecules")
 
-    def by_name(self, values: Iterable[FloatArray]) -> dict[str, FloatArray]:
-        """Sums of `values`, one for each of `scatterers`, over those of one name."""
-        sums: dict[str, FloatArray] = {}
-        for scatterer, value in zip(self.scatterers(), values, strict=True):
-            name = scatterer.name
-            sums[name] = sums[name] + value if name in sums else value
-        return sums
-
-    @property
-    def rayleigh_terms(self) -> tuple[tuple[float, float], ...]:
-        """Shares and scale heights (m) of the exponentials that are the molecules' density."""
-        pairs = zip(self.rayleigh_more, self.rayleigh_more_scale_height_m, strict=True)
-        more = [(share, height_m) for share, height_m in pairs if share]
-        return ((1.0 - sum(self.rayleigh_more), self.rayleigh_scale_height_m), *more)
+    @cached_property
+    def molecule_layers(self) -> ExponentialLayers:
+        """The molecules' density."""
+        above = zip(self.rayleigh_above_m, self.rayleigh_above_scale_height_m, strict=True)
+        return ExponentialLayers.of(
+            self.rayleigh_scale_height_m, [layer for layer in above if layer[0] > 0.0]
+        )
 
     @property
     def molecule_extinction(self) -> FloatArray:
@@ -401,13 +407,12 @@ class Atmosphere:
     @property
     def column_m(self) -> float:
         """Integral of the molecules' relative density over the altitude."""
-        return sum(share * height_m for share, height_m in self.rayleigh_terms)
+        return self.molecule_layers.column_m()
 
     @property
     def pair_column_m(self) -> float:
         """The same of its square."""
-        terms = self.rayleigh_terms
-        return sum(a * b / (1.0 / g + 1.0 / h) for a, g in terms for b, h in terms)
+        return self.molecule_layers.column_m(power=2.0)
 
     @property
     def rayleigh_anisotropy(self) -> float:
@@ -417,11 +422,7 @@ class Atmosphere:
 
     def molecules(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the molecules at altitudes (...,)."""
-        height = as_numbers("altitude_m", altitude_m)
-        return sum(
-            (share * np.exp(-height / scale_m) for share, scale_m in self.rayleigh_terms),
-            np.zeros(height.shape),
-        )
+        return self.molecule_layers.density(as_numbers("altitude_m", altitude_m))
 
     def aerosol_depth(self) -> NDArray[np.float64]:
         """Vertical optical depth (C,) of all layers of aerosol."""
@@ -489,8 +490,3 @@ class Atmosphere:
     @classmethod
     def _numeric(cls) -> list[str]:
         return [field.name for field in fields(cls) if field.name not in NO_NUMBERS]
-
-
-def _column_m(scale_height_m: float, top_m: float) -> float:
-    """Matter above a square metre, up to the top, over the density on the ground."""
-    return -scale_height_m * math.expm1(-top_m / scale_height_m)

@@ -1,6 +1,6 @@
 """The numbers of an atmosphere: which there are, in what form, and within what ranges."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.arguments import as_number, as_numbers, check_choice
 from vrut_lite.atmosphere.aerosols import PhaseTable
-from vrut_lite.numeric_types import FloatArray
 
 # Fields of an atmosphere with a number for each wavelength; those of LAYERS may be left out.
 SPECTRAL_FIELDS = (
@@ -34,8 +33,8 @@ SERIES = (
     "wavelength_nm",
     "absorber_altitude_m",
     "absorber_density",
-    "rayleigh_more",
-    "rayleigh_more_scale_height_m",
+    "rayleigh_above_m",
+    "rayleigh_above_scale_height_m",
 )
 _POSITIVE = (
     "ground_radius_m",
@@ -54,16 +53,13 @@ _SCALAR = (*_POSITIVE, *_AMOUNTS, "mie_g", "mu_s_min", "stratosphere_peak_m")
 _MOST_AMOUNTS = (1.0, 100.0, 0.1)
 _TABLES = ("mie_table", "aloft_table", "fog_table", "stratosphere_table")
 NO_NUMBERS = ("mie_phase", *_TABLES)
-# Where a density of several exponentials is looked at.
-_PLACES = 241
-_NEGATIVE = "must leave a density above zero at all altitudes"
+# Scale heights that a layer of molecules may lie over the ground: higher exponentials overflow.
+_MOST_SCALE_HEIGHTS = 300.0
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
-def check_numbers(values: Mapping[str, Any], molecules: Callable[[FloatArray], FloatArray]) -> None:
+def check_numbers(values: Mapping[str, Any]) -> None:
     """An atmosphere's `values` by field: lists that fit, and values in their physical ranges.
-
-    `molecules` gives their relative density (n,) at altitudes (n,).
 
     Raises:
         ValueError: they are not; the sentence names the field.
@@ -90,11 +86,15 @@ def check_numbers(values: Mapping[str, Any], molecules: Callable[[FloatArray], F
     _require(min(values["wavelength_nm"]) > 0, "wavelength_nm", "must be positive")
     most = max(values["ground_albedo"])
     _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
-    more = values["rayleigh_more_scale_height_m"]
-    _require(len(more) == len(values["rayleigh_more"]), "rayleigh_more", "needs as many heights")
-    _require(min(more) > 0, "rayleigh_more_scale_height_m", "must be positive")
-    places = np.linspace(0.0, values["top_altitude_m"], _PLACES)
-    _require(bool((molecules(places) >= 0.0).all()), "rayleigh_more", _NEGATIVE)
+    above, heights = values["rayleigh_above_m"], values["rayleigh_above_scale_height_m"]
+    _require(len(above) == len(heights), "rayleigh_above_m", "needs as many scale heights")
+    rising = above == (0.0,) or (above[0] > 0 and bool(np.all(np.diff(above) > 0)))
+    _require(rising, "rayleigh_above_m", "must hold rising altitudes above 0")
+    for height in heights:
+        as_number("rayleigh_above_scale_height_m of the atmosphere", height, *LENGTHS_M, "m")
+    least = min(values["rayleigh_scale_height_m"], *heights)
+    within = above[-1] < _MOST_SCALE_HEIGHTS * least
+    _require(within, "rayleigh_above_m", f"must stay below {_MOST_SCALE_HEIGHTS:g} scale heights")
     _require(-1 < values["mie_g"] < 1, "mie_g", f"must lie between -1 and 1, not {values['mie_g']}")
     for name, most in zip(_AMOUNTS, _MOST_AMOUNTS, strict=True):
         as_number(f"{name} of the atmosphere", values[name], 0.0, most)

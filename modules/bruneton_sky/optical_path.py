@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
+from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
 from vrut_lite.numeric_types import FloatArray
 
 # Densities of a tent at its kinks.
@@ -38,6 +39,34 @@ def exponential_path(
     a1 = 1.0 / r - 0.5 / q
     a2 = 0.375 / (q * q) - 0.5 / (r * q)
     return np.maximum(r / np.sqrt(q) * (t0 + a1 * t1 + a2 * t2), 0.0)
+
+
+def exponential_layers_path(
+    ray: Ray, end_altitude_m: ArrayLike, end_y: ArrayLike, layers: ExponentialLayers
+) -> FloatArray:
+    """Path (...,) in m through layers of several scale heights: `exponential_path` in each."""
+    h1, y1 = np.asarray(end_altitude_m, dtype=float), np.asarray(end_y, dtype=float)
+    if len(layers.base_m) == 1:
+        return exponential_path(ray, h1, y1, layers.scale_height_m[0])
+    perigee = ray.perigee_altitude_m
+    path = np.zeros(np.broadcast(ray.y, y1).shape)
+    bases = -np.inf, *layers.base_m[1:], np.inf
+    for low, high, share, scale in zip(
+        bases[:-1], bases[1:], layers.share, layers.scale_height_m, strict=True
+    ):
+        near, far = (np.sqrt(np.maximum(level - perigee, 0.0)) for level in (low, high))
+        # The layer of the perigee is one piece.
+        apart = near > 0.0
+        down, up = (-far, np.where(apart, -near, far)), (np.where(apart, near, far), far)
+        for from_y, to_y in (down, up):
+            begin = np.minimum(np.maximum(from_y, ray.y), y1)
+            stop = np.maximum(np.minimum(to_y, y1), begin)
+            at = np.where(begin == ray.y, ray.altitude_m, perigee + begin * begin)
+            end = np.where(stop == y1, h1, perigee + stop * stop)
+            radius = ray.radius_m - ray.altitude_m + at
+            piece = ray._replace(altitude_m=at, radius_m=radius, y=begin)
+            path += share * exponential_path(piece, end, stop, scale)
+    return path
 
 
 def _gaussian_integral(
@@ -113,7 +142,7 @@ def optical_depth(
     for kind in atmosphere.scatterers():
         if kind.extinction.any():
             if kind.peak_m is None:
-                path = exponential_path(ray, end_altitude_m, end_y, kind.scale_height_m)
+                path = exponential_layers_path(ray, end_altitude_m, end_y, kind.exponentials)
             else:
                 path = layered_path(ray, end_y, kind.kinks_m, TENT)
             depth += path[..., None] * kind.extinction

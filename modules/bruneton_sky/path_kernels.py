@@ -73,6 +73,51 @@ def exponential_path(ray, d0, h1, y1, d1, scale):  # type: ignore[no-untyped-def
 
 
 @compiled
+def exponential_layers_path(ray, h1, y1, layers):  # type: ignore[no-untyped-def]
+    """The same through layers of several scale heights: altitudes of their bases, shares, scale
+    heights (3, n)."""
+    perigee, path = ray[3], 0.0
+    for k in range(layers.shape[1]):
+        # The lowest layer reaches down without end, the highest up.
+        near, far = 0.0, math.inf
+        if k + 1 < layers.shape[1]:
+            if layers[0, k + 1] <= perigee:
+                continue
+            far = math.sqrt(layers[0, k + 1] - perigee)
+        if k > 0:
+            near = math.sqrt(max(layers[0, k] - perigee, 0.0))
+        if near == 0.0:
+            path += _layer_piece(ray, -far, far, h1, y1, layers[1, k], layers[2, k])
+        else:
+            path += _layer_piece(ray, -far, -near, h1, y1, layers[1, k], layers[2, k])
+            path += _layer_piece(ray, near, far, h1, y1, layers[1, k], layers[2, k])
+    return path
+
+
+@compiled
+def _layer_piece(ray, from_y, to_y, h1, y1, share, scale):  # type: ignore[no-untyped-def]
+    """Path through an exponential between two y of which the ray may hold a part."""
+    h0, r, p, perigee, y0, along = ray
+    begin, stop = max(from_y, y0), min(to_y, y1)
+    if stop <= begin:
+        return 0.0
+    low = h0 if begin == y0 else perigee + begin * begin
+    high = h1 if stop == y1 else perigee + stop * stop
+    piece = low, r - h0 + low, p, perigee, begin, along
+    d0, d1 = math.exp(-low / scale), math.exp(-high / scale)
+    return share * exponential_path(piece, d0, high, stop, d1, scale)
+
+
+@compiled
+def layer_at(bases, altitude):  # type: ignore[no-untyped-def]
+    """Index of the layer that an altitude lies in; bases rise."""
+    layer = 0
+    while layer + 1 < bases.size and bases[layer + 1] <= altitude:
+        layer += 1
+    return layer
+
+
+@compiled
 def _erfcx(x):  # type: ignore[no-untyped-def]
     t = (x - 4.0) / (x + 4.0)
     value = 0.0

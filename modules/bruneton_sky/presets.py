@@ -21,7 +21,8 @@ from vrut_lite.atmosphere.clear_air import (
     DEPOLARISATION,
     NITROGEN_DIOXIDE_DU,
     REFRACTIVITY,
-    STANDARD_DENSITY,
+    SCALE_HEIGHT_M,
+    SCALE_HEIGHTS_ABOVE,
     TOP_ALTITUDE_M,
     WATER_CM,
     molecules_per_m,
@@ -118,7 +119,7 @@ def earth_standard(
     nearer to it than to others, up to 50 nm: narrow bands of oxygen have their mean there.
     """
     wavelength = _wavelengths(wavelength_nm)
-    share, height_m = (tuple(part) for part in zip(*STANDARD_DENSITY, strict=True))
+    above_m, height_m = (tuple(part) for part in zip(*SCALE_HEIGHTS_ABOVE, strict=True))
     step_nm = np.abs(np.diff(wavelength)).mean() if wavelength.size > 1 else WIDE_BAND_NM
     band_nm = min(float(step_nm), WIDE_BAND_NM)
     return replace(
@@ -126,9 +127,9 @@ def earth_standard(
         top_altitude_m=TOP_ALTITUDE_M,
         mu_s_min=math.sin(math.radians(LOWEST_SUN_DEG)),
         rayleigh_scattering=tuple(molecules_per_m(wavelength)),
-        rayleigh_scale_height_m=height_m[0],
-        rayleigh_more=share[1:],
-        rayleigh_more_scale_height_m=height_m[1:],
+        rayleigh_scale_height_m=SCALE_HEIGHT_M,
+        rayleigh_above_m=above_m,
+        rayleigh_above_scale_height_m=height_m,
         rayleigh_depolarisation=DEPOLARISATION,
         absorption_extinction=tuple(ozone_per_m(wavelength)),
         gas_absorption=tuple(nitrogen_dioxide_per_m(wavelength, nitrogen_dioxide_du)),

@@ -110,10 +110,7 @@ def sun_cosine(
 def _extinction(atmosphere: Atmosphere, altitude_m: FloatArray) -> FloatArray:
     """Extinction (...,) of all that scatters in 1/m where it is largest in the spectrum."""
     return sum(
-        (
-            kind.extinction[np.abs(kind.extinction).argmax()] * kind.density(altitude_m)
-            for kind in atmosphere.scatterers()
-        ),
+        (kind.extinction.max() * kind.density(altitude_m) for kind in atmosphere.scatterers()),
         np.zeros(()),
     )
 

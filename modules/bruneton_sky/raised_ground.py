@@ -25,17 +25,18 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
             f"a ground at {altitude_m:g} m lies outside the planet's air, "
             f"whose top is at {atmosphere.top_altitude_m:g} m"
         )
-    molecules = float(atmosphere.molecules(altitude_m))
-    more = zip(atmosphere.rayleigh_more, atmosphere.rayleigh_more_scale_height_m, strict=True)
+    layers, molecules = atmosphere.molecule_layers.raised(altitude_m)
     aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
     aloft = np.exp(-altitude_m / atmosphere.aloft_scale_height_m)
-    layers, density = _cut_layers(atmosphere, altitude_m)
+    absorber_altitude_m, density = _cut_layers(atmosphere, altitude_m)
     return replace(
         atmosphere,
         ground_radius_m=atmosphere.ground_radius_m + altitude_m,
         top_altitude_m=atmosphere.top_altitude_m - altitude_m,
         rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
-        rayleigh_more=tuple(share * math.exp(-altitude_m / h) / molecules for share, h in more),
+        rayleigh_scale_height_m=layers.scale_height_m[0],
+        rayleigh_above_m=layers.base_m[1:] or (0.0,),
+        rayleigh_above_scale_height_m=layers.scale_height_m[1:] or (8000.0,),
         gas_absorption=tuple(np.asarray(atmosphere.gas_absorption) * molecules),
         pair_absorption=tuple(np.asarray(atmosphere.pair_absorption) * molecules**2),
         water_vapour_cm=atmosphere.water_vapour_cm * math.exp(-altitude_m / WATER_HEIGHT_M),
@@ -45,7 +46,7 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         aloft_scattering=tuple(np.asarray(atmosphere.aloft_scattering) * aloft),
         aloft_extinction=tuple(np.asarray(atmosphere.aloft_extinction) * aloft),
         stratosphere_peak_m=atmosphere.stratosphere_peak_m - altitude_m,
-        absorber_altitude_m=layers,
+        absorber_altitude_m=absorber_altitude_m,
         absorber_density=density,
     )
 

@@ -229,9 +229,10 @@ def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray
 
 def scattering_at(atmosphere: Atmosphere, altitude_m: FloatArray) -> dict[str, FloatArray]:
     """Scattering coefficients (n, C) in 1/m of the atmosphere's scatterers, by name."""
-    return atmosphere.by_name(
-        kind.density(altitude_m)[:, None] * kind.scattering for kind in atmosphere.scatterers()
-    )
+    return {
+        kind.name: kind.density(altitude_m)[:, None] * kind.scattering
+        for kind in atmosphere.scatterers()
+    }
 
 
 def source_at(

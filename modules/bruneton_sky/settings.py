@@ -1,6 +1,5 @@
 """Settings of the module, and their atmosphere."""
 
-import math
 from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated, ClassVar, Literal
@@ -22,6 +21,7 @@ from vrut_lite.atmosphere.aerosol import (
 )
 from vrut_lite.atmosphere.aerosols.droplets import droplets_phase
 from vrut_lite.atmosphere.clear_air import OZONE_DU
+from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
 from vrut_lite.atmosphere.gases import ozone_absorption
 from vrut_lite.atmosphere.ground_reflectance import GREY, GroundReflectance
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
@@ -351,22 +351,17 @@ def _mean_height_m(air: Atmosphere) -> float:
     return (low * air.mie_scale_height_m + aloft * air.aloft_scale_height_m) / (low + aloft)
 
 
-def _column_m(scale_height_m: float, top_m: float) -> float:
-    """Matter above a square metre, up to the top, over the density on the ground."""
-    return -scale_height_m * math.expm1(-top_m / scale_height_m)
-
-
 def _with_gases(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     factor, height_m = settings.rayleigh_factor, settings.rayleigh_scale_height_m
     if height_m is not None:
         top_m = air.top_altitude_m
-        column_m = sum(share * _column_m(own, top_m) for share, own in air.rayleigh_terms)
-        factor *= column_m / _column_m(height_m, top_m)
+        even = ExponentialLayers.of(height_m)
+        factor *= air.molecule_layers.column_m(top_m) / even.column_m(top_m)
         air = replace(
             air,
             rayleigh_scale_height_m=height_m,
-            rayleigh_more=(0.0,),
-            rayleigh_more_scale_height_m=(height_m,),
+            rayleigh_above_m=(0.0,),
+            rayleigh_above_scale_height_m=(height_m,),
         )
     air = replace(
         air,

@@ -13,8 +13,10 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.optical_path import TENT
 from bruneton_sky.path_kernels import (
     compiled,
+    exponential_layers_path,
     exponential_path,
     jacobian,
+    layer_at,
     layered_path,
     make_ray,
 )
@@ -61,7 +63,8 @@ def fast_by_name(
     out = np.zeros((len(scatterers), len(mu), len(atmosphere.wavelength_nm)))
     _trace_rays(
         (atmosphere.ground_radius_m, atmosphere.top_altitude_m),
-        np.array([kind.scale_height_m for kind in scatterers if kind.peak_m is None]),
+        np.array(scatterers[0].exponentials),
+        np.array([kind.scale_height_m for kind in scatterers[1:] if kind.peak_m is None]),
         np.array([kind.kinks_m for kind in scatterers if kind.peak_m is not None]).reshape(-1, 3),
         np.array([kind.extinction for kind in scatterers]),
         np.array(atmosphere.absorption_extinction),
@@ -77,13 +80,13 @@ def fast_by_name(
     )
     scattering = np.array([kind.scattering for kind in scatterers])
     out *= (scattering * np.asarray(atmosphere.solar_irradiance))[:, None, :]
-    return atmosphere.by_name(out)
+    return {kind.name: part for kind, part in zip(scatterers, out, strict=True)}
 
 
 @compiled
 def _trace_rays(  # type: ignore[no-untyped-def]
-    planet, scales, tents, extinction, absorption, absorber_altitude, absorber_density, nodes,
-    weights, rule, levels, place, mu, nu, out,
+    planet, layers, scales, tents, extinction, absorption, absorber_altitude, absorber_density,
+    nodes, weights, rule, levels, place, mu, nu, out,
 ):  # fmt: skip
     breaks = np.empty((2, 5 + 2 * levels.size))
     matter = np.empty((2, len(extinction)))
@@ -97,7 +100,7 @@ def _trace_rays(  # type: ignore[no-untyped-def]
                 continue
             b = rule[0]
             if length > 0.0:
-                thickness = _extinction(extinction, scales, tents, low_altitude) * length
+                thickness = _extinction(extinction, layers, scales, tents, low_altitude) * length
                 b += math.log1p(thickness * jacobian(ray[2], low_y) / rule[1])
             whole = math.expm1(b)
             for k in range(nodes.size):
@@ -108,23 +111,27 @@ def _trace_rays(  # type: ignore[no-untyped-def]
                 weight = weights[k] * b * (part + 1.0) / whole
                 metres = abs(length) * weight * jacobian(ray[2], y)
                 _add_node(
-                    planet, scales, tents, extinction, absorption, absorber_altitude,
+                    planet, layers, scales, tents, extinction, absorption, absorber_altitude,
                     absorber_density, ray, altitude, y, place[1], nu[i], metres, matter, out[:, i],
                 )  # fmt: skip
 
 
 @compiled
 def _add_node(  # type: ignore[no-untyped-def]
-    planet, scales, tents, extinction, absorption, absorber_altitude, absorber_density, ray,
+    planet, layers, scales, tents, extinction, absorption, absorber_altitude, absorber_density, ray,
     altitude, y, mu_s, nu, metres, matter, out,
 ):  # fmt: skip
     sun = make_ray(planet[0], altitude, _sun_cosine(planet[0], ray, altitude, y, mu_s, nu))
     sun_y = max(math.sqrt(max(planet[1] - sun[3], 0.0)), sun[4])
     path, density = matter[0], matter[1]
+    layer = layer_at(layers[0], altitude)
+    density[0] = layers[1, layer] * math.exp(-altitude / layers[2, layer])
+    path[0] = exponential_layers_path(ray, altitude, y, layers)
+    path[0] += exponential_layers_path(sun, planet[1], sun_y, layers)
     for k in range(scales.size):
-        path[k], density[k] = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[k])
+        path[1 + k], density[1 + k] = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[k])
     for k in range(len(tents)):
-        last = scales.size + k
+        last = 1 + scales.size + k
         path[last] = layered_path(ray, y, tents[k], _TENT)
         path[last] += layered_path(sun, sun_y, tents[k], _TENT)
         density[last] = _tent(tents[k], altitude)
@@ -142,15 +149,15 @@ def _add_node(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _extinction(extinction, scales, tents, altitude):  # type: ignore[no-untyped-def]
-    total = 0.0
-    for k in range(len(extinction)):
-        most, least = extinction[k].max(), extinction[k].min()
-        if k < scales.size:
-            density = math.exp(-altitude / scales[k])
+def _extinction(extinction, layers, scales, tents, altitude):  # type: ignore[no-untyped-def]
+    layer = layer_at(layers[0], altitude)
+    total = extinction[0].max() * layers[1, layer] * math.exp(-altitude / layers[2, layer])
+    for k in range(1, len(extinction)):
+        if k <= scales.size:
+            density = math.exp(-altitude / scales[k - 1])
         else:
-            density = _tent(tents[k - scales.size], altitude)
-        total += (most if most > -least else least) * density
+            density = _tent(tents[k - 1 - scales.size], altitude)
+        total += extinction[k].max() * density
     return total
 
 

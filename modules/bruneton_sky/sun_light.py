@@ -22,8 +22,6 @@ from vrut_lite.numeric_types import FloatArray
 
 RGB_WAVELENGTH_NM = (680.0, 550.0, 440.0)
 _SUNLIGHT_EXPONENT = 0.0
-# Altitudes at which the slope of the molecules' density is looked at.
-_SLOPES = 241
 # Nodes over the disc, from low orbit two kilometres of air apart, and over how many of its radii.
 _DISC_NODES, _DISC_MARGIN, _DISC_STRIPS = 12, 1.2, 64
 
@@ -51,10 +49,10 @@ def bent_air(atmosphere: Atmosphere) -> BentAir:
         atmosphere.molecules,
         atmosphere.kinks_m,
     )
-    heights_m = np.linspace(0.0, top_m, _SLOPES)
-    terms = atmosphere.rayleigh_terms
-    slopes = sum(share / scale * np.exp(-heights_m / scale) for share, scale in terms)
-    return air.limited(float(np.max(np.abs(slopes))))
+    layers = atmosphere.molecule_layers
+    bases_m = np.array(layers.base_m)
+    slopes = atmosphere.molecules(bases_m) / layers.scale_height_m
+    return air.limited(float(np.max(slopes[bases_m < top_m])))
 
 
 def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLike) -> FloatArray:

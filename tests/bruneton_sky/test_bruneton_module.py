@@ -313,10 +313,10 @@ def _columns(air: Atmosphere) -> list[np.ndarray]:
     """Depth of scattering by molecules and aerosol, summed over fine layers up to the top."""
     edges = np.linspace(0.0, air.top_altitude_m, 200_001)
     middle, thickness = 0.5 * (edges[1:] + edges[:-1]), edges[1]
-    depth = air.by_name(
-        kind.scattering * (np.exp(-middle / kind.scale_height_m).sum() * thickness)
+    depth = {
+        kind.name: kind.scattering * (kind.density(middle).sum() * thickness)
         for kind in air.scatterers()
-    )
+    }
     return [depth.pop("molecules"), np.sum(list(depth.values()), axis=0)]
 
 

@@ -10,6 +10,7 @@ from bruneton_sky.presets import PRESETS, earth_spectral, earth_standard, preset
 from bruneton_sky.published.gpu_single_scattering import atmosphere_uniforms
 from bruneton_sky.raised_ground import raise_ground
 
+from vrut_lite.atmosphere.clear_air import COLUMN_M, molecule_density
 from vrut_lite.atmosphere.gases import ozone_absorption, rayleigh_scattering
 from vrut_lite.geometry.colour import solar_irradiance
 
@@ -131,15 +132,10 @@ def test_unknown_preset_is_refused_with_the_names() -> None:
         preset("venus")
 
 
-def test_the_modules_earth_has_the_standard_atmospheres_density() -> None:
-    """U.S. Standard Atmosphere 1976: density over that of the ground, as printed."""
-    km = np.array([5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0])
-    printed = [0.6012, 0.3376, 7.258e-2, 1.503e-2, 3.262e-3, 8.383e-4, 2.528e-4, 6.760e-5]
-    air = earth_standard()
-    np.testing.assert_allclose(air.molecules(1e3 * km), printed, rtol=0.14)
-    np.testing.assert_allclose(air.molecules(1e3 * km[:6]), printed[:6], rtol=0.075)
-    # The height of as much air of the ground's density.
-    assert air.column_m == pytest.approx(8434.5, rel=1e-4)
+def test_the_modules_earth_has_the_standard_density() -> None:
+    air, altitude_m = earth_standard(), np.linspace(0.0, 1e5, 11)
+    assert air.molecules(altitude_m) == pytest.approx(molecule_density(altitude_m), rel=1e-12)
+    assert air.column_m == pytest.approx(COLUMN_M, rel=1e-12)
 
 
 def test_the_modules_earth_has_the_molecules_that_are_measured() -> None:
@@ -176,16 +172,21 @@ def test_weak_absorbers_have_their_published_columns() -> None:
     )
 
 
-def test_a_raised_ground_keeps_a_density_of_several_exponentials() -> None:
-    air, high = earth_standard(), raise_ground(earth_standard(), 3000.0)
+@pytest.mark.parametrize("raised_m", [-400.0, 3000.0, 30_000.0])
+def test_a_raised_ground_keeps_a_density_of_layers(raised_m: float) -> None:
+    air, high = earth_standard(), raise_ground(earth_standard(), raised_m)
     at = np.array([0.0, 4000.0, 60_000.0])
     coefficient = np.array(high.rayleigh_scattering)[0] * high.molecules(at)
     np.testing.assert_allclose(
-        coefficient, air.rayleigh_scattering[0] * air.molecules(at + 3000.0), rtol=1e-9
+        coefficient, air.rayleigh_scattering[0] * air.molecules(at + raised_m), rtol=1e-9
     )
-    assert replace(air, rayleigh_more=0.0).rayleigh_terms == ((1.0, 8719.0),)
 
 
-def test_a_density_below_zero_is_refused() -> None:
-    with pytest.raises(ValueError, match="rayleigh_more of the atmosphere must leave a density"):
-        replace(earth_standard(), rayleigh_more=(-3.0,), rayleigh_more_scale_height_m=(9000.0,))
+@pytest.mark.parametrize("above_m", [(-1.0,), (9000.0, 3000.0), (1000.0, 2000.0, 3000.0), (1e8,)])
+def test_layers_of_molecules_that_do_not_rise_are_refused(above_m: tuple[float, ...]) -> None:
+    with pytest.raises(ValueError, match=r"rayleigh_above_m of the atmosphere (must|needs)"):
+        replace(
+            earth_standard(),
+            rayleigh_above_m=above_m,
+            rayleigh_above_scale_height_m=(9000.0,) * min(len(above_m), 2),
+        )

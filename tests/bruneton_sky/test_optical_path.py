@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from bruneton_sky import Atmosphere
+from bruneton_sky import Atmosphere, path_kernels
 from bruneton_sky.geometry import (
     altitude_along,
     distance_to_ground,
@@ -12,14 +12,22 @@ from bruneton_sky.geometry import (
     end_of_ray,
     make_ray,
 )
-from bruneton_sky.optical_path import exponential_path, layered_path, optical_depth_to_top
+from bruneton_sky.optical_path import (
+    exponential_layers_path,
+    exponential_path,
+    layered_path,
+    optical_depth_to_top,
+)
+from bruneton_sky.presets import earth_standard
 from scipy.integrate import quad
 
 HEIGHTS_M = (0.0, 1.7, 3000.0, 25_000.0, 59_000.0)
 COSINES = (1.0, 0.4, 0.05, 1e-3, 0.0, -0.02, -0.1, -0.6, -1.0)
 
 
-def along_ray(atmosphere: Atmosphere, height_m: float, mu: float, density) -> float:  # type: ignore[no-untyped-def]
+def along_ray(  # type: ignore[no-untyped-def]
+    atmosphere: Atmosphere, height_m: float, mu: float, density, kinks_m: tuple[float, ...] = ()
+) -> float:
     """Integral of density(altitude) over the ray's length, split where it could kink."""
     radius = atmosphere.ground_radius_m
     if make_ray(radius, height_m, mu).hits_ground():
@@ -27,7 +35,7 @@ def along_ray(atmosphere: Atmosphere, height_m: float, mu: float, density) -> fl
     else:
         length = float(distance_to_top(radius, atmosphere.top_altitude_m, height_m, mu))
     splits = [0.0, length]
-    for altitude in (*atmosphere.absorber_altitude_m, None):
+    for altitude in (*atmosphere.absorber_altitude_m, *kinks_m, None):
         splits += crossings(radius, height_m, mu, altitude)
     edges = np.unique(np.clip(splits, 0.0, length))
     pieces = [
@@ -70,6 +78,23 @@ def test_exponential_path_on_another_planet(other_planet: Atmosphere, height_m: 
         ours = exponential_path(ray, *end_of_ray(ray, other_planet.top_altitude_m), scale)
         truth = along_ray(other_planet, height_m, mu, lambda h: np.exp(-h / scale))
         assert ours == pytest.approx(truth, rel=2e-8 if mu >= 0 else 3e-6, abs=1e-6), mu
+
+
+@pytest.mark.parametrize("height_m", HEIGHTS_M)
+def test_path_through_layers_of_several_scale_heights(height_m: float) -> None:
+    """Each layer by its closed form, in numpy and compiled: rays up, down and through perigees."""
+    air = earth_standard()
+    planet, top_m, layers = air.ground_radius_m, air.top_altitude_m, air.molecule_layers
+    for mu in COSINES:
+        ray = make_ray(planet, height_m, mu)
+        end = end_of_ray(ray, top_m)
+        ours = exponential_layers_path(ray, *end, layers)
+        truth = along_ray(air, height_m, mu, layers.density, layers.base_m[1:])
+        assert ours == pytest.approx(truth, rel=2e-7, abs=1e-6), mu
+        compiled = path_kernels.exponential_layers_path(
+            path_kernels.make_ray(planet, height_m, mu), *map(float, end), np.array(layers)
+        )
+        assert compiled == pytest.approx(float(ours), rel=1e-8, abs=1e-6), mu
 
 
 @pytest.mark.parametrize("height_m", HEIGHTS_M)

@@ -1,14 +1,15 @@
 """The standard air of the real Earth: densities of its gases by altitude, and their coefficients.
 
-The molecules' density is three exponentials on the U.S. Standard Atmosphere 1976: within 3 % to
-8 km, 7.5 % to 50 and 13 % to 60, with its column to 1e-5 (8434.6 m of the density on the ground),
-so that the air mass at the horizon is Kasten and Young's. Ozone lies in a tent from 10 to 40 km.
+The molecules' scale height changes from layer to layer, as the temperature of the U.S. Standard
+Atmosphere 1976 does; their density is within 0.25 % of it to 12 km, 0.6 % to 50 and 2 % to 86.
+Ozone lies in a tent from 10 to 40 km.
 Pairs of oxygen molecules follow the square of the density, nitrogen dioxide the molecules.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
 from vrut_lite.atmosphere.gases import (
     OXYGEN_SHARE,
     depolarisation,
@@ -22,15 +23,24 @@ from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.atmosphere.slant_path import BentAir, tent
 from vrut_lite.numeric_types import FloatArray
 
-# Exponentials of the density over its value on the ground: shares and scale heights in m.
-STANDARD_DENSITY = ((0.1682, 8719.0), (4.8318, 5290.0), (-4.0, 4648.0))
-COLUMN_M = sum(share * height_m for share, height_m in STANDARD_DENSITY)
-# The same integral of the density's square.
-PAIR_COLUMN_M = sum(
-    one * two / (1.0 / high + 1.0 / low)
-    for one, high in STANDARD_DENSITY
-    for two, low in STANDARD_DENSITY
+# Scale height (m) of the molecules on the ground; altitudes above which it is another, and those.
+# Least worst error over 0.2 % of the standard density to 5 km, 0.3 to 12, 0.8 to 50, 2.5 to 86; the
+# column is the standard's.
+SCALE_HEIGHT_M = 10_318.0
+SCALE_HEIGHTS_ABOVE = (
+    (1676.0, 9700.0),
+    (4478.0, 9015.0),
+    (7720.0, 8242.0),
+    (10_920.0, 6447.0),
+    (14_125.0, 6307.0),
+    (27_425.0, 6506.0),
+    (39_126.0, 7092.0),
+    (46_985.0, 8223.0),
+    (62_800.0, 7367.0),
+    (73_424.0, 6299.0),
 )
+STANDARD_DENSITY = ExponentialLayers.of(SCALE_HEIGHT_M, SCALE_HEIGHTS_ABOVE)
+COLUMN_M = STANDARD_DENSITY.column_m()
 TOP_ALTITUDE_M = 120_000.0
 # Middle of the tent, and from there to its ends.
 OZONE_MIDDLE_M, OZONE_HALF_WIDTH_M = 25_000.0, 15_000.0
@@ -39,8 +49,9 @@ OZONE_DU = 300.0
 NITROGEN_DIOXIDE_DU, CITY_NITROGEN_DIOXIDE_DU = 0.2, 1.0
 # Precipitable water of the U.S. Standard Atmosphere and its scale height.
 WATER_CM, WATER_HEIGHT_M = 1.416, 2000.0
-# n - 1 on the ground at 288 K and 570 nm (Peck and Reeder 1972).
-REFRACTIVITY = 2.777e-4
+# n - 1 on the ground at 288 K and 700 nm (Peck and Reeder 1972), as in Kasten and Young's tables: a
+# sun at the horizon is red.
+REFRACTIVITY = 2.76e-4
 # Depolarisation at 550 nm; 0.031 at 360 and 0.027 at 800, whose phase functions differ by 2e-3.
 DEPOLARISATION = float(depolarisation(550.0))
 # The tent's kinks.
@@ -49,8 +60,7 @@ _KINKS_M = tuple(OZONE_MIDDLE_M + side * OZONE_HALF_WIDTH_M for side in (-1.0, 0
 
 def molecule_density(altitude_m: ArrayLike) -> FloatArray:
     """Relative density (...,) of the molecules at altitudes (...,)."""
-    height = np.asarray(altitude_m, dtype=float)
-    return np.asarray(sum(share * np.exp(-height / scale) for share, scale in STANDARD_DENSITY))
+    return STANDARD_DENSITY.density(altitude_m)
 
 
 def pair_density(altitude_m: ArrayLike) -> FloatArray:

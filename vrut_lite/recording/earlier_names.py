@@ -23,7 +23,7 @@ _ADDED: dict[str, Plain] = {
 
 
 # Fields that earlier atmospheres lack: a tabulated phase function, aerosol aloft and in the
-# stratosphere, more than one exponential of molecules.
+# stratosphere, layers of molecules.
 _LATER_OF_AIR: Plain = {
     "mie_table": None,
     "aloft_scattering": UNKNOWN,
@@ -36,8 +36,8 @@ _LATER_OF_AIR: Plain = {
     "stratosphere_peak_m": UNKNOWN,
     "stratosphere_half_width_m": 6000.0,
     "stratosphere_table": UNKNOWN,
-    "rayleigh_more": [0.0],
-    "rayleigh_more_scale_height_m": [8000.0],
+    "rayleigh_above_m": [0.0],
+    "rayleigh_above_scale_height_m": [8000.0],
 }
 # Settings that earlier versions lacked, by one that the same modules had already, and what skies
 # were without them: their defaults are others today.

@@ -9,7 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
+from bruneton_sky.path_kernels import (
+    compiled,
+    exponential_layers_path,
+    exponential_path,
+    layer_at,
+    layered_path,
+)
 from bruneton_sky.phase import particles_phase
 
 from vrut_lite.numeric_types import FloatArray
@@ -41,7 +47,7 @@ class Medium(NamedTuple):
     fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
-    # Shares and scale heights (2, n) of the exponentials that are the molecules' density.
+    # Altitudes of bases, shares and scale heights (3, n) of the molecules' layers.
     molecules: FloatArray
     absorber_altitude: FloatArray
     absorber_density: FloatArray
@@ -85,7 +91,7 @@ def medium_of(atmosphere: Atmosphere, polarises: bool) -> Medium:
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
         np.array([molecules, aerosol, fog, aloft]),
-        np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms)),
+        np.array(atmosphere.molecule_layers),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *_phase_and_turn(atmosphere, "aerosol", polarises),
@@ -154,10 +160,7 @@ def path_to(ray, altitude, y, scale):  # type: ignore[no-untyped-def]
 @compiled
 def molecules_to(medium, ray, altitude, y):  # type: ignore[no-untyped-def]
     """The same of the molecules."""
-    path = 0.0
-    for k in range(medium.molecules.shape[1]):
-        path += medium.molecules[0, k] * path_to(ray, altitude, y, medium.molecules[1, k])
-    return path
+    return exponential_layers_path(ray, altitude, y, medium.molecules)
 
 
 @compiled
@@ -176,9 +179,8 @@ def meets_ground(ray):  # type: ignore[no-untyped-def]
 def densities(medium, altitude):  # type: ignore[no-untyped-def]
     """Relative densities of molecules, aerosol, fog and aerosol aloft."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
-    thin = 0.0
-    for k in range(medium.molecules.shape[1]):
-        thin += medium.molecules[0, k] * math.exp(-altitude / medium.molecules[1, k])
+    layer = layer_at(medium.molecules[0], altitude)
+    thin = medium.molecules[1, layer] * math.exp(-altitude / medium.molecules[2, layer])
     haze = math.exp(-altitude / medium.mie_scale)
     aloft = math.exp(-altitude / medium.aloft_scale) if medium.aloft_scale > 0.0 else 0.0
     return thin, haze, fog, aloft

@@ -9,6 +9,7 @@ from bruneton_sky import Atmosphere
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at
 
 from vrut_lite.atmosphere.aerosols import PhaseTable
+from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
 from vrut_lite.geometry.colour import SKYLIGHT_NM
 from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite_lab.polarised_truth.gases import (
@@ -20,12 +21,9 @@ from vrut_lite_lab.polarised_truth.gases import (
 from vrut_lite_lab.polarised_truth.particles import mixture
 
 _OZONE_DU = 300.0
-# Scale heights (m) of the exponentials whose sum is fitted to the standard atmosphere's density, by
-# this power of it: within 3 % to 30 km and 7 % to 60.
-_SCALE_HEIGHTS_M = (3000.0, 4000.0, 5000.0, 6000.0, 7000.0, 8000.0, 10_000.0)
-_WEIGHT_POWER = 0.1
-# Above the standard's altitudes density falls by e over so many metres.
-_STANDARD_TO_M, _ABOVE_M = 84_000.0, 5500.0
+# Altitudes (km) at which the density is the standard atmosphere's; it is exponential between them,
+# which errs by 0.2 % to 11 km and 0.8 % above.
+_PROFILE_KM = (0, 1, 2, 4, 6, 8, 9.5, 11, 15, 20, 26, 32, 37, 42, 47, 51, 58, 65, 72, 78, 84)
 # Particles per cm^3 of OPAC's types, table 4, and of its free troposphere.
 _TYPES: Mapping[str, Mapping[str, float]] = {
     "continental-average": {"waso80": 7000.0, "inso": 0.4, "soot": 8300.0},
@@ -56,13 +54,14 @@ def independent_air(name: str) -> Atmosphere:
     air = product_air(name)
     nm = np.asarray(SKYLIGHT_NM)
     ozone_m = np.trapezoid(air.absorber_density, air.absorber_altitude_m)
-    shares, molecules_m = _standard_profile(air.top_altitude_m)
+    layers = _standard_layers()
+    molecules_m = layers.column_m(air.top_altitude_m)
     changed = replace(
         air,
         rayleigh_scattering=tuple(rayleigh_depth(nm) / molecules_m),
-        rayleigh_scale_height_m=_SCALE_HEIGHTS_M[0],
-        rayleigh_more=shares[1:],
-        rayleigh_more_scale_height_m=_SCALE_HEIGHTS_M[1:],
+        rayleigh_scale_height_m=layers.scale_height_m[0],
+        rayleigh_above_m=layers.base_m[1:],
+        rayleigh_above_scale_height_m=layers.scale_height_m[1:],
         rayleigh_depolarisation=float(depolarisation(nm).mean()),
         gas_absorption=tuple(np.array(air.gas_absorption) * air.column_m / molecules_m),
         absorption_extinction=tuple(ozone_depth(nm, _OZONE_DU) / ozone_m),
@@ -96,14 +95,9 @@ def _layer(
     return tuple(extinction), tuple(scattering), table
 
 
-def _standard_profile(top_m: float) -> tuple[tuple[float, ...], float]:
-    """Shares of _SCALE_HEIGHTS_M in the density of molecules; their column in m, up to the top."""
-    altitude_m = top_m * np.linspace(0.0, 1.0, 800) ** 2
-    density = standard_density(np.minimum(altitude_m, _STANDARD_TO_M))
-    density *= np.exp(-np.maximum(altitude_m - _STANDARD_TO_M, 0.0) / _ABOVE_M)
-    heights_m, weight = np.array(_SCALE_HEIGHTS_M), density**_WEIGHT_POWER
-    relative = np.exp(-altitude_m[:, None] / heights_m) / density[:, None]
-    shares = np.linalg.lstsq(weight[:, None] * relative, weight)[0]
-    shares /= shares.sum()
-    column_m = float(shares @ (-heights_m * np.expm1(-top_m / heights_m)))
-    return tuple(shares), column_m
+def _standard_layers() -> ExponentialLayers:
+    """The standard atmosphere's density; the last scale height goes on above it."""
+    altitude_m = 1000.0 * np.array(_PROFILE_KM)
+    heights_m = -np.diff(altitude_m) / np.diff(np.log(standard_density(altitude_m)))
+    above = zip(altitude_m[1:-1].tolist(), heights_m[1:].tolist(), strict=True)
+    return ExponentialLayers.of(float(heights_m[0]), tuple(above))

@@ -54,8 +54,7 @@ def single_scattering(
     Raises:
         ValueError: an argument is outside its range, not a number, or the rule is unknown.
     """
-    each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
-    light = atmosphere.by_name(each)
+    light = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
     radiance = light.pop("molecules") * molecules_phase(atmosphere, cosine)[..., None]
     for name, part in light.items():
@@ -76,8 +75,7 @@ def scattered_without_phase(
 
     Fog is in the Mie part.
     """
-    each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
-    light = atmosphere.by_name(each)
+    light = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
     return light.pop("molecules"), np.sum(list(light.values()), axis=0)
 
 
@@ -89,8 +87,8 @@ def _of_scatterers(
     nu: ArrayLike,
     rule: Rule,
     samples: int | tuple[int, int],
-) -> list[FloatArray]:
-    """The light (..., C) of each of the atmosphere's scatterers, without phase functions."""
+) -> dict[str, FloatArray]:
+    """The light (..., C) of each scatterer by name, without phase functions."""
     check_type("atmosphere", atmosphere, Atmosphere)
     check_choice("rule", rule, get_args(Rule))
     top_m = atmosphere.top_altitude_m
@@ -107,7 +105,7 @@ def _of_scatterers(
         integrals = classical_integrals(atmosphere, h, view, sun_s, cosine, rule, samples)
     sun = np.asarray(atmosphere.solar_irradiance)
     pairs = zip(atmosphere.scatterers(), integrals, strict=True)
-    return [sun * kind.scattering * integral for kind, integral in pairs]
+    return {kind.name: sun * kind.scattering * integral for kind, integral in pairs}
 
 
 def _gauss_legendre_integrals(

@@ -7,7 +7,12 @@ import math
 
 import numpy as np
 
-from bruneton_sky.path_kernels import exponential_path, layered_path, make_ray
+from bruneton_sky.path_kernels import (
+    exponential_layers_path,
+    exponential_path,
+    layered_path,
+    make_ray,
+)
 from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner
 from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place, tent_at
 
@@ -45,10 +50,7 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
                 mu = rise / (2.0 * (ground + altitude) * distance)
             ray = make_ray(ground, altitude, min(max(mu, -1.0), 1.0))
             end = max(math.sqrt(max(top - ray[3], 0.0)), ray[4])
-            molecules = 0.0
-            for k in range(air.molecules.shape[1]):
-                path = _path_to_top(air.molecules[1, k], top, ray, end)
-                molecules += air.molecules[0, k] * path
+            molecules = exponential_layers_path(ray, top, end, air.molecules)
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
             high = layered_path(ray, end, air.stratosphere[0], air.stratosphere[1])

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from bruneton_sky.path_kernels import layer_at
 from bruneton_sky.solver.cell_kernels import fast, inner
 
 # Bisections: 60 km over 2^50 is below a nanometre.
@@ -111,11 +112,10 @@ def layer_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
 
 @inner
 def molecules_density(air, near, middle, far):  # type: ignore[no-untyped-def]
-    """The same of the molecules' exponentials together."""
-    share, scale, density = air.molecules[0], air.molecules[1], 0.0
-    for k in range(share.size):
-        density += share[k] * mean_density(near, middle, far, scale[k])
-    return density
+    """The same of the molecules, by the scale height of the layer that the middle lies in."""
+    layer = layer_at(air.molecules[0], middle)
+    scale = air.molecules[2, layer]
+    return air.molecules[1, layer] * mean_density(near, middle, far, scale)
 
 
 @inner

@@ -87,7 +87,7 @@ def refuse_unpublished(atmosphere: Atmosphere) -> None:
             "the published tables know aerosol that thins out exponentially: use "
             "bruneton_sky.solve for aerosol in the stratosphere"
         )
-    if len(atmosphere.rayleigh_terms) > 1 or not atmosphere.has_published_molecules:
+    if len(atmosphere.molecule_layers.base_m) > 1 or not atmosphere.has_published_molecules:
         raise ValueError(
             "the published tables know molecules of one exponential that do not depolarise, and "
             "no gas besides ozone: use bruneton_sky.solve for the real Earth's air"
