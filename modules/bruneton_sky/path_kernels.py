@@ -51,8 +51,9 @@ def jacobian(p, y):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def exponential_path(ray, d0, h1, y1, d1, scale):  # type: ignore[no-untyped-def]
-    """Path in m through an exponential density, d0 at the start and d1 at altitude h1, y1."""
+def exponential_path(ray, d0, h1, y1, d1, scale, share=1.0):  # type: ignore[no-untyped-def]
+    """Path in m through a density share * exp(-altitude / scale), d0 at the start and d1 at
+    altitude h1, y1."""
     h0, r, p, perigee, y0, _ = ray
     root = math.sqrt(scale)
     tail0, tail1 = d0 * _erfcx(abs(y0) / root), d1 * _erfcx(abs(y1) / root)
@@ -61,7 +62,7 @@ def exponential_path(ray, d0, h1, y1, d1, scale):  # type: ignore[no-untyped-def
     elif y1 <= 0:
         t0 = tail1 - tail0
     else:
-        t0 = 2.0 * math.exp(-max(perigee, 0.0) / scale) - tail0 - tail1
+        t0 = 2.0 * share * math.exp(-max(perigee, 0.0) / scale) - tail0 - tail1
     t0 *= math.sqrt(math.pi) * root
     y0_squared = y0 * y0
     t1 = scale * (d0 * y0 - d1 * y1) + (0.5 * scale - y0_squared) * t0
@@ -73,39 +74,49 @@ def exponential_path(ray, d0, h1, y1, d1, scale):  # type: ignore[no-untyped-def
 
 
 @compiled
-def exponential_layers_path(ray, h1, y1, layers):  # type: ignore[no-untyped-def]
-    """The same through layers of several scale heights: altitudes of their bases, shares, scale
-    heights (3, n)."""
-    perigee, path = ray[3], 0.0
+def exponential_layers_path(ray, d0, h1, y1, d1, layers):  # type: ignore[no-untyped-def]
+    """The same through layers of several scale heights, as `ExponentialLayers.array` has them."""
+    perigee, path, ends = ray[3], 0.0, (d0, h1, y1, d1)
     for k in range(layers.shape[1]):
         # The lowest layer reaches down without end, the highest up.
-        near, far = 0.0, math.inf
+        near, far, above, below = 0.0, math.inf, 0.0, layers[3, k]
         if k + 1 < layers.shape[1]:
             if layers[0, k + 1] <= perigee:
                 continue
-            far = math.sqrt(layers[0, k + 1] - perigee)
+            far, above = math.sqrt(layers[0, k + 1] - perigee), layers[3, k + 1]
         if k > 0:
             near = math.sqrt(max(layers[0, k] - perigee, 0.0))
+        share, scale = layers[1, k], layers[2, k]
         if near == 0.0:
-            path += _layer_piece(ray, -far, far, h1, y1, layers[1, k], layers[2, k])
+            path += _layer_piece(ray, -far, above, far, above, ends, share, scale)
         else:
-            path += _layer_piece(ray, -far, -near, h1, y1, layers[1, k], layers[2, k])
-            path += _layer_piece(ray, near, far, h1, y1, layers[1, k], layers[2, k])
+            path += _layer_piece(ray, -far, above, -near, below, ends, share, scale)
+            path += _layer_piece(ray, near, below, far, above, ends, share, scale)
     return path
 
 
 @compiled
-def _layer_piece(ray, from_y, to_y, h1, y1, share, scale):  # type: ignore[no-untyped-def]
-    """Path through an exponential between two y of which the ray may hold a part."""
+def _layer_piece(ray, from_y, from_d, to_y, to_d, ends, share, scale):  # type: ignore[no-untyped-def]
+    """Path through an exponential between two y, of which the ray may hold a part."""
     h0, r, p, perigee, y0, along = ray
+    d0, h1, y1, d1 = ends
     begin, stop = max(from_y, y0), min(to_y, y1)
     if stop <= begin:
         return 0.0
-    low = h0 if begin == y0 else perigee + begin * begin
-    high = h1 if stop == y1 else perigee + stop * stop
+    low, high = h0, h1
+    if begin > y0:
+        low, d0 = perigee + begin * begin, from_d
+    if stop < y1:
+        high, d1 = perigee + stop * stop, to_d
     piece = low, r - h0 + low, p, perigee, begin, along
-    d0, d1 = math.exp(-low / scale), math.exp(-high / scale)
-    return share * exponential_path(piece, d0, high, stop, d1, scale)
+    return exponential_path(piece, d0, high, stop, d1, scale, share)
+
+
+@compiled
+def layers_density(layers, altitude):  # type: ignore[no-untyped-def]
+    """Density of the layers at an altitude."""
+    k = layer_at(layers[0], altitude)
+    return layers[1, k] * math.exp(-altitude / layers[2, k])
 
 
 @compiled
@@ -120,10 +131,12 @@ def layer_at(bases, altitude):  # type: ignore[no-untyped-def]
 @compiled
 def _erfcx(x):  # type: ignore[no-untyped-def]
     t = (x - 4.0) / (x + 4.0)
-    value = 0.0
-    for k in range(len(ERFCX) - 1, -1, -1):
-        value = value * t + ERFCX[k]
-    return value / (1.0 + 2.0 * x)
+    # Two chains, which a processor adds side by side.
+    even, odd, squared = 0.0, 0.0, t * t
+    for k in range(len(ERFCX) - 2, -1, -2):
+        even = even * squared + ERFCX[k]
+        odd = odd * squared + ERFCX[k + 1]
+    return (even + t * odd) / (1.0 + 2.0 * x)
 
 
 @compiled

@@ -16,8 +16,8 @@ from bruneton_sky.path_kernels import (
     exponential_layers_path,
     exponential_path,
     jacobian,
-    layer_at,
     layered_path,
+    layers_density,
     make_ray,
 )
 from bruneton_sky.quadrature import CLUSTERING, HAZE_DEPTH, break_levels_m, unit_nodes
@@ -63,7 +63,7 @@ def fast_by_name(
     out = np.zeros((len(scatterers), len(mu), len(atmosphere.wavelength_nm)))
     _trace_rays(
         (atmosphere.ground_radius_m, atmosphere.top_altitude_m),
-        np.array(scatterers[0].exponentials),
+        scatterers[0].exponentials.array(),
         np.array([kind.scale_height_m for kind in scatterers[1:] if kind.peak_m is None]),
         np.array([kind.kinks_m for kind in scatterers if kind.peak_m is not None]).reshape(-1, 3),
         np.array([kind.extinction for kind in scatterers]),
@@ -124,10 +124,12 @@ def _add_node(  # type: ignore[no-untyped-def]
     sun = make_ray(planet[0], altitude, _sun_cosine(planet[0], ray, altitude, y, mu_s, nu))
     sun_y = max(math.sqrt(max(planet[1] - sun[3], 0.0)), sun[4])
     path, density = matter[0], matter[1]
-    layer = layer_at(layers[0], altitude)
-    density[0] = layers[1, layer] * math.exp(-altitude / layers[2, layer])
-    path[0] = exponential_layers_path(ray, altitude, y, layers)
-    path[0] += exponential_layers_path(sun, planet[1], sun_y, layers)
+    here, top = layers_density(layers, altitude), layers_density(layers, planet[1])
+    density[0] = here
+    path[0] = exponential_layers_path(sun, here, planet[1], sun_y, top, layers)
+    path[0] += exponential_layers_path(
+        ray, layers_density(layers, ray[0]), altitude, y, here, layers
+    )
     for k in range(scales.size):
         path[1 + k], density[1 + k] = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[k])
     for k in range(len(tents)):
@@ -150,8 +152,7 @@ def _add_node(  # type: ignore[no-untyped-def]
 
 @compiled
 def _extinction(extinction, layers, scales, tents, altitude):  # type: ignore[no-untyped-def]
-    layer = layer_at(layers[0], altitude)
-    total = extinction[0].max() * layers[1, layer] * math.exp(-altitude / layers[2, layer])
+    total = extinction[0].max() * layers_density(layers, altitude)
     for k in range(1, len(extinction)):
         if k <= scales.size:
             density = math.exp(-altitude / scales[k - 1])

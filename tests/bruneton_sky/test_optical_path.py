@@ -91,8 +91,10 @@ def test_path_through_layers_of_several_scale_heights(height_m: float) -> None:
         ours = exponential_layers_path(ray, *end, layers)
         truth = along_ray(air, height_m, mu, layers.density, layers.base_m[1:])
         assert ours == pytest.approx(truth, rel=2e-7, abs=1e-6), mu
+        end_m, end_y = map(float, end)
+        start, stop = map(float, layers.density([height_m, end_m]))
         compiled = path_kernels.exponential_layers_path(
-            path_kernels.make_ray(planet, height_m, mu), *map(float, end), np.array(layers)
+            path_kernels.make_ray(planet, height_m, mu), start, end_m, end_y, stop, layers.array()
         )
         assert compiled == pytest.approx(float(ours), rel=1e-8, abs=1e-6), mu
 

@@ -44,6 +44,10 @@ class ExponentialLayers(NamedTuple):
         layer = np.searchsorted(self.base_m[1:], height, side="right")
         return np.take(self.share, layer) * np.exp(-height / np.take(self.scale_height_m, layer))
 
+    def array(self) -> FloatArray:
+        """Bases, shares, scale heights and densities at the bases (4, n), for compiled code."""
+        return np.array([*self, self.density(self.base_m)])
+
     def column_m(self, top_m: float = math.inf, power: float = 1.0) -> float:
         """Integral of a power of the density over the altitude, from 0 to `top_m`."""
         ends_m = (*self.base_m[1:], math.inf)

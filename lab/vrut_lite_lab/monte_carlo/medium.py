@@ -13,8 +13,8 @@ from bruneton_sky.path_kernels import (
     compiled,
     exponential_layers_path,
     exponential_path,
-    layer_at,
     layered_path,
+    layers_density,
 )
 from bruneton_sky.phase import particles_phase
 
@@ -47,7 +47,7 @@ class Medium(NamedTuple):
     fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
-    # Altitudes of bases, shares and scale heights (3, n) of the molecules' layers.
+    # The molecules' layers (4, n), see `ExponentialLayers.array`.
     molecules: FloatArray
     absorber_altitude: FloatArray
     absorber_density: FloatArray
@@ -91,7 +91,7 @@ def medium_of(atmosphere: Atmosphere, polarises: bool) -> Medium:
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
         np.array([molecules, aerosol, fog, aloft]),
-        np.array(atmosphere.molecule_layers),
+        atmosphere.molecule_layers.array(),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *_phase_and_turn(atmosphere, "aerosol", polarises),
@@ -160,7 +160,9 @@ def path_to(ray, altitude, y, scale):  # type: ignore[no-untyped-def]
 @compiled
 def molecules_to(medium, ray, altitude, y):  # type: ignore[no-untyped-def]
     """The same of the molecules."""
-    return exponential_layers_path(ray, altitude, y, medium.molecules)
+    layers = medium.molecules
+    start, end = layers_density(layers, ray[0]), layers_density(layers, altitude)
+    return exponential_layers_path(ray, start, altitude, y, end, layers)
 
 
 @compiled
@@ -179,8 +181,7 @@ def meets_ground(ray):  # type: ignore[no-untyped-def]
 def densities(medium, altitude):  # type: ignore[no-untyped-def]
     """Relative densities of molecules, aerosol, fog and aerosol aloft."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
-    layer = layer_at(medium.molecules[0], altitude)
-    thin = medium.molecules[1, layer] * math.exp(-altitude / medium.molecules[2, layer])
+    thin = layers_density(medium.molecules, altitude)
     haze = math.exp(-altitude / medium.mie_scale)
     aloft = math.exp(-altitude / medium.aloft_scale) if medium.aloft_scale > 0.0 else 0.0
     return thin, haze, fog, aloft

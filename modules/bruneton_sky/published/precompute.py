@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray, y_at_top
-from bruneton_sky.optical_path import exponential_path, layered_path
+from bruneton_sky.optical_path import exponential_layers_path, layered_path
 from bruneton_sky.published.gpu_pipeline import GpuPipeline
 from bruneton_sky.solver import SourceField, real_time_sizes, solve
 from bruneton_sky.solver.source_field import source_of_group
@@ -138,7 +138,10 @@ def transmittance_table(atmosphere: Atmosphere, sizes: TableSizes) -> NDArray[np
     # The last ray grazes the ground; none ends there.
     end_y = y_at_top(ray, air.top_altitude_m)
     paths = (
-        *(exponential_path(ray, air.top_altitude_m, end_y, k.scale_height_m) for k in scatterers),
+        *(
+            exponential_layers_path(ray, air.top_altitude_m, end_y, k.exponentials)
+            for k in scatterers
+        ),
         layered_path(ray, end_y, air.absorber_altitude_m, air.absorber_density),
     )
     extinction = *(kind.extinction for kind in scatterers), air.absorption_extinction

@@ -11,6 +11,7 @@ from bruneton_sky.path_kernels import (
     exponential_layers_path,
     exponential_path,
     layered_path,
+    layers_density,
     make_ray,
 )
 from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner
@@ -33,7 +34,7 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
     """
     rows, columns = table.shape[0], table.shape[1]
     ground, top = air.ground_radius_m, air.top_altitude_m
-    whole = top * (2.0 * ground + top)
+    whole, at_top = top * (2.0 * ground + top), layers_density(air.molecules, top)
     for i in range(rows):
         squared = whole * (i / (rows - 1)) ** 2
         altitude = min(squared / (math.sqrt(squared + ground * ground) + ground), top)
@@ -50,7 +51,8 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
                 mu = rise / (2.0 * (ground + altitude) * distance)
             ray = make_ray(ground, altitude, min(max(mu, -1.0), 1.0))
             end = max(math.sqrt(max(top - ray[3], 0.0)), ray[4])
-            molecules = exponential_layers_path(ray, top, end, air.molecules)
+            here = layers_density(air.molecules, altitude)
+            molecules = exponential_layers_path(ray, here, top, end, at_top, air.molecules)
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
             high = layered_path(ray, end, air.stratosphere[0], air.stratosphere[1])

@@ -75,7 +75,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[WavelengthGroup]:
         ]
     )
     sun_and_ground = _in_fours([atmosphere.solar_irradiance, atmosphere.ground_albedo])
-    molecules = np.array(atmosphere.molecule_layers)
+    molecules = atmosphere.molecule_layers.array()
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
     tents = [(kind.kinks_m, TENT) for kind in atmosphere.particles() if kind.peak_m is not None]
     tent = np.array(tents[0] if tents else ((0.0,), (0.0,)))
