@@ -21,15 +21,16 @@ LOBE_DAY, LOBE_DUSK, LOBE_BELOW = 0.05, 0.5, 0.4
 
 
 @compiled
-def set_scattering(medium, thin, haze, fog, aloft, cosine, matrix):  # type: ignore[no-untyped-def]
+def set_scattering(medium, density, cosine, matrix):  # type: ignore[no-untyped-def]
     """Set the scattering matrix (4, C) in 1/(m sr) at a cosine from the old direction.
 
+    `density` (5,): see `densities`.
     Rows P11, P12, P22, P33; only the first where the medium does not polarise. Molecules: Hansen
     and Travis 1974, equation 2.15. Particles are spheres, with P22 = P11; P34 and V are left out.
     """
     squared = cosine * cosine
-    dipoles = 3.0 / (16.0 * math.pi) * medium.anisotropy * thin
-    even = (1.0 - medium.anisotropy) / (4.0 * math.pi) * thin
+    dipoles = 3.0 / (16.0 * math.pi) * medium.anisotropy * density[0]
+    even = (1.0 - medium.anisotropy) / (4.0 * math.pi) * density[0]
     for c in range(matrix.shape[1]):
         dipole = medium.scattering[0, c] * dipoles
         matrix[0, c] = dipole * (1.0 + squared) + medium.scattering[0, c] * even
@@ -40,11 +41,13 @@ def set_scattering(medium, thin, haze, fog, aloft, cosine, matrix):  # type: ign
     place = _turn_of(cosine) * (medium.phase.shape[1] - 1)
     k = min(int(place), medium.phase.shape[1] - 2)
     far = place - k
-    _add_particles(medium.phase, k, far, medium.scattering[1], haze, matrix)
-    if fog > 0.0:
-        _add_particles(medium.fog_phase, k, far, medium.scattering[2], fog, matrix)
-    if aloft > 0.0:
-        _add_particles(medium.aloft_phase, k, far, medium.scattering[3], aloft, matrix)
+    _add_particles(medium.phase, k, far, medium.scattering[1], density[1], matrix)
+    if density[2] > 0.0:
+        _add_particles(medium.fog_phase, k, far, medium.scattering[2], density[2], matrix)
+    if density[3] > 0.0:
+        _add_particles(medium.aloft_phase, k, far, medium.scattering[3], density[3], matrix)
+    if density[4] > 0.0:
+        _add_particles(medium.veil_phase, k, far, medium.scattering[4], density[4], matrix)
 
 
 @compiled

@@ -98,12 +98,12 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
     bins = edges.size - 1
     low_sun = min(mu_s, _sun_cosine(medium, ray, edges[bins], mu_s, nu)) < SUNLIT_BELOW
     plain, sunlit, rayleigh, mie, absorbed = 0.0, 0.0, 0.0, 0.0, 0.0
-    droplets, aloft = 0.0, 0.0
+    droplets, aloft, veils = 0.0, 0.0, 0.0
     for k in range(bins):
         y = 0.5 * (edges[k] + edges[k + 1])
         altitude = min(max(ray[3] + y * y, 0.0), medium.top)
         metres = (edges[k + 1] - edges[k]) * jacobian(ray[2], y)
-        thin, haze, fog, high = densities(medium, altitude)
+        thin, haze, fog, high, veil = densities(medium, altitude)
         layer = absorber_at(medium, altitude)
         value = 0.0
         for c in range(depth.size):
@@ -112,8 +112,9 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
             here += extinction[2, c] * (absorbed + 0.5 * layer * metres)
             here += extinction[3, c] * (droplets + 0.5 * fog * metres)
             here += extinction[4, c] * (aloft + 0.5 * high * metres)
+            here += extinction[5, c] * (veils + 0.5 * veil * metres)
             strength = scattering[0, c] * thin + scattering[1, c] * haze + scattering[2, c] * fog
-            strength += scattering[3, c] * high
+            strength += scattering[3, c] * high + scattering[4, c] * veil
             value += weight[c] * math.exp(-here) * strength
         value *= metres
         rayleigh += thin * metres
@@ -121,6 +122,7 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
         absorbed += layer * metres
         droplets += fog * metres
         aloft += high * metres
+        veils += veil * metres
         plain += value
         cumulative[0, k] = plain
         if low_sun:
@@ -130,7 +132,7 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
     for c in range(depth.size):
         depth[c] = extinction[0, c] * rayleigh + extinction[1, c] * mie
         depth[c] += extinction[2, c] * absorbed + extinction[3, c] * droplets
-        depth[c] += extinction[4, c] * aloft
+        depth[c] += extinction[4, c] * aloft + extinction[5, c] * veils
 
 
 @compiled

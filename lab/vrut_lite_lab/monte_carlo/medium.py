@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.optical_path import TENT
 from bruneton_sky.path_kernels import (
     compiled,
     exponential_layers_path,
@@ -26,13 +27,15 @@ IMPORTANCE_POWER, LEAST_SCATTERING = -1.5, 1e-2
 # Nodes of the aerosol's phase function, uniform in sin(theta / 2): lines between them leave 1e-5 of
 # a lobe with g = 0.9.
 _PHASE_NODES = 8193
+_TENT = np.array(TENT)
 
 
 class Medium(NamedTuple):
-    """An atmosphere as compiled code reads it; coefficients (5 or 4, C) in 1/m, lengths in m.
+    """An atmosphere as compiled code reads it; coefficients (6 or 5, C) in 1/m, lengths in m.
 
-    Extinction of molecules, aerosol, absorber, fog, aerosol aloft; scattering of molecules,
-    aerosol, fog, aerosol aloft. The scales of fog and aloft are 0 where there is none.
+    Extinction of molecules, aerosol, absorber, fog, aerosol aloft and of the stratosphere;
+    scattering of the same without the absorber. The scales of fog and aloft are 0 where there is
+    none; `veil` (3,) is the stratosphere's tent: its foot, peak and end.
     `phase` (1 or 3, nodes, C) in sr^-1 is the aerosol's phase function and, where the medium
     polarises, P12 and P33 of its scattering matrix; `turn` (nodes - 1,) is the cumulated chance
     that its mean over the wavelengths gives a turn between two nodes; others are fog's and those
@@ -45,6 +48,7 @@ class Medium(NamedTuple):
     mie_scale: float
     aloft_scale: float
     fog_scale: float
+    veil: FloatArray
     extinction: FloatArray
     scattering: FloatArray
     # The molecules' layers (4, n), see `ExponentialLayers.array`.
@@ -57,6 +61,8 @@ class Medium(NamedTuple):
     fog_turn: FloatArray
     aloft_phase: FloatArray
     aloft_turn: FloatArray
+    veil_phase: FloatArray
+    veil_turn: FloatArray
     albedo: FloatArray
     # The weight (C,) with which each wavelength's share of a path starts.
     importance: FloatArray
@@ -68,20 +74,18 @@ def medium_of(atmosphere: Atmosphere, polarises: bool) -> Medium:
     """An atmosphere of any number of wavelengths, with scattering matrices or phases alone.
 
     Particles without ratios of a matrix keep light's polarisation.
-
-    Raises:
-        ValueError: there is aerosol in the stratosphere, which this medium does not hold.
     """
-    if atmosphere.has_stratosphere:
-        raise ValueError("this Monte Carlo program knows no aerosol of the stratosphere")
     molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
     aloft, fog = atmosphere.aloft_scattering, atmosphere.fog_scattering
+    scattering = [molecules, aerosol, fog, aloft, atmosphere.stratosphere_scattering]
+    peak_m, half_width_m = atmosphere.stratosphere_peak_m, atmosphere.stratosphere_half_width_m
     extinction = [
         atmosphere.molecule_extinction,
         atmosphere.mie_extinction,
         atmosphere.absorption_extinction,
         atmosphere.fog_extinction,
         atmosphere.aloft_extinction,
+        atmosphere.stratosphere_extinction,
     ]
     return Medium(
         atmosphere.ground_radius_m,
@@ -89,16 +93,18 @@ def medium_of(atmosphere: Atmosphere, polarises: bool) -> Medium:
         atmosphere.mie_scale_height_m,
         atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
+        peak_m + half_width_m * np.array([-1.0, 0.0, 1.0]),
         np.array(extinction),
-        np.array([molecules, aerosol, fog, aloft]),
+        np.array(scattering),
         atmosphere.molecule_layers.array(),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *_phase_and_turn(atmosphere, "aerosol", polarises),
         *_phase_and_turn(atmosphere, "fog", polarises),
         *_phase_and_turn(atmosphere, "aloft", polarises),
+        *_phase_and_turn(atmosphere, "stratosphere", polarises),
         np.array(atmosphere.ground_albedo),
-        _importance(np.array(molecules) + np.array(aerosol) + np.array(fog) + np.array(aloft)),
+        _importance(np.sum(scattering, axis=0)),
         polarises,
         atmosphere.rayleigh_anisotropy,
     )
@@ -114,8 +120,7 @@ def _phase_and_turn(
     turn = np.cumsum(0.5 * (mean[:-1] + mean[1:]) * np.diff(squared))
     rows = [phase]
     if polarises:
-        own = {"fog": atmosphere.fog_table, "aloft": atmosphere.aloft_table}.get(name)
-        table = own or atmosphere.mie_table
+        table = atmosphere.table_of(name)
         p12, p33 = (0.0, 1.0) if table is None else table.polarisation(nu)
         rows += [p12 * phase, p33 * phase]
     return np.ascontiguousarray(rows), turn / turn[-1]
@@ -143,10 +148,13 @@ def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def
     fog = 0.0
     if medium.fog_scale > 0.0:
         fog = path_to(ray, altitude, y, medium.fog_scale)
+    veil = 0.0
+    if medium.extinction[5].any():
+        veil = layered_path(ray, y, medium.veil, _TENT)
     extinction = medium.extinction
     for c in range(weight.size):
         depth = extinction[0, c] * rayleigh + extinction[1, c] * mie + extinction[2, c] * absorbed
-        depth += extinction[3, c] * fog + extinction[4, c] * aloft
+        depth += extinction[3, c] * fog + extinction[4, c] * aloft + extinction[5, c] * veil
         weight[c] *= scale * math.exp(-depth)
 
 
@@ -179,12 +187,14 @@ def meets_ground(ray):  # type: ignore[no-untyped-def]
 
 @compiled
 def densities(medium, altitude):  # type: ignore[no-untyped-def]
-    """Relative densities of molecules, aerosol, fog and aerosol aloft."""
+    """Relative densities of molecules, aerosol, fog, aerosol aloft and of the stratosphere."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
     thin = layers_density(medium.molecules, altitude)
     haze = math.exp(-altitude / medium.mie_scale)
     aloft = math.exp(-altitude / medium.aloft_scale) if medium.aloft_scale > 0.0 else 0.0
-    return thin, haze, fog, aloft
+    low, peak = medium.veil[0], medium.veil[1]
+    veil = max(1.0 - abs(altitude - peak) / (peak - low), 0.0)
+    return thin, haze, fog, aloft, veil
 
 
 @compiled

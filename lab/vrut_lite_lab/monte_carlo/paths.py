@@ -169,17 +169,18 @@ def _scatter(  # type: ignore[no-untyped-def]
     medium, altitude, point, direction, sun, weight, light, matrix, rows, axis, v, w, out
 ):
     """Add the sun's light scattered here, and draw the path's next direction."""
-    thin, haze, fog, high = densities(medium, altitude)
+    density = densities(medium, altitude)
     if _sunlight(medium, altitude, point, sun, weight, light):
-        set_scattering(medium, thin, haze, fog, high, dot(direction, sun), matrix)
+        set_scattering(medium, density, dot(direction, sun), matrix)
         _add_scattered(medium, direction, sun, light, matrix, rows, axis, out)
-    molecules, aerosol, droplets, aloft = 0.0, 0.0, 0.0, 0.0
+    molecules, aerosol, droplets, aloft, veil = 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(weight.size):
-        molecules += weight[c] * medium.scattering[0, c] * thin
-        aerosol += weight[c] * medium.scattering[1, c] * haze
-        droplets += weight[c] * medium.scattering[2, c] * fog
-        aloft += weight[c] * medium.scattering[3, c] * high
-    aerosol += droplets + aloft
+        molecules += weight[c] * medium.scattering[0, c] * density[0]
+        aerosol += weight[c] * medium.scattering[1, c] * density[1]
+        droplets += weight[c] * medium.scattering[2, c] * density[2]
+        aloft += weight[c] * medium.scattering[3, c] * density[3]
+        veil += weight[c] * medium.scattering[4, c] * density[4]
+    aerosol += droplets + aloft + veil
     share = aerosol / (aerosol + molecules) if aerosol > 0.0 else 0.0
     foggy = droplets / (aerosol + molecules) if droplets > 0.0 else 0.0
     lobes = lobe_share(cosine_at(point, sun, medium.radius + altitude), foggy)
@@ -187,13 +188,13 @@ def _scatter(  # type: ignore[no-untyped-def]
     cumulated = medium.fog_turn if 2.0 * droplets > aerosol else medium.turn
     if 2.0 * aloft > aerosol:
         cumulated = medium.aloft_turn
+    elif 2.0 * veil > aerosol:
+        cumulated = medium.veil_turn
     old = (direction[0], direction[1], direction[2])
-    cosine, density = draw_direction(
-        cumulated, share, lobes, lobe_axis(point, sun), v, w, direction
-    )
-    set_scattering(medium, thin, haze, fog, high, cosine, matrix)
+    cosine, chance = draw_direction(cumulated, share, lobes, lobe_axis(point, sun), v, w, direction)
+    set_scattering(medium, density, cosine, matrix)
     for c in range(weight.size):
-        weight[c] *= matrix[0, c] / density
+        weight[c] *= matrix[0, c] / chance
     if medium.polarises:
         _polarise(old, direction, weight, matrix, rows, axis)
 

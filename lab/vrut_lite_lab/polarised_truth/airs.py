@@ -30,12 +30,13 @@ _TYPES: Mapping[str, Mapping[str, float]] = {
     "desert": {"waso80": 2000.0, "minm": 269.5, "miam": 30.5, "micm": 0.142},
 }
 _ALOFT = {"waso50": 438.0, "inso": 0.0013, "soot": 294.0}
-# The Monte Carlo knows no layer aloft.
-_BELOW = msgspec.structs.replace(DEFAULT_HAZE, stratosphere_depth_550=0.0)
+_STRATOSPHERE = {"acid": 1.0}
 HAZES: Mapping[str, SetHaze] = {
-    "default": _BELOW,
-    "clear": msgspec.structs.replace(_BELOW, optical_depth_550=0.0),
-    "desert": msgspec.structs.replace(_BELOW, aerosol="desert", optical_depth_550=0.3),
+    "default": DEFAULT_HAZE,
+    "clear": msgspec.structs.replace(
+        DEFAULT_HAZE, optical_depth_550=0.0, stratosphere_depth_550=0.0
+    ),
+    "desert": msgspec.structs.replace(DEFAULT_HAZE, aerosol="desert", optical_depth_550=0.3),
 }
 
 
@@ -69,10 +70,13 @@ def independent_air(name: str) -> Atmosphere:
     if air.aerosol_depth().any():
         low = _layer(_TYPES[HAZES[name].aerosol], _at_550(name, "mie"))
         aloft = _layer(_ALOFT, _at_550(name, "aloft"))
+        high = _layer(_STRATOSPHERE, _at_550(name, "stratosphere"))
         changed = replace(
             changed,
             mie_extinction=low[0], mie_scattering=low[1], mie_table=low[2],
             aloft_extinction=aloft[0], aloft_scattering=aloft[1], aloft_table=aloft[2],
+            stratosphere_extinction=high[0], stratosphere_scattering=high[1],
+            stratosphere_table=high[2],
         )  # fmt: skip
     return changed
 

@@ -79,17 +79,11 @@ def _fill(light: Any, air: Atmosphere, altitude_m: FloatArray, c: int) -> None:
     extinction = molecules * air.molecule_extinction[c]
     extinction += air.absorber(altitude_m) * air.absorption_extinction[c]
     expansions = [_expand_molecules(air.rayleigh_anisotropy)]
-    layers = (
-        (air.mie_scale_height_m, air.mie_extinction[c],
-         air.mie_scattering[c], air.mie_table),
-        (air.aloft_scale_height_m, air.aloft_extinction[c],
-         air.aloft_scattering[c], air.aloft_table),
-    )  # fmt: skip
-    for height_m, lost, scattered, table in layers:
-        if table is not None and lost > 0.0:
-            density = np.exp(-altitude_m / height_m)
-            extinction = extinction + lost * density
-            scattering.append(scattered * density)
+    for kind in air.particles():
+        table, density = air.table_of(kind.name), kind.density(altitude_m)
+        if table is not None and kind.extinction[c] > 0.0:
+            extinction = extinction + kind.extinction[c] * density
+            scattering.append(kind.scattering[c] * density)
             expansions.append(_expand_particles(table, c))
     whole = np.sum(scattering, axis=0)
     light.storage.total_extinction[:, 0] = extinction

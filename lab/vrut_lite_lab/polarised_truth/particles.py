@@ -35,7 +35,8 @@ class LognormalRadii(NamedTuple):
     most_um: float
 
 
-# Water-soluble particles at 80 and at 50 % of humidity.
+# Water-soluble particles at 80 and at 50 % of humidity; sulphuric acid of the stratosphere, whose
+# sizes are Jaenicke's (1993) and whose index is Palmer and Williams's (1975).
 COMPONENTS: Mapping[str, LognormalRadii] = MappingProxyType(
     {
         "waso80": LognormalRadii(0.0306, 2.24, 0.0067, 29.8),
@@ -45,6 +46,7 @@ COMPONENTS: Mapping[str, LognormalRadii] = MappingProxyType(
         "minm": LognormalRadii(0.07, 1.95, 0.005, 20.0),
         "miam": LognormalRadii(0.39, 2.00, 0.005, 20.0),
         "micm": LognormalRadii(1.90, 2.15, 0.005, 30.0),
+        "acid": LognormalRadii(0.07, 1.86, 0.005, 2.0),
     }
 )
 
@@ -98,6 +100,8 @@ def _index(name: str, nm: float) -> complex:
     def at(values: tuple[float, ...]) -> float:
         return float(np.interp(nm, _INDEX_NM, values))
 
+    if name == "acid":
+        return complex(1.43)
     if name == "inso":
         return complex(1.53, -0.008)
     if name == "soot":
