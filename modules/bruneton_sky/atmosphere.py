@@ -28,7 +28,7 @@ from vrut_lite.atmosphere.aerosol import (
     SINGLE_SCATTERING_ALBEDO,
 )
 from vrut_lite.atmosphere.aerosols import AerosolOptics, PhaseTable
-from vrut_lite.atmosphere.aerosols.optics import AerosolLayer
+from vrut_lite.atmosphere.aerosols.optics import ALOFT_HEIGHT_M, AerosolLayer
 from vrut_lite.atmosphere.aerosols.stratosphere import HALF_WIDTH_M, PEAK_M
 from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
 from vrut_lite.atmosphere.slant_path import tent
@@ -155,7 +155,7 @@ class Atmosphere:
     mie_table: PhaseTable | None = None
     aloft_scattering: tuple[float, ...] = (0.0,)
     aloft_extinction: tuple[float, ...] = (0.0,)
-    aloft_scale_height_m: float = 8000.0
+    aloft_scale_height_m: float = ALOFT_HEIGHT_M
     aloft_table: PhaseTable | None = None
     fog_scattering: tuple[float, ...] = (0.0,)
     fog_extinction: tuple[float, ...] = (0.0,)

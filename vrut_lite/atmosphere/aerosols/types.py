@@ -14,11 +14,11 @@ import numpy as np
 
 from vrut_lite.arguments import as_number, shown
 from vrut_lite.atmosphere.aerosols.components import Particles, component
-from vrut_lite.atmosphere.aerosols.optics import ALOFT_HEIGHT_M, AerosolOptics, optics_of_particles
+from vrut_lite.atmosphere.aerosols.optics import AerosolOptics, optics_of_particles
 
 _550_NM = 550.0
 # Depth at 550 nm of the free troposphere from 2 to 12 km, its scale height and mixture.
-_ALOFT_DEPTH, _ALOFT_FROM_KM, _ALOFT_TO_KM = 0.013, 2.0, 12.0
+_ALOFT_DEPTH, _ALOFT_FROM_KM, _ALOFT_TO_KM, _ALOFT_SCALE_KM = 0.013, 2.0, 12.0, 8.0
 _ALOFT = MappingProxyType({"waso": 438.0, "inso": 0.0013, "soot": 294.0})
 _ALOFT_HUMIDITY = 50.0
 USUAL_HUMIDITY = 80.0
@@ -101,7 +101,7 @@ def particles_together(particles: Mapping[str, float], humidity_percent: float) 
 def _aloft_depth(from_km: float) -> float:
     """Depth of the free troposphere above the top of a layer."""
     start_km = min(max(from_km, _ALOFT_FROM_KM), _ALOFT_TO_KM)
-    ends = np.exp(-np.array([_ALOFT_FROM_KM, start_km, _ALOFT_TO_KM]) / (0.001 * ALOFT_HEIGHT_M))
+    ends = np.exp(-np.array([_ALOFT_FROM_KM, start_km, _ALOFT_TO_KM]) / _ALOFT_SCALE_KM)
     return float(_ALOFT_DEPTH * (ends[1] - ends[2]) / (ends[0] - ends[2]))
 
 
