@@ -113,7 +113,7 @@ def air_is_seen(atmosphere: Atmosphere, altitude_m: float, reach_m: float) -> bo
     if reach_m <= 0.0:
         return False
     lowest_m = max(min(altitude_m, atmosphere.top_altitude_m) - reach_m, 0.0)
-    # Between kinks no sum of exponentials and lines is denser than at both.
+    # Between kinks no sum of falling densities and lines is denser than at both.
     height = np.array([lowest_m, *(m for m in atmosphere.kinks_m if m > lowest_m)])
     each = np.multiply.outer(atmosphere.absorber(height), atmosphere.absorption_extinction)
     for kind in atmosphere.scatterers():
