@@ -51,7 +51,7 @@ def coloured(values: AnyFloats, scale: Scale) -> NDArray[np.uint8]:
     if scale.high > 0.0:
         span = max(np.log(scale.high / scale.low), 1e-9)
         share = np.log(np.maximum(values[used], scale.low) / scale.low) / span
-        pixels[used] = _colour_at(np.clip(share, 0.0, 1.0))
+        pixels[used] = colours_at(np.clip(share, 0.0, 1.0))
     return pixels
 
 
@@ -88,10 +88,11 @@ def iso_lines(values: AnyFloats, levels: FloatArray, steepest: float = np.inf) -
 
 def scale_pixels(width: int) -> NDArray[np.uint8]:
     """The scale (1, width, 3) from the darkest colour to the brightest."""
-    return _colour_at(np.linspace(0.0, 1.0, width)[None])
+    return colours_at(np.linspace(0.0, 1.0, width)[None])
 
 
-def _colour_at(share: FloatArray) -> NDArray[np.uint8]:
+def colours_at(share: FloatArray) -> NDArray[np.uint8]:
+    """sRGB pixels (..., 3) at shares (...,) of the way from the darkest colour to the brightest."""
     at = share * (len(_STOPS) - 1)
     rgb = np.stack([np.interp(at, range(len(_STOPS)), stops) for stops in _STOPS.T], axis=-1)
     return rgb.round().astype(np.uint8)

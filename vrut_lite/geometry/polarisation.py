@@ -9,6 +9,8 @@ direction. It is smooth everywhere but in the nadir; the vertical plane is not s
 nor the plane of the sun at the sun, where a low sun's sky vibrates vertically.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -63,6 +65,37 @@ def degree_and_angle(
     light, q, u = np.broadcast_arrays(*(np.asarray(part, float) for part in (radiance, q, u)))
     degree = np.divide(np.hypot(q, u), light, out=np.zeros_like(light), where=light > 0.0)
     return np.minimum(degree, 1.0), 0.5 * np.arctan2(u, q)
+
+
+class NeutralPoints(NamedTuple):
+    """Distances in degrees of the points of the sun's vertical where its light is unpolarised:
+    Babinet's above the sun, Brewster's below it, Arago's above the antisolar point. nan: the point
+    is not above the horizon."""
+
+    babinet: float
+    brewster: float
+    arago: float
+
+
+def neutral_points(angle_deg: ArrayLike, q: ArrayLike, sun_deg: float) -> NeutralPoints:
+    """Neutral points by the zeros of Q along the sun's vertical.
+
+    Args:
+        angle_deg: rising angles (n,) from the horizon below the sun, over the zenith, to 180.
+        q: Q (n,) there by the vertical plane.
+        sun_deg: the sun's elevation.
+    """
+    angle, q = np.asarray(angle_deg, dtype=float), np.asarray(q, dtype=float)
+    change = np.flatnonzero(np.sign(q[1:]) != np.sign(q[:-1]))
+    zeros = angle[change] + q[change] / (q[change] - q[change + 1]) * np.diff(angle)[change]
+    beyond = zeros[zeros > 90.0 + sun_deg]
+    above = zeros[(zeros > sun_deg) & (zeros <= 90.0 + sun_deg)]
+    below = zeros[zeros < sun_deg]
+    return NeutralPoints(
+        babinet=float(above[0] - sun_deg) if above.size else np.nan,
+        brewster=float(sun_deg - below[-1]) if below.size else np.nan,
+        arago=float(180.0 + sun_deg - beyond[-1]) if beyond.size else np.nan,
+    )
 
 
 def polariser_axis(rotation: ArrayLike, angle_deg: float) -> FloatArray:

@@ -111,7 +111,7 @@ def all_parts(posed: PosedWindow) -> list[Pixels]:
         posed.rest()
         parts.append(posed.panel("sky"))
     parts += [posed.panel(name) for name in posed.window.docks if name.startswith("module ")]
-    parts.append(posed.panel("panel light_transport"))
+    parts += [posed.panel(f"panel {name}") for name in ("light_transport", "bruneton_sky")]
     posed.window.show_dock("compare")
     posed.rest()
     compare = posed.window.panels["compare"]

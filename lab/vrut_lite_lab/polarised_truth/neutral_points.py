@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from bruneton_sky import Atmosphere
 
+from vrut_lite.geometry.polarisation import neutral_points
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.checkout import ROOT
 from vrut_lite_lab.polarised_truth.by_sasktran import sasktran_stokes
@@ -66,20 +67,9 @@ def polarisation_of(depth: float, albedo: float, sun_zenith_deg: float) -> Float
         np.sin(np.radians(sun_deg)),
     )
     i, q, _ = sasktran_stokes(rayleigh_layer(depth, albedo), rays, 0, flat=True).T
-    change = np.flatnonzero(np.sign(q[1:]) != np.sign(q[:-1]))
-    zeros = angle_deg[change] + q[change] / (q[change] - q[change + 1]) * np.diff(angle_deg)[change]
     zenith = np.argmin(np.abs(angle_deg - 90.0))
-    above = zeros[(zeros > sun_deg) & (zeros <= 90.0 + sun_deg)]
-    below = zeros[zeros < sun_deg]
-    opposite = zeros[zeros > 90.0 + sun_deg]
-    return np.array(
-        [
-            abs(q[zenith]) / i[zenith],
-            above[0] - sun_deg if above.size else np.nan,
-            sun_deg - below[-1] if below.size else np.nan,
-            180.0 - opposite[-1] + sun_deg if opposite.size else np.nan,
-        ]
-    )
+    points = neutral_points(angle_deg, q, sun_deg)
+    return np.array([abs(q[zenith]) / i[zenith], *points])
 
 
 def main() -> None:
