@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vrut_lite_lab.monte_carlo import monte_carlo_radiance, monte_carlo_stokes
-from vrut_lite_lab.polarised_truth.neutral_points import rayleigh_layer
+from vrut_lite_lab.polarised_truth.airs import rayleigh_layer
 
 DATA = Path(__file__).parents[1] / "data"
 pytestmark = pytest.mark.long

@@ -5,9 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vrut_lite_lab.polarised_truth.airs import independent_air, product_air
+from vrut_lite_lab.polarised_truth.airs import independent_air, product_air, rayleigh_layer
 from vrut_lite_lab.polarised_truth.by_sasktran import sasktran_stokes
-from vrut_lite_lab.polarised_truth.neutral_points import polarisation_of, rayleigh_layer
 from vrut_lite_lab.polarised_truth.views import Rays
 
 pytest.importorskip("sasktran2", reason="sasktran2 of the laboratory's extra truth is missing")
@@ -25,13 +24,6 @@ def test_stokes_vectors_are_iprts():
         layer = rayleigh_layer(depth, albedo, depolarisation)
         found = sasktran_stokes(layer, rays, 0, flat=True)[0]
         np.testing.assert_allclose(found, row[8:] * (1.0, 1.0, -1.0), atol=1e-3 * row[8])
-
-
-def test_neutral_points_are_on_file():
-    """The table that solvers are held to, made again: a row for a sun at 70 degrees."""
-    table = np.loadtxt(Path(__file__).parents[3] / "tests" / "data" / "rayleigh_neutral_points.txt")
-    row = table[(table[:, 0] == 0.1) & (table[:, 1] == 0.0) & (table[:, 2] == 70.0)][0]
-    np.testing.assert_allclose(polarisation_of(0.1, 0.0, 70.0), row[3:], atol=0.01)
 
 
 @pytest.mark.parametrize("name", ["default", "desert"])

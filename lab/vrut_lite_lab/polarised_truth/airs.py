@@ -99,6 +99,28 @@ def _layer(
     return tuple(extinction), tuple(scattering), table
 
 
+def rayleigh_layer(depth: float, albedo: float, depolarisation: float = 0.0) -> Atmosphere:
+    """Molecules alone on a planet a hundred times as large as Earth.
+
+    Its sky is that of a flat layer to 1e-3 down to 6 degrees of elevation, to 1e-4 from 20 on.
+    """
+    earth = Atmosphere.earth(ozone=False)
+    height_m = earth.rayleigh_scale_height_m
+    column_m = -height_m * np.expm1(-earth.top_altitude_m / height_m)
+    return replace(
+        earth,
+        wavelength_nm=(550.0,),
+        solar_irradiance=(1.0,),
+        ground_radius_m=6.36e8,
+        rayleigh_scattering=(depth / column_m,),
+        rayleigh_depolarisation=depolarisation,
+        mie_scattering=(0.0,),
+        mie_extinction=(0.0,),
+        absorption_extinction=(0.0,),
+        ground_albedo=(albedo,),
+    )
+
+
 def _standard_layers() -> ExponentialLayers:
     """The standard atmosphere's density; the last scale height goes on above it."""
     altitude_m = 1000.0 * np.array(_PROFILE_KM)

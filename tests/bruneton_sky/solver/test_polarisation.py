@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,8 +23,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plane_parallel import solve_slab, stokes_of_slab
 from scalar_air import scalar_sky
+from scipy.interpolate import CubicSpline
 
+from vrut_lite.geometry.polarisation import neutral_points
 from vrut_lite.numeric_types import FloatArray
+
+DATA = Path(__file__).parents[2] / "data"
 
 DEGREE = 5
 COARSE = SolverSizes(
@@ -75,23 +80,30 @@ def test_the_slab_has_the_published_light(depth, mu_s, albedo, rows) -> None:
         assert ours == pytest.approx(expected, abs=1e-4 * expected[0])
 
 
-@pytest.mark.parametrize("rho", [0.0285, 0.3])
-@pytest.mark.parametrize("mu_s", [0.3, 0.6])
-def test_a_great_planets_sky_is_that_of_the_slab(mu_s: float, rho: float) -> None:
-    """On a planet a hundred times as large as Earth the air is a slab: from ground and space I is
-    within 0.6 %, Q and U are within 0.4 % of I. Scalar transfer errs by 2 to 9 % there."""
-    depth, height_m, top_m, albedo = np.array([0.1, 0.25, 0.5]), 8000.0, 60_000.0, 0.3
-    none = (0.0,) * 3
-    air = replace(
-        Atmosphere.earth(ozone=False),
+def great_planet(depth: FloatArray, albedo: float, rho: float = 0.0) -> Atmosphere:
+    """Molecules alone on a planet a hundred times as large as Earth, whose air is a slab."""
+    earth, none = Atmosphere.earth(ozone=False), (0.0,) * 3
+    height_m = earth.rayleigh_scale_height_m
+    column_m = -height_m * np.expm1(-earth.top_altitude_m / height_m)
+    return replace(
+        earth,
         ground_radius_m=6.36e8,
         solar_irradiance=(1.0,) * 3,
-        rayleigh_scattering=tuple(depth / (-height_m * np.expm1(-top_m / height_m))),
+        rayleigh_scattering=tuple(depth / column_m),
         mie_scattering=none,
         mie_extinction=none,
         ground_albedo=(albedo,) * 3,
         rayleigh_depolarisation=rho,
     )
+
+
+@pytest.mark.parametrize("rho", [0.0285, 0.3])
+@pytest.mark.parametrize("mu_s", [0.3, 0.6])
+def test_a_great_planets_sky_is_that_of_the_slab(mu_s: float, rho: float) -> None:
+    """On a planet a hundred times as large as Earth the air is a slab: from ground and space I is
+    within 0.6 %, Q and U are within 0.4 % of I. Scalar transfer errs by 2 to 9 % there."""
+    depth, albedo = np.array([0.1, 0.25, 0.5]), 0.3
+    air = great_planet(depth, albedo, rho)
     sky, scalar, worst = solved(air), scalar_sky(air), 0.0
     for lane, tau in enumerate(depth):
         slab = solve_slab(tau, mu_s, albedo, air.rayleigh_anisotropy)
@@ -241,18 +253,64 @@ def test_the_zenith_is_polarised_as_the_suns_plane_says() -> None:
     assert q.max() < 0.0
 
 
-def test_neutral_points_lie_where_they_are_seen() -> None:
-    """With the sun on the horizon of clear air Arago's point is 16 to 24 degrees above the antisun,
-    Babinet's 14 to 24 above the sun (Coulson 1988, chapter 5: 18 to 21 and 15 to 21)."""
+# Cosines of the views' zenith angles in the file of Coulson's tables, and their degree of
+# polarisation in the zenith by the cosine of the sun's zenith angle, depth 0.1.
+COULSON_MU = np.array(
+    [0.02, 0.06, 0.1, 0.16, 0.2, 0.28, 0.32, 0.4, 0.52, 0.64, 0.72, 0.84, 0.92, 0.96, 0.98, 1.0]
+)
+COULSON_ZENITH = {
+    0.1: 0.01208528 / 0.01329056,
+    0.2: 0.01464596 / 0.01708067,
+    0.4: 0.01443698 / 0.02137087,
+    0.6: 0.01145848 / 0.02596029,
+    0.8: 0.00657989 / 0.03178761,
+}
+
+
+@lru_cache(maxsize=1)
+def slab_sky() -> SolvedSky:
+    """Slabs of depth 0.1, 0.25 and 0.5 over black ground."""
+    return solved(great_planet(np.array([0.1, 0.25, 0.5]), 0.0))
+
+
+@pytest.mark.parametrize(
+    "row", np.loadtxt(DATA / "coulson_dave_sekera.txt"), ids=lambda row: f"{row[0]}-{row[1]}"
+)
+def test_neutral_points_are_coulsons(row: FloatArray) -> None:
+    """Babinet's, Brewster's and Arago's points of molecules lie within 0.4 degrees of those of
+    the tables of Coulson, Dave and Sekera, suns 6 to 53 degrees high."""
+    depth, mu_s, towards, away = row[0], row[1], row[2:18], row[18:34]
+    sun_deg, up_deg = np.degrees(np.arcsin([mu_s]))[0], np.degrees(np.arcsin(COULSON_MU))
+    angle_deg = np.arange(up_deg[0], 180.0 - up_deg[0], 0.25)
+    table_deg = np.concatenate([up_deg, 180.0 - up_deg[-2::-1]])
+    printed = CubicSpline(table_deg, -np.concatenate([towards, away[-2::-1]]))(angle_deg)
+    mu, nu = np.sin(np.radians(angle_deg)), np.cos(np.radians(angle_deg - sun_deg))
+    lane = [0.1, 0.25].index(depth)
+    q = slab_sky().stokes(0.0, mu, mu_s, nu)[:, lane, 1]
+    found, exact = (neutral_points(angle_deg, values, sun_deg) for values in (q, printed))
+    assert tuple(found) == pytest.approx(tuple(exact), abs=0.4, nan_ok=True)
+
+
+def test_the_zenith_is_polarised_as_coulson_says() -> None:
+    """The degree in the zenith of molecules is that of his tables to 0.001, from 0.21 with a sun 53
+    degrees high to 0.91 shortly before sunset."""
+    mu_s = np.array(list(COULSON_ZENITH))
+    degree, _ = slab_sky().polarisation(0.0, 1.0, mu_s, mu_s)
+    assert degree[:, 0] == pytest.approx(list(COULSON_ZENITH.values()), abs=1e-3)
+
+
+def test_neutral_points_at_sunset_lie_where_they_are_seen() -> None:
+    """With the sun on the horizon of clear air, beyond tables of slabs, Arago's point is 16 to 24
+    degrees above the antisun, Babinet's 14 to 24 above the sun (Coulson 1988, chapter 5: 18 to 21
+    and 15 to 21)."""
     air = replace(earth_spectral((450.0, 550.0)), rayleigh_depolarisation=0.0285)
     clear = replace(air, mie_scattering=(0.0,) * 2, mie_extinction=(0.0,) * 2)
-    sky, elevation = solved(clear), np.radians(np.arange(2.0, 45.0, 0.5))
-    for azimuth, low_deg, high_deg in ((0.0, 14.0, 24.0), (np.pi, 16.0, 24.0)):
-        mu = np.sin(elevation)
-        q = sky.stokes(0.0, mu, 0.0, nu_of(mu, np.zeros(1), azimuth))[..., 1]
-        for lane in q.T:
-            (neutral,) = np.flatnonzero(np.diff(np.sign(lane)))
-            assert low_deg < np.degrees(elevation[neutral]) < high_deg
+    angle_deg = np.arange(2.0, 179.0, 0.5)
+    mu, nu = np.sin(np.radians(angle_deg)), np.cos(np.radians(angle_deg))
+    for q in solved(clear).stokes(0.0, mu, 0.0, nu)[..., 1].T:
+        found = neutral_points(angle_deg, q, 0.0)
+        assert 14.0 < found.babinet < 24.0
+        assert 16.0 < found.arago < 24.0
 
 
 def test_radiance_is_that_without_stokes() -> None:
