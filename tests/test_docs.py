@@ -44,6 +44,15 @@ def test_the_examples_of_the_bruneton_page_run() -> None:
         assert np.all(np.isfinite(names[name]) & (names[name] > 0.0)), name
 
 
+def test_the_example_of_the_page_on_polarisation_runs() -> None:
+    """I, Q, U and degrees of a whole meridian, as the page says."""
+    names: dict[str, np.ndarray] = {}
+    for source in blocks("docs/polarisation.md", "python"):
+        exec(source, names)
+    assert names["stokes"].shape == (91, 3, 3)
+    assert names["degree"].shape == (91, 3)
+
+
 def test_every_test_that_docs_app_names_exists():
     """The page names a test for each thing that the window can do."""
     page = (ROOT / "docs" / "app.md").read_text(encoding="utf-8")

@@ -15,6 +15,7 @@ from vrut_lite.kernel.messages import Demand
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.messages.sun import SunMoved
 from vrut_lite.panel_kit import FittedPicture, Legend, Session, faint_label, panel_column
 
 _CONSUMER = "polarisation panel"
@@ -81,10 +82,11 @@ class PolarisationPanel(QWidget):
             self._show(light, None)
         elif isinstance(light.background.cube, Array):
             self._drawing = True
-            place = self._session.last(SetPlace)
+            place, sun = self._session.last(SetPlace), self._session.last(SunMoved)
+            assert sun is not None
             north_rad = 0.0 if place is None else place.north_offset_rad
             self._session.look_up(
-                lambda _: polarisation_picture(light, north_rad),
+                lambda _: polarisation_picture(light, sun, north_rad),
                 partial(self._show, light),
                 self._fail,
             )

@@ -23,7 +23,8 @@ from vrut_lite.geometry.polarisation import (
 )
 from vrut_lite.geometry.sky_map import FisheyeMap
 from vrut_lite.messages.sky_light import SkyLightChanged
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.messages.sun import SunMoved
+from vrut_lite.numeric_types import FloatArray, Vector
 
 # Edge of the picture in pixels; bars are drawn larger by a factor and reduced, for smooth edges.
 SIZE_PX, _FINER = 400, 3
@@ -36,6 +37,8 @@ _BAR, _MARK, _SUN = (255, 255, 255), (255, 120, 90), (255, 240, 170)
 # Step along the vibration that turns it into a direction in the picture (rad).
 _STEP_RAD = 1e-4
 _ALONG_DEG = np.arange(1.0, 180.0)
+# Elevation of the sun (degrees) below which a moon that is up lights the sky as much.
+_MOON_FROM_DEG = -9.0
 
 
 class PolarisationPicture(NamedTuple):
@@ -48,11 +51,14 @@ class PolarisationPicture(NamedTuple):
     neutral: NeutralPoints
 
 
-def polarisation_picture(light: SkyLightChanged, north_offset_rad: float) -> PolarisationPicture:
+def polarisation_picture(
+    light: SkyLightChanged, sun: SunMoved, north_offset_rad: float
+) -> PolarisationPicture:
     """The degree is that of luminance; a ring marks each neutral point, a disc the sun or moon.
 
     Args:
         light: with polarisation, and a background whose cube is an `Array`.
+        sun: of the same hour.
         north_offset_rad: as in `SetPlace`.
     """
     sky = FisheyeMap(SIZE_PX, north_offset_rad)
@@ -65,7 +71,9 @@ def polarisation_picture(light: SkyLightChanged, north_offset_rad: float) -> Pol
     draw = ImageDraw.Draw(picture)
     for start, end in _bars(light, sky, largest):
         draw.line([*start, *end], _BAR, round(_FINER * _BAR_PX))
-    sun_deg, points = _neutral_points(light)
+    by_moon = light.key_light.body == "moon" and sun.elevation_rad < np.radians(_MOON_FROM_DEG)
+    body = light.key_light.direction if by_moon else sun.direction
+    sun_deg, points = _neutral_points(light, body)
     for place, colour, filled in (
         (sun_deg, _SUN, True),
         (sun_deg + points.babinet, _MARK, False),
@@ -73,7 +81,7 @@ def polarisation_picture(light: SkyLightChanged, north_offset_rad: float) -> Pol
         (180.0 + sun_deg - points.arago, _MARK, False),
     ):
         if 0.0 < place < 180.0:
-            centre = _pixels(sky, _on_suns_vertical(light, place))
+            centre = _pixels(sky, _on_vertical(body, place))
             fill = colour if filled else None
             draw.circle(centre.tolist(), _FINER * _MARK_PX, fill, colour, 2 * _FINER)
     font = ImageFont.load_default(_LETTER_PX * _FINER)
@@ -112,19 +120,18 @@ def _stokes(light: SkyLightChanged, d: FloatArray) -> tuple[FloatArray, ...]:
     return tuple(luminance(sample_sky(cube, d)) for cube in cubes)
 
 
-def _neutral_points(light: SkyLightChanged) -> tuple[float, NeutralPoints]:
+def _neutral_points(light: SkyLightChanged, body: Vector) -> tuple[float, NeutralPoints]:
     """Elevation of sun or moon in degrees, and the neutral points along its vertical."""
-    sun_deg = float(np.degrees(np.arcsin(np.clip(light.key_light.direction[1], -1.0, 1.0))))
-    d = _on_suns_vertical(light, _ALONG_DEG)
+    sun_deg = float(np.degrees(np.arcsin(np.clip(body[1], -1.0, 1.0))))
+    d = _on_vertical(body, _ALONG_DEG)
     _, q, u = _stokes(light, d)
     vertical, _ = turned(q[..., None], u[..., None], d, map_axis(d), vertical_axis(d))
     return sun_deg, neutral_points(_ALONG_DEG, vertical[..., 0], sun_deg)
 
 
-def _on_suns_vertical(light: SkyLightChanged, angle_deg: ArrayLike) -> FloatArray:
-    """Directions (..., 3) at angles (...,) from the horizon below the sun, over the zenith."""
-    x, _, z = light.key_light.direction
-    heading = np.arctan2(z, x)
+def _on_vertical(body: Vector, angle_deg: ArrayLike) -> FloatArray:
+    """Directions (..., 3) at angles (...,) from the horizon below a body, over the zenith."""
+    heading = np.arctan2(body[2], body[0])
     angle = np.radians(angle_deg)
     level = np.cos(angle)
     return np.stack([level * np.cos(heading), np.sin(angle), level * np.sin(heading)], axis=-1)

@@ -85,8 +85,8 @@ class SolvedSky:
     and no ray errs by more than 0.2 % beyond three standard errors; with the sun 0 to 6 degrees
     below the horizon 1 to 2 % rms, in haze of turbidity 3 0.2 to 0.7 %, of turbidity 10 0.6 to 2.3
     %, in fog 1 to 3 %. Sky irradiance by day is within 0.4 %, in twilight that of its radiance.
-    Light is polarised: see docs/bruneton.md for what scalar transfer misses. A ray takes 0.04 ms at
-    three wavelengths.
+    Light is polarised: docs/polarisation.md says what scalar transfer misses. A ray takes 0.04 ms
+    at three wavelengths.
 
     Raises:
         ValueError: in every method, a value is out of range or no number, or shapes do not
