@@ -19,8 +19,6 @@ from bruneton_sky.solver.polarisation import (
 )
 from bruneton_sky.solver.scattering_operator import legendre
 from bruneton_sky.solver_rungs import rung_sizes, rung_tolerance
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from plane_parallel import solve_slab, stokes_of_slab
 from scalar_air import scalar_sky
 from scipy.interpolate import CubicSpline
@@ -31,10 +29,6 @@ from vrut_lite.numeric_types import FloatArray
 DATA = Path(__file__).parents[2] / "data"
 
 DEGREE = 5
-COARSE = SolverSizes(
-    altitude=10, mu_s=24, direction_mu=12, direction_azimuth=8, degree=6, source_mu=12,
-    source_azimuth=8, steps=16, node_bins=8, single_bins=12, multiple_bins=8,
-)  # fmt: skip
 
 
 def solved(atmosphere: Atmosphere, **sizes: int) -> SolvedSky:
@@ -384,43 +378,3 @@ def test_no_polarised_orders_is_scalar_transfer() -> None:
     assert error[0] > 0.02
     assert np.all(np.diff(error) < 0.0)
     assert error[3] < 5e-3
-
-
-@lru_cache(maxsize=8)
-def random_sky(seed: int, other_planet: Atmosphere) -> SolvedSky:
-    """Some air: scattering, height, albedo, depolarisation, aerosol and fog at random."""
-    rng = np.random.default_rng(seed)
-    tabled = atmosphere_of(BrunetonSkySettings(turbidity=float(rng.uniform(1.5, 8.0))))
-    base = (other_planet, tabled, earth_spectral((700.0, 550.0, 400.0)))[seed % 3]
-    count = len(base.wavelength_nm)
-    factor = 10.0 ** rng.uniform(-2.0, 1.0)
-    air = replace(
-        base,
-        rayleigh_scattering=tuple(factor * v for v in base.rayleigh_scattering),
-        rayleigh_depolarisation=float(rng.choice([0.0, 0.0285, rng.uniform()])),
-        ground_albedo=tuple(rng.uniform(0.0, 1.0, count)),
-    )
-    if rng.uniform() < 0.3:
-        air = air.with_fog(10.0 ** rng.uniform(2.0, 4.0), 200.0)
-    return SolvedSky(field=solve(air, 6, COARSE, all_orders=True))
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    seed=st.integers(0, 11),
-    height=st.one_of(st.just(0.0), st.floats(0.0, 1.0), st.floats(1.0, 100.0)),
-    angles=st.tuples(*(st.floats(0.0, np.pi),) * 3),
-)
-def test_light_is_polarised_by_no_more_than_all(
-    other_planet: Atmosphere, seed: int, height: float, angles: tuple[float, float, float]
-) -> None:
-    """Q^2 + U^2 <= I^2 and every number is finite: any air, from the ground to space, any sun."""
-    sky = random_sky(seed, other_planet)
-    view, sun = np.cos([angles[0], 0.0, np.pi]), np.cos(angles[1])
-    nu = np.clip(nu_of(view, np.full(3, sun), np.full(3, angles[2])), -1.0, 1.0)
-    where = height * sky.atmosphere.top_altitude_m, view, sun, nu
-    radiance, q, u = np.moveaxis(sky.stokes(*where), -1, 0)
-    assert np.isfinite(radiance).all()
-    assert np.all(q**2 + u**2 <= radiance**2)
-    degree, angle = sky.polarisation(*where)
-    assert np.all((degree >= 0.0) & (degree <= 1.0) & (np.abs(angle) <= np.pi / 2))
