@@ -17,6 +17,7 @@ Importing this module imports numba.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypedDict, Unpack
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
@@ -35,6 +36,22 @@ BATCHES = 16
 SOBOL_EVENTS = 4
 # Length of Sobol's sequence.
 _MOST_PATHS = 1 << 30
+
+
+class PathOptions(TypedDict, total=False):
+    """Options of paths along rays.
+
+    Attributes:
+        paths: per ray (4096), rounded up to BATCHES times a power of two.
+        seed: equal seeds give equal results; ray i depends on the seed (0) and i alone.
+        max_order: the last separate order (10); higher ones are added to it.
+        ground_seen: include the radiance of the ground at the end of the ray.
+    """
+
+    paths: int
+    seed: int
+    max_order: int
+    ground_seen: bool
 
 
 @dataclass(frozen=True)
@@ -77,11 +94,7 @@ def monte_carlo_radiance(
     mu: ArrayLike,
     mu_s: ArrayLike,
     nu: ArrayLike,
-    *,
-    paths: int = 4096,
-    seed: int = 0,
-    max_order: int = 10,
-    ground_seen: bool = False,
+    **options: Unpack[PathOptions],
 ) -> MonteCarloEstimate:
     """Radiance along n rays by order of scattering, W m^-2 sr^-1 nm^-1, of scalar transfer.
 
@@ -94,17 +107,12 @@ def monte_carlo_radiance(
         mu: cosine of the view direction's zenith angle.
         mu_s: cosine of the sun's zenith angle.
         nu: cosine of the angle between view direction and sun.
-        paths: per ray, rounded up to BATCHES times a power of two.
-        seed: equal seeds give equal results; ray i depends on the seed and i alone.
-        max_order: the last separate order; higher ones are added to it.
-        ground_seen: include the radiance of the ground at the end of the ray.
+        options: of the paths.
 
     Raises:
         ValueError: an argument is outside its range or not a number.
     """
-    tracer = _Tracer(medium_of(atmosphere, False), paths, seed, max_order, 1)
-    rays = altitude_m, mu, mu_s, nu
-    return _along_rays(atmosphere, tracer, rays, ground_seen)[0]
+    return _along_rays(atmosphere, 1, (altitude_m, mu, mu_s, nu), **options)[0]
 
 
 def monte_carlo_stokes(
@@ -113,11 +121,7 @@ def monte_carlo_stokes(
     mu: ArrayLike,
     mu_s: ArrayLike,
     nu: ArrayLike,
-    *,
-    paths: int = 4096,
-    seed: int = 0,
-    max_order: int = 10,
-    ground_seen: bool = False,
+    **options: Unpack[PathOptions],
 ) -> tuple[MonteCarloEstimate, MonteCarloEstimate, MonteCarloEstimate]:
     """Stokes parameters I, Q and U along n rays, W m^-2 sr^-1 nm^-1, of vector transfer.
 
@@ -126,18 +130,23 @@ def monte_carlo_stokes(
     seen from above; on the other side U has the other sign. V is left out: particles make 1e-4 of I
     of it. Arguments and errors are those of `monte_carlo_radiance`.
     """
-    tracer = _Tracer(medium_of(atmosphere, True), paths, seed, max_order, 3)
-    i, q, u = _along_rays(atmosphere, tracer, (altitude_m, mu, mu_s, nu), ground_seen)
+    i, q, u = _along_rays(atmosphere, 3, (altitude_m, mu, mu_s, nu), **options)
     return i, q, u
 
 
 def _along_rays(
     atmosphere: Atmosphere,
-    tracer: "_Tracer",
+    parameters: int,
     rays: tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike],
-    ground_seen: bool,
+    *,
+    paths: int = 4096,
+    seed: int = 0,
+    max_order: int = 10,
+    ground_seen: bool = False,
 ) -> list[MonteCarloEstimate]:
-    """Estimates of each Stokes parameter along rays: altitude_m, mu, mu_s, nu."""
+    """Estimates of I, or with 3 parameters I, Q, U, along rays: altitude_m, mu, mu_s, nu."""
+    medium = medium_of(atmosphere, parameters > 1)
+    tracer = _Tracer(medium, paths, seed, max_order, parameters)
     cosines = dict(zip(("mu", "mu_s", "nu"), rays[1:], strict=True))
     whole = broadcast(
         altitude_m=as_numbers("altitude_m", rays[0], 0.0),
