@@ -132,10 +132,8 @@ def with_rays(
         distances = np.zeros(targets.shape, np.float32)
         _trace(tree, receivers, rows.first, begin, end, scratch(), targets, distances)
         targets[targets == _BACK] = backs
-        columns = int(column_of.max(initial=0)) + 1
         traced = rows._replace(traced=rows.traced + end - begin)
-        made = _counted(traced, begin, column_of, targets, distances, columns, _no_entries(columns))
-        return RayRows(rows.first, *made)
+        return _with_targets(traced, begin, column_of, targets, distances)
 
     def all_rows(number: int) -> NDArray[np.int32]:
         return np.full(len(rows.valid), number, np.int32)
@@ -166,31 +164,42 @@ def _last_rays(rows: RayRows, texels: Texels, first: int, last: int) -> NDArray[
 
 def with_columns(rows: RayRows, new_column: NDArray[np.int32]) -> RayRows:
     """These rows with other columns; several may have become one."""
-    columns = int(new_column.max(initial=0)) + 1
     column, rays = columns_and_rays(rows.entry)
     named = rows._replace(entry=new_column[column] | (rays - 1) << LARGE_BITS)
     nothing = np.empty((len(rows.valid), 0), np.int32)
     distances = np.empty(nothing.shape, np.float32)
-    made = _counted(
-        named, rows.traced, new_column, nothing, distances, columns, _no_entries(columns)
-    )
-    return RayRows(rows.first, *made)
+    return _with_targets(named, rows.traced, new_column, nothing, distances)
+
+
+def _with_targets(
+    rows: RayRows,
+    begins: NDArray[np.int32],
+    column_of: NDArray[np.int32],
+    targets: NDArray[np.int32],
+    distances: Float32Array,
+) -> RayRows:
+    """These rows with new rays, in the smaller entries if those can name all columns."""
+    columns = int(column_of.max(initial=0)) + 1
+    is_small = columns <= 1 << SMALL_BITS
+    bits = _bits_of(rows.entry), SMALL_BITS if is_small else LARGE_BITS
+    # One type of entries for the kernel, which takes long to compile.
+    wide = rows._replace(entry=rows.entry.astype(np.int32, copy=False))
+    start, entry, *others = _counted(wide, begins, column_of, targets, distances, columns, bits)
+    narrow = entry.astype(np.uint16 if is_small else np.int32)
+    return RayRows(rows.first, start, narrow, *others)
 
 
 def columns_and_rays(
     entry: NDArray[np.uint16] | NDArray[np.int32],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Column of each entry (E,), and the number of rays that ended there."""
-    bits = SMALL_BITS if entry.itemsize == 2 else LARGE_BITS
+    bits = _bits_of(entry)
     wide = entry.astype(np.int32)
     return wide & ((1 << bits) - 1), (wide >> bits) + 1
 
 
-def _no_entries(columns: int) -> NDArray[np.uint16] | NDArray[np.int32]:
-    """An empty array whose type can name so many columns."""
-    if columns <= 1 << SMALL_BITS:
-        return np.empty(0, np.uint16)
-    return np.empty(0, np.int32)
+def _bits_of(entry: NDArray[np.uint16] | NDArray[np.int32]) -> int:
+    return SMALL_BITS if entry.itemsize == 2 else LARGE_BITS
 
 
 @inlined
@@ -278,16 +287,20 @@ def met_row(geometry, texels, groups, first_group, t, u, v, place, ray):  # type
 
 
 @kernel
-def _counted(rows, begins, column_of, targets, distances, columns, like):  # type: ignore[no-untyped-def]
-    """Entries of rows and new rays together, whose numbers begin at `begins` (R,)."""
+def _counted(rows, begins, column_of, targets, distances, columns, bits_of):  # type: ignore[no-untyped-def]
+    """Entries of rows and new rays together, whose numbers begin at `begins` (R,).
+
+    `bits_of`: bits of a column in the entries of the rows, and in the new ones.
+    """
+    bits_before, bits = bits_of
+    most_rays = 4 if bits == SMALL_BITS else 128
     number, count = targets.shape
     # As many entries as rays at most: one of 32 bits may become many of 16.
     most = number * count
     for i in range(number):
         most += rows.valid[i]
-    bits, most_rays = (SMALL_BITS, 4) if like.itemsize == 2 else (LARGE_BITS, 128)
     start = np.zeros(number + 1, np.int64)
-    entry = np.empty(most, like.dtype)
+    entry = np.empty(most, np.int32)
     nodes = np.zeros(number, np.uint16)
     valid, nearness, free = rows.valid.copy(), rows.nearness.copy(), rows.free.copy()
     amount = np.zeros(columns, np.int32)
@@ -296,11 +309,11 @@ def _counted(rows, begins, column_of, targets, distances, columns, like):  # typ
     for i in range(number):
         met = 0
         for e in range(rows.start[i], rows.start[i + 1]):
-            c = column_at(rows.entry, e)
+            c = np.int64(rows.entry[e]) & ((1 << bits_before) - 1)
             if amount[c] == 0:
                 touched[met] = c
                 met += 1
-            amount[c] += rays_at(rows.entry, e)
+            amount[c] += (np.int64(rows.entry[e]) >> bits_before) + 1
         for s in range(count):
             if targets[i, s] == _DROPPED:
                 continue
@@ -328,4 +341,4 @@ def _counted(rows, begins, column_of, targets, distances, columns, like):  # typ
             if others == 0:
                 nodes[i] = used - start[i]
         start[i + 1] = used
-    return start, entry[:used].copy(), nodes, rows.traced, valid, nearness, free
+    return start, entry[:used], nodes, rows.traced, valid, nearness, free
