@@ -3,28 +3,30 @@
 Within a process numba compiles one kernel at a time. A process saves its kernels in numba's cache
 on disk, where this process finds them: it waits for the kernels that it needs. Kernels with the
 same named tuples call the same inner functions, which each process compiles for itself: they go to
-one process, which saves a seventh of the CPU time on two.
+one process, which saves a seventh of the CPU time on two. All are forked from one that has imported
+numba.
 """
 
 import atexit
 import fcntl
 import json
 import os
+import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, Any, NamedTuple, TextIO
 
 import platformdirs
 
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of
 
-# Each process takes 0.25 GB, and a second for its imports.
+# Each process takes 0.25 GB.
 MOST_PROCESSES = 4
 _WORKER = "import sys; sys.path[0:1] = []; from vrut_lite.compiling.worker import main; main()"
 
@@ -72,7 +74,8 @@ class KernelPool:
         self._servers: list[threading.Thread] = []
         # How many of them still feed a process.
         self._serving = 0
-        self._children: list[subprocess.Popen[str]] = []
+        # The first of the processes, which has forked the others of its group.
+        self._process: subprocess.Popen[bytes] | None = None
         self._lock: IO[str] | None = None
         self._closed = False
 
@@ -129,9 +132,9 @@ class KernelPool:
             self._queue.clear()
             self._running.clear()
             self._changed.notify_all()
-            children = self._children.copy()
-        for child in children:
-            child.kill()
+        if self._process is not None and self._process.poll() is None:
+            os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.wait()
         for server in self._servers:
             server.join()
 
@@ -151,14 +154,38 @@ class KernelPool:
         for _, kernel in self._queue:
             family_s[kernel.family] += kernel.seconds
         self._owners[max(family_s, key=lambda family: family_s[family])] = 0
+        try:
+            ends = self._processes(count)
+        except OSError:  # No memory for a process, say: kernels are compiled where they are needed.
+            self._serving = 1
+            self._end()
+            return
         self._servers = [
             threading.Thread(
-                target=self._serve, args=(k,), name=f"vrut-lite compiling_{k}", daemon=True
+                target=self._serve, args=(k, end), name=f"vrut-lite compiling_{k}", daemon=True
             )
-            for k in range(count)
+            for k, end in enumerate(ends)
         ]
         for server in self._servers:
             server.start()
+
+    def _processes(self, count: int) -> list[socket.socket]:
+        """Start processes; returns our ends of the sockets to them."""
+        pairs = [socket.socketpair() for _ in range(count)]
+        numbers = [theirs.fileno() for _, theirs in pairs]
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", _WORKER, str(self._niceness), *map(str, numbers)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                pass_fds=numbers,
+                process_group=0,
+            )
+        finally:
+            for _, theirs in pairs:
+                theirs.close()
+        return [ours for ours, _ in pairs]
 
     def _is_alone(self) -> bool:
         """Whether no other program compiles; if so, none will until this one has ended."""
@@ -176,31 +203,20 @@ class KernelPool:
             pass
         return True
 
-    def _serve(self, number: int) -> None:
+    def _serve(self, number: int, end: socket.socket) -> None:
         """Feed one process."""
         try:
-            with subprocess.Popen(
-                [sys.executable, "-c", _WORKER, str(self._niceness)],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                text=True,
-            ) as child:
-                with self._changed:
-                    self._children.append(child)
-                try:
-                    while not self._closed and self._feed(child, number):
-                        pass
-                finally:
-                    with suppress(OSError):
-                        child.stdin.close()  # type: ignore[union-attr]
-        except OSError:  # No memory for a process, say: kernels are compiled where they are needed.
+            # It ends when its socket is closed.
+            with end, end.makefile("rw") as lines:
+                while not self._closed and self._feed(lines, number):
+                    pass
+        except OSError:  # The process has ended.
             pass
         finally:
             # After any error, a follower's too, nobody may wait for ever.
             self._end()
 
-    def _feed(self, child: "subprocess.Popen[str]", number: int) -> bool:
+    def _feed(self, lines: TextIO, number: int) -> bool:
         """Compile the next kernel; False without one, or if the process has ended."""
         with self._changed:
             if not self._queue:
@@ -209,7 +225,7 @@ class KernelPool:
             self._running[kernel.key] = f"{title}: {kernel.title}"
         try:
             self._tell()
-            return _is_answered(child, kernel)
+            return _is_answered(lines, kernel)
         finally:
             with self._changed:
                 self._running.pop(kernel.key, None)
@@ -262,13 +278,10 @@ def _lock_file() -> Path:
     return platformdirs.user_cache_path("vrut_lite") / "compiling.lock"
 
 
-def _is_answered(child: "subprocess.Popen[str]", kernel: ListedKernel) -> bool:
+def _is_answered(lines: TextIO, kernel: ListedKernel) -> bool:
     """Let a process compile a kernel; False where the process has ended."""
-    assert child.stdin is not None
-    assert child.stdout is not None
     try:
-        child.stdin.write(json.dumps(kernel.key) + "\n")
-        child.stdin.flush()
-        return bool(child.stdout.readline())
+        print(json.dumps(kernel.key), file=lines, flush=True)
+        return bool(lines.readline())
     except OSError:
         return False

@@ -1,47 +1,67 @@
-"""A process that compiles kernels: reads one a line from standard input, answers each by a line.
+"""Processes that compile kernels: each reads one a line from its socket, answers each by a line.
 
-Its argument is its niceness.
+Arguments are their niceness and the numbers of their sockets. The first process imports numba, and
+forks one for each further socket: an import takes a second.
 """
 
 import gc
 import json
 import os
-import signal
+import socket
 import sys
 import threading
-from typing import TextIO
 
 from vrut_lite.compiling.kernel_list import compile_kernel
+from vrut_lite.lazy import lazy
 
 # Module by which numba colours its error messages; it took 2 % of the time, for messages about
 # typings that numba tries and drops.
 _COLOURS = "colorama"
 # Garbage collector's threshold: numba makes many objects and few cycles.
 _NEW_OBJECTS = 100_000
+_compiler = lazy("vrut_lite.numba_compiler")
 
 
 def main() -> None:
-    """Compile the kernels that standard input names, until it ends."""
-    # Ctrl-C in the terminal reaches this process too; its parent ends it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Compile the kernels that the sockets name, until they end."""
     os.nice(int(sys.argv[1]))
     gc.set_threshold(_NEW_OBJECTS)
     sys.modules[_COLOURS] = None  # type: ignore[assignment]
+    _compiler.cpu_target.target_context.refresh()
+    # What is imported stays: collections pass over it.
+    gc.freeze()
+    ends = [socket.socket(fileno=int(number)) for number in sys.argv[2:]]
+    own, children = _forked(len(ends))
+    for number, end in enumerate(ends):
+        if number != own:
+            end.close()
     # On a thread: the C library returns a first thread's memory after each compilation, and the
     # system took 2.4 s to clear it again, where a thread's arena takes 1.0.
-    compiling = threading.Thread(target=_compile_what_comes, args=(sys.stdout,))
-    # Prints of imported modules go to stderr: they are no answers.
-    sys.stdout = sys.stderr
+    compiling = threading.Thread(target=_compile_what_comes, args=(ends[own],))
     compiling.start()
     compiling.join()
+    for child in children:
+        os.waitpid(child, 0)
 
 
-def _compile_what_comes(answers: TextIO) -> None:
-    for line in sys.stdin:
-        try:
-            compile_kernel(*json.loads(line))
-            answer = "compiled"
-        except Exception:
-            # The caller of the kernel compiles it then, and reports the error.
-            answer = "failed"
-        print(answer, file=answers, flush=True)
+def _forked(count: int) -> tuple[int, list[int]]:
+    """Number of this process among `count`, and the processes that it has forked."""
+    children: list[int] = []
+    for number in range(1, count):
+        child = os.fork()
+        if child == 0:
+            return number, []
+        children.append(child)
+    return 0, children
+
+
+def _compile_what_comes(end: socket.socket) -> None:
+    with end, end.makefile("rw") as lines:
+        for line in lines:
+            try:
+                compile_kernel(*json.loads(line))
+                answer = "compiled"
+            except Exception:
+                # The caller of the kernel compiles it then, and reports the error.
+                answer = "failed"
+            print(answer, file=lines, flush=True)
