@@ -26,7 +26,7 @@ import platformdirs
 
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of
 
-# Each process takes 0.25 GB.
+# Each process takes 0.45 GB.
 MOST_PROCESSES = 4
 _WORKER = "import sys; sys.path[0:1] = []; from vrut_lite.compiling.worker import main; main()"
 
