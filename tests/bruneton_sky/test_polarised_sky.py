@@ -35,7 +35,7 @@ def test_the_cube_has_the_light_of_single_rays(
     elevation_deg: float, azimuth_deg: float, height_m: float
 ) -> None:
     """Q and U of each texel are those of `SolvedSky.stokes`, on the stated side of the sun, to
-    0.7 % of the luminance (1.5 % aloft): the grid of rays is fine enough, also where the sky
+    0.8 % of the luminance (1.5 % aloft): the grid of rays is fine enough, also where the sky
     changes fastest."""
     field, sun = solve_air(AIR), sun_at(elevation_deg, azimuth_deg)
     above = texel_directions(SIZE)[..., 1] > 0.0
@@ -47,7 +47,7 @@ def test_the_cube_has_the_light_of_single_rays(
     exact = luminance(rgb_from_spectrum(stokes, AIR.wavelength_nm))
     exact[2] *= np.where(sun[0] * d[:, 2] >= sun[2] * d[:, 0], 1.0, -1.0)
     missed = np.hypot(luminance(q) - exact[1], luminance(u) - exact[2])
-    assert np.all(missed <= (15e-3 if height_m else 7e-3) * exact[0])
+    assert np.all(missed <= (15e-3 if height_m else 8e-3) * exact[0])
 
 
 def test_a_draft_is_polarised_nearly_as_the_sky() -> None:

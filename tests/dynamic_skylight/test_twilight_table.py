@@ -104,7 +104,7 @@ def sky_radiance(turbidity: float, rows: np.ndarray) -> np.ndarray:
 
 
 def test_the_truth_is_worth_being_held_to(truth):
-    """Its standard errors, the mean over wavelengths: half of them below 2.5 %, none above a third."""
+    """Its standard errors, the mean over wavelengths: half below 2.5 %, none above a third."""
     _, _, error = truth
     assert np.median(error) < 0.025
     assert error.max() < 1.0 / 3.0
