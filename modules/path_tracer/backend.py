@@ -41,4 +41,5 @@ class PathTracedBackend:
         )
         if radiance is None:
             raise GivenUp
-        return developed(radiance, state.exposure, subject.camera.pixel_rad(len(radiance)))
+        pixel_rad = subject.camera.pixel_rad(len(radiance))
+        return developed(radiance, state.exposure, pixel_rad, state.white_card)

@@ -109,6 +109,67 @@ def test_space_around_a_planet_does_not_blow_it_out():
     assert np.log2(shown) == pytest.approx(0.7 * 4.0, abs=0.05)
 
 
+# Luminance (W m^-2 sr^-1) of white matter in full sun: 27,000 cd/m^2.
+FULL_SUN = 40.0
+
+
+def shown_in_sun(albedo_shares, white=FULL_SUN):
+    """Byte (of 255) of each albedo, in a picture with these shares of matter under the sun."""
+    albedos = np.concatenate([np.full(round(1000 * n), a) for a, n in albedo_shares.items()])
+    radiance = FULL_SUN * albedos[:, None] * np.ones(3)
+    scale = exposure.scale_of(exposure.automatic_ev100(radiance, white))
+    return {a: 255.0 * tone_map.agx(FULL_SUN * a * scale * np.ones(3))[0] for a in albedo_shares}
+
+
+def test_snow_is_white_and_a_black_cat_black():
+    """A meter alone shows both as middle grey; a photographer knows the light they stand in."""
+    snow, cat = {0.85: 0.8, 0.2: 0.2}, {0.03: 0.4, 0.12: 0.6}
+    assert shown_in_sun(snow, white=0.0)[0.85] < 140.0
+    assert shown_in_sun(snow)[0.85] > 205.0
+    assert shown_in_sun(cat, white=0.0)[0.03] > 70.0
+    assert shown_in_sun(cat)[0.03] < 60.0
+
+
+def test_plaster_in_the_sun_is_just_below_clipping():
+    """In a street half in shade, paving, brick and plaster: brighter by up to a stop, unclipped."""
+    street = {0.04: 0.4, 0.2: 0.35, 0.4: 0.2, 0.8: 0.05}
+    metered, corrected = shown_in_sun(street, white=0.0), shown_in_sun(street)
+    assert metered[0.8] + 10.0 < corrected[0.8] < 240.0
+    assert metered[0.2] + 10.0 < corrected[0.2]
+
+
+@pytest.mark.parametrize("luminance_cd_m2", [1e-3, 1.0, 50.0])
+def test_dusk_and_night_keep_the_meters_exposure(luminance_cd_m2):
+    """A night that is corrected as a day would look like one."""
+    radiance = np.linspace(0.2, 2.0, 300)[:, None] * np.ones(3) * luminance_cd_m2 / LUMENS_PER_WATT
+    metered = exposure.automatic_ev100(radiance)
+    for white in np.geomspace(1e-3, 1e3, 7) * radiance.max():
+        assert exposure.automatic_ev100(radiance, white) == metered
+
+
+@pytest.mark.parametrize("share", [0.0, 0.05, 0.2])
+def test_a_room_by_day_keeps_the_meters_exposure(share):
+    """Its walls have a hundredth of the light outside, whatever the sun does there."""
+    radiance = room_with_windows(share, 100.0)
+    assert exposure.automatic_ev100(radiance, 300.0) == exposure.automatic_ev100(radiance)
+
+
+def test_the_photographers_correction_never_jumps():
+    """Light that fades, a subject that comes into view, a cloud: no small change of these moves the
+    exposure by more than a few times as much."""
+    stops = np.linspace(-2.0, 2.0, 400)
+    for brightest in np.linspace(0.0, 5.0, 11):
+        picture = np.exp2(np.append(stops, np.full(20, brightest)))[:, None] * np.ones(3)
+        fading = [(2.0**x, 2.0**x) for x in np.arange(-12.0, 4.0, 0.04)]
+        shading = [(1.0, 2.0**x) for x in np.arange(-3.0, 9.0, 0.04)]
+        for sequence in (fading, shading):
+            ev100 = [
+                exposure.automatic_ev100(20.0 * light * picture, 20.0 * card)
+                for light, card in sequence
+            ]
+            assert np.abs(np.diff(ev100)).max() < 0.16
+
+
 @settings(deadline=None)
 @given(st.lists(st.floats(0, 1e8), min_size=3, max_size=3), st.floats(1.0, 4.0))
 def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):

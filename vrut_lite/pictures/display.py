@@ -42,12 +42,17 @@ def display_picture(
     return np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 
-def developed(radiance: NDArray[np.float32], wish: SetExposure, pixel_rad: float = 0.0) -> Picture:
-    """Radiance (h, w, 3) exposed and tone-mapped as the GL frame does it."""
-    ev100 = exposure.ev100_of(wish, radiance)
-    white = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
+def developed(
+    radiance: NDArray[np.float32], wish: SetExposure, pixel_rad: float = 0.0, white: float = 0.0
+) -> Picture:
+    """Radiance (h, w, 3) exposed and tone-mapped as the GL frame does it.
+
+    `white`: see `automatic_ev100`.
+    """
+    ev100 = exposure.ev100_of(wish, radiance, white)
+    matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
     # GL counts rows from below, and so does its dither.
-    display = display_picture(radiance[::-1], ev100, wish.tone_map, white, pixel_rad=pixel_rad)[
+    display = display_picture(radiance[::-1], ev100, wish.tone_map, matrix, pixel_rad=pixel_rad)[
         ::-1
     ]
     return Picture(radiance, np.ascontiguousarray(display, np.uint8), ev100, pixel_rad=pixel_rad)

@@ -1,7 +1,20 @@
 """Exposure value of a picture.
 
 A picture value of 1 is the luminance 1.2 * 2^EV100 cd m^-2 (the saturation-based speed of
-ISO 12232, as Lagarde 2014 uses it); automatic exposure puts the mean on middle grey.
+ISO 12232, as Lagarde 2014 uses it).
+
+Automatic exposure is a meter's reading, which puts the mean on middle grey, and by day outdoors a
+photographer's correction of it. The correction compares the picture's highlights (99th percentile
+of luminance) and a white matte card turned to the key light, as an incident-light meter reads it:
+
+* Where highlights are at most two stops darker than the card, the picture shows things in full
+  light. Exposure rises until the highlights are just below clipping, by one stop at most, while
+  the card is less than two stops above an incident-light meter's exposure; and further where it is
+  less than 0.7 stops above: snow is white.
+* Where they are darker by 2.75 stops or more, the subject is dark: exposure falls to the
+  incident-light meter's, by one stop at most. A black cat stays black.
+* Rooms and deep shade, where the card would be far above white, keep the meter's exposure, and so
+  does all that is darker than EV100 9; the correction is whole from EV100 12.
 """
 
 import numpy as np
@@ -31,6 +44,20 @@ _WALLS = (0.1, 0.6)
 # exposure within 0.05 EV (four times of day, two skies), and walls beside windows a hundred times
 # as bright, on up to 30 % of the picture, are shown within half a stop of middle grey.
 _OUTSHINES_FROM, _OUTSHINES_FULLY = 4.5, 6.5
+# Metered EV100 between which the correction grows to its whole.
+_CORRECTED_EV100 = (_FULL_ADAPTATION_EV100, 12.0)
+# Share of pixels without the highlights' upper end: the sun, glints, lamps.
+_HIGHLIGHT_QUANTILE = 0.99
+# Stops above middle grey of highlights just below clipping (AgX: 228 of 255), and of a white card
+# as an incident-light meter exposes it.
+_HIGHLIGHT_STOPS, _INCIDENT_STOPS = 4.0, float(-np.log2(MIDDLE_GREY))
+_MOST_CORRECTION_EV = 1.0
+# Stops of the card above the incident-light meter's exposure: of bright subjects, and at most.
+_BRIGHT_SUBJECT_EV, _OVEREXPOSED_EV = 0.7, 2.0
+# Stops of the highlights below the card: in full light, and of a dark subject.
+_IN_FULL_LIGHT, _DARK_SUBJECT = 2.0, 2.75
+# Stops of the card above middle grey between which the picture counts as a room or deep shade.
+_OPEN_STOPS, _ROOM_STOPS = 4.5, 6.0
 
 
 def scale_of(ev100: float) -> float:
@@ -38,20 +65,25 @@ def scale_of(ev100: float) -> float:
     return LUMENS_PER_WATT / (_SATURATION * 2.0**ev100)
 
 
-def ev100_of(wish: SetExposure, radiance_rgb: NDArray[np.floating]) -> float:
-    """Unlimited EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1."""
-    metered = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance_rgb)
+def ev100_of(wish: SetExposure, radiance_rgb: NDArray[np.floating], white: float = 0.0) -> float:
+    """Unlimited EV100 for a picture, as `automatic_ev100` meters it."""
+    metered = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance_rgb, white)
     return metered - wish.compensation_ev
 
 
-def automatic_ev100(radiance_rgb: NDArray[np.floating], enough: int = _ENOUGH_PIXELS) -> float:
+def automatic_ev100(
+    radiance_rgb: NDArray[np.floating], white: float = 0.0, enough: int = _ENOUGH_PIXELS
+) -> float:
     """EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1.
 
-    The log mean of luminance, without the brightest 0.2 % of the pixels (the sun's disc and its
-    glints) and without pixels that far outshine the picture's darker half, such as the sky in a
-    room's window. Pixels darker than four stops below the brighter parts count as four stops,
-    unless they are half of the picture: black ground must not overexpose lit surfaces. A picture
-    (h, w, 3) of more than `enough` pixels is sampled at every second, third, ... pixel.
+    `white` is the luminance (W m^-2 sr^-1) of a white card in the light of the hour; 0 if unknown:
+    then there is no correction.
+
+    The meter's reading is the log mean of luminance, without the brightest 0.2 % of the pixels (the
+    sun's disc and its glints) and without pixels that far outshine the picture's darker half, such
+    as the sky in a room's window. Pixels darker than four stops below the brighter parts count as
+    four stops, unless they are half of the picture: black ground must not overexpose lit surfaces.
+    A picture (h, w, 3) of more than `enough` pixels is sampled at every second, third, ... pixel.
     """
     if radiance_rgb.ndim == 3:
         step = max(1, int(np.sqrt(radiance_rgb.shape[0] * radiance_rgb.shape[1] / enough)))
@@ -62,10 +94,32 @@ def automatic_ev100(radiance_rgb: NDArray[np.floating], enough: int = _ENOUGH_PI
     if values.size == 0:
         values = np.array([darkest])
     kept = values[: max(1, int(values.size * (1.0 - _BRIGHTEST_SHARE)))]
-    mean = 2.0 ** _mean_stops(np.log2(np.maximum(kept, darkest)))
-    metered = float(np.log2(mean * LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
+    mean_stops = _mean_stops(np.log2(np.maximum(kept, darkest)))
+    metered = mean_stops + float(np.log2(LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
     darkness = _DARKNESS_KEPT * max(0.0, _FULL_ADAPTATION_EV100 - metered)
+    if white > 0.0 and darkness == 0.0:
+        highlight = max(float(np.quantile(values, _HIGHLIGHT_QUANTILE)), darkest)
+        metered -= float(np.interp(metered, _CORRECTED_EV100, (0.0, 1.0))) * _correction_ev(
+            float(np.log2(white)) - mean_stops, float(np.log2(highlight)) - mean_stops
+        )
     return metered + min(darkness, _MOST_DARKNESS_EV)
+
+
+def _correction_ev(card: float, highlight: float) -> float:
+    """Stops by which a picture is shown brighter than metered.
+
+    `card` and `highlight` are the stops above middle grey of a white card and of the highlights, as
+    metered.
+    """
+    headroom = max(_HIGHLIGHT_STOPS - highlight, 0.0)
+    bright_subject = _INCIDENT_STOPS + _BRIGHT_SUBJECT_EV - card
+    to_highlights = min(max(_INCIDENT_STOPS + _OVEREXPOSED_EV - card, 0.0), _MOST_CORRECTION_EV)
+    raised = min(max(bright_subject, to_highlights), headroom)
+    lowered = min(max(card - _INCIDENT_STOPS, 0.0), _MOST_CORRECTION_EV) * float(
+        np.interp(card, (_OPEN_STOPS, _ROOM_STOPS), (1.0, 0.0))
+    )
+    full_light = np.interp(card - highlight, (_IN_FULL_LIGHT, _DARK_SUBJECT), (1.0, 0.0))
+    return float(full_light * raised - (1.0 - full_light) * lowered)
 
 
 def _mean_stops(stops: NDArray[np.floating]) -> float:

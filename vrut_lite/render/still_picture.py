@@ -130,7 +130,7 @@ class StillPictures:
         """The picture whose radiance (h, w, 3) the targets hold."""
         passes = self._passes
         with passes.measure("copy and meter"):
-            ev100 = exposure.ev100_of(state.exposure, radiance)
+            ev100 = exposure.ev100_of(state.exposure, radiance, state.white_card)
         with passes.measure("tone map"):
             pixel_rad = view.pixel_rad(targets.size)
             passes.tone.draw(targets.radiance, targets.display, ev100, state.exposure, pixel_rad)

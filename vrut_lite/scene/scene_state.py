@@ -5,6 +5,10 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Literal, Self, TypeVar
 
+import numpy as np
+
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.installed_parts import PartsHeard, finishes_still, shown_by_parts
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.camera import MoveCamera, frame_bounds
@@ -99,6 +103,18 @@ class SceneState:
         return self.scene.camera or frame_bounds(
             self.scene.lower_m, self.scene.upper_m, self.aspect
         )
+
+    @cached_property
+    def white_card(self) -> float:
+        """Luminance (W m^-2 sr^-1) of white matter turned to the key light, in the open sky.
+
+        0 before the first light.
+        """
+        if self.sky_light is None:
+            return 0.0
+        key_light, ambient = self.sky_light.key_light, self.sky_light.ambient
+        sky_rgb = evaluate_irradiance(ambient.irradiance_sh_rgb.values, (0.0, 1.0, 0.0))
+        return float(luminance(np.maximum(sky_rgb, 0.0) + key_light.irradiance_rgb)) / np.pi
 
     @property
     def shows_map(self) -> bool:

@@ -158,7 +158,9 @@ class Adaptation:
         if exposure.mode == "auto":
             self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
         elif self._follows or self._dragged:
-            self._seen_ev100 = automatic_ev100(picture.radiance, _ENOUGH_PIXELS)
+            self._seen_ev100 = automatic_ev100(
+                picture.radiance, self._state.white_card, _ENOUGH_PIXELS
+            )
         self._seen_level = _level(self._state)
         if not self._arrived:
             self.wakes_at_s = now_s + _STEP_S

@@ -45,7 +45,8 @@ class CpuSkyBackend:
         step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
         radiance = self._radiance(state, (round(width / step), round(height / step)))
         assert state.camera is not None
-        return developed(radiance, state.exposure, state.camera.pixel_rad(len(radiance)))
+        pixel_rad = state.camera.pixel_rad(len(radiance))
+        return developed(radiance, state.exposure, pixel_rad, state.white_card)
 
     def _radiance(self, state: SceneState, size_px: tuple[int, int]) -> NDArray[np.float32]:
         camera, light = state.camera, state.sky_light

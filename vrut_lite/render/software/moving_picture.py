@@ -61,7 +61,7 @@ class MovingPictures:
                     passes.draw_meshes(shot, blended, defines, blended=True)
                 radiance = read_rgba(targets.radiance)
         with passes.measure("copy and meter"):
-            ev100 = exposure.ev100_of(state.exposure, radiance[..., :3])
+            ev100 = exposure.ev100_of(state.exposure, radiance[..., :3], state.white_card)
         pixel_rad = view.pixel_rad(targets.size)
         with passes.measure("tone map"):
             toned = self._toned(targets, radiance, ev100, state.exposure, pixel_rad)
