@@ -6,8 +6,8 @@ A panel is a QWidget of the group `vrut_lite.panels`, called with the window's `
   the engine's thread.
 * Widgets as the window has them: `Chooser`, `aligned_form`, `faint_label`, `panel_column`,
   `make_timer`.
-* Pictures: `FittedPicture` shows one, `Legend` its false colours; `display_picture` and
-  `white_balance_matrix` make display values of radiance; `file_title` and `write_picture` save it.
+* Pictures: `FittedPicture` shows one, `Legend` its false colours; `display_picture` makes
+  display values of radiance; `file_title` and `write_picture` save it.
 """
 
 from vrut_lite.app.engine.session import Session
@@ -24,7 +24,6 @@ from vrut_lite.app.widgets import (
 )
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.image_files import write_picture
-from vrut_lite.pictures.white_balance import white_balance_matrix
 
 __all__ = [
     "Chooser",
@@ -38,6 +37,5 @@ __all__ = [
     "file_title",
     "make_timer",
     "panel_column",
-    "white_balance_matrix",
     "write_picture",
 ]

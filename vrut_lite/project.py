@@ -32,7 +32,7 @@ from vrut_lite.messages.haze import (
     AerosolType,
     SetHaze,
 )
-from vrut_lite.messages.picture import LARGEST_PICTURE_PX, Resize, SetExposure, ToneMap
+from vrut_lite.messages.picture import LARGEST_PICTURE_PX, NightLook, Resize, SetExposure, ToneMap
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.messages.scene import LoadScene, SceneOpened
@@ -93,6 +93,7 @@ class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tone_map: ToneMap = "agx"
     white_temperature_k: Annotated[float, msgspec.Meta(ge=1700, le=25000)] = 6504.0
     white_duv: Annotated[float, msgspec.Meta(ge=-0.05, le=0.05)] = 0.0
+    night_look: NightLook = "eye"
 
 
 class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -321,6 +322,10 @@ def load_project(path: str | Path) -> Project:
         if isinstance(values.get("at"), datetime):
             # A bare TOML date is the natural way to write one.
             values["at"] = values["at"].isoformat()
+        exposure = values.get("exposure")
+        if isinstance(exposure, dict) and exposure.get("tone_map") == "eye":
+            # The look of nights was a tone map.
+            exposure["tone_map"] = "agx"
         project = msgspec.convert(values, Project)
         says_place = "place" in values
     except OSError as error:

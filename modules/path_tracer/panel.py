@@ -31,7 +31,6 @@ from vrut_lite.panel_kit import (
     display_picture,
     file_title,
     panel_column,
-    white_balance_matrix,
     write_picture,
 )
 
@@ -183,6 +182,5 @@ def _developed(
 
         # Copied, for the next call may write into the same memory.
         radiance = np.array(mitsuba_oidn.denoise(np.ascontiguousarray(radiance), hdr=True))
-    balance = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-    pixels = display_picture(radiance, ev100, wish.tone_map, balance, pixel_rad=message.pixel_rad)
+    pixels = display_picture(radiance, ev100, wish, pixel_rad=message.pixel_rad)
     return Developed(pixels.astype(np.uint8), radiance, message.samples, message.samples_wanted)

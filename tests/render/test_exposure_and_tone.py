@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from vrut_lite.geometry import colour
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.display import display_picture, dither
 from vrut_lite.pictures.night_eye import as_sharp_as_seen, seen_by_eye
@@ -184,7 +185,7 @@ def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):
 @given(st.lists(st.floats(-1.0, 1e8), min_size=3, max_size=3))
 def test_every_curve_shows_something_for_any_radiance(rgb):
     """The values lie in range without NaN, also for colours outside the gamut."""
-    for curve in ("agx", "exponential", "none", "eye"):
+    for curve in ("agx", "exponential", "none"):
         shown = tone_map.tone_mapped(rgb, curve)
         assert ((shown >= 0.0) & (shown <= 1.0)).all()
 
@@ -202,6 +203,37 @@ def test_by_night_the_eye_sees_no_colour_and_by_day_all():
     np.testing.assert_allclose(seen_by_eye(day), day, rtol=1e-12)
     white = seen_by_eye(np.full(3, 1e-3 / LUMENS_PER_WATT))
     assert colour.luminance(white) * LUMENS_PER_WATT == pytest.approx(1e-3, rel=0.01)
+
+
+def moonlit(luminance_cd_m2):
+    """A landscape under 4100 K: ground, a red thing and blue sky, (4, 3)."""
+    hues = np.array([[1.25, 0.97, 0.64], [2.0, 0.75, 0.5], [0.6, 1.0, 1.8], [0.25, 0.2, 0.13]])
+    return hues / LUMENS_PER_WATT * luminance_cd_m2
+
+
+def test_moonlight_is_neutral_to_blue_to_the_eye_and_warm_to_a_long_exposure():
+    """A full moon is redder than the sun (4100 K); rods show it bluish (Jensen 2000), a camera
+    balanced for daylight as it is. The long exposure is brighter, by stops."""
+    shown = {}
+    for look in ("eye", "exposure"):
+        wish = SetExposure(night_look=look)
+        shown[look] = display_picture(moonlit(0.02)[None], wish=wish, bits=16)[0] / 65535.0
+    eye, camera = shown["eye"][0], shown["exposure"][0]
+    assert eye[2] > eye[1] >= eye[0] - 0.005
+    assert camera[0] > camera[1] > camera[2]
+    assert camera.mean() > 2.0 * eye.mean()
+
+
+def test_the_eyes_rods_are_saturated_by_day():
+    """A dark corner of a bright picture keeps its colours, exactly as in a camera's picture; from
+    dusk on rods come in without a step."""
+    by_day = moonlit(np.array([[0.05], [1.0], [3000.0], [500.0]]))[None]
+    eye, camera = (SetExposure(night_look=look) for look in ("eye", "exposure"))
+    same = [display_picture(by_day, 10.0, wish, bits=16) for wish in (eye, camera)]
+    np.testing.assert_array_equal(*same)
+    dusk = [display_picture(moonlit(5.0)[None], ev, eye, bits=16) for ev in np.arange(3, 11, 0.05)]
+    steps = np.abs(np.diff(np.array(dusk, float), axis=0)) / 65535.0
+    assert steps.max() < 0.02
 
 
 def test_the_papers_curve_and_none_are_what_they_say():

@@ -65,12 +65,12 @@ def test_by_night_the_eye_sees_less_detail_in_every_picture(any_backend, box_fil
     """Under 3e-5 cd/m2 the eye parts 0.7 cycles a degree: an edge is soft, by a pixel's angle."""
     show_box(any_backend, box_file, albedo=0.1)
     light(any_backend, uniform_sky(5e-8))
-    eye = SetExposure(mode="manual", ev100=-15.0, tone_map="eye")
+    eye = SetExposure(mode="manual", ev100=-15.0)
     any_backend.change(exposure=eye)
     picture = look(any_backend, (30.0, 5.0, 0.0), (40.0, 5.0, 0.0), field_of_view_rad=0.3)
     angle = 2.0 * np.tan(0.15) / HEIGHT
     assert picture.pixel_rad == pytest.approx(angle)
-    sharp = display_picture(picture.radiance, -15.0, "eye")
+    sharp = display_picture(picture.radiance, -15.0, eye)
 
     def steepest(display):
         rows = display.astype(float).mean(axis=(1, 2))

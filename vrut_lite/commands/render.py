@@ -72,8 +72,11 @@ def _view_options(command: Command) -> Command:
                      "(default) or a fixed EV100."),
         click.option("--compensation", "compensation_ev", type=FiniteRange(-20.0, 20.0),
                      metavar="EV", help="Brighter by so many stops."),
-        click.option("--tone-map", metavar="agx|exponential|none|eye", help="Like film (default), "
-                     "1 - exp(-k L) as in papers, cut off, or as the eye sees by night."),
+        click.option("--tone-map", metavar="agx|exponential|none", help="Like film (default), "
+                     "1 - exp(-k L) as in papers, or cut off."),
+        click.option("--night-look", metavar="eye|exposure", help="By night as the eye sees "
+                     "(default): dark, without colour; or a long exposure, brighter, with "
+                     "colours."),
         click.option("--white", type=_white, metavar="KELVIN[,DUV]", help="Show daylight of this "
                      "colour temperature white; DUV leads off the daylight locus, towards green. "
                      "Default 6504: colours as they are."),
@@ -142,7 +145,7 @@ def render(
 
 def _with_view(project: Project, options: dict[str, Any]) -> Project:
     """The project with camera and exposure; takes their keys out of `options`."""
-    exposure = said(options, ("compensation_ev", "tone_map"))
+    exposure = said(options, ("compensation_ev", "tone_map", "night_look"))
     for values in (options.pop("exposed"), options.pop("white")):
         exposure |= values or {}
     return msgspec.structs.replace(

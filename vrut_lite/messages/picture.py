@@ -6,7 +6,8 @@ from vrut_lite import checks
 from vrut_lite.kernel.messages import Input
 from vrut_lite.numeric_types import Vector
 
-ToneMap = Literal["agx", "exponential", "none", "eye"]
+ToneMap = Literal["agx", "exponential", "none"]
+NightLook = Literal["eye", "exposure"]
 LARGEST_PICTURE_PX = 16384
 # Stops of exposure whose powers of two stay finite in 32 bits.
 _MOST_STOPS = 100.0
@@ -33,7 +34,8 @@ class SetExposure(Input, frozen=True, kw_only=True):
 
     Automatic exposure, or a fixed EV100; the compensation brightens by so many stops. Light of
     `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown
-    white; 6504 K leaves colours as they are.
+    white; 6504 K leaves colours as they are. By night the picture looks as an eye sees it, or as a
+    long exposure with its colours (`pictures/night_eye.py`).
     """
 
     revises: ClassVar[bool] = False
@@ -44,6 +46,7 @@ class SetExposure(Input, frozen=True, kw_only=True):
     tone_map: ToneMap = "agx"
     white_temperature_k: float = 6504.0
     white_duv: float = 0.0
+    night_look: NightLook = "eye"
 
     def check(self) -> None:
         """Stops of which powers of two stay finite, and white that is near daylight."""
@@ -53,6 +56,7 @@ class SetExposure(Input, frozen=True, kw_only=True):
         checks.choice(self, "tone_map", get_args(ToneMap))
         checks.number(self, "white_temperature_k", LOWEST_K, HIGHEST_K)
         checks.number(self, "white_duv", -MOST_DUV, MOST_DUV)
+        checks.choice(self, "night_look", get_args(NightLook))
 
 
 class PictureClicked(Input, frozen=True, kw_only=True):

@@ -5,20 +5,20 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.messages.picture import SetExposure, ToneMap
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure, tone_map
-from vrut_lite.pictures.night_eye import as_sharp_as_seen, seen_by_eye
+from vrut_lite.pictures.night_eye import as_sharp_as_seen, rods_share, seen_by_eye
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
 Bits = Literal[8, 16]
+_USUAL = SetExposure()
 
 
 def display_picture(
     radiance: NDArray[np.floating],
     ev100: float | None = None,
-    curve: ToneMap = "agx",
-    white_balance: NDArray[np.float64] | None = None,
+    wish: SetExposure = _USUAL,
     bits: Bits = 8,
     inside: NDArray[np.bool_] | None = None,
     pixel_rad: float = 0.0,
@@ -26,16 +26,18 @@ def display_picture(
     """sRGB (h, w, 3) in 8 or 16 bits of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
 
     Without `ev100` the exposure is metered from the picture itself, without pixels outside `inside`
-    (h, w), such as the corners around a fisheye. `white_balance` is a matrix (3, 3) on linear sRGB.
-    `pixel_rad`, the angle that a pixel sees, gives the curve "eye" an eye's acuity by night; 0
-    leaves it out. Steps of 8 bits are dithered; those of 16 are invisible.
+    (h, w), such as the corners around a fisheye. All else is as `wish` says. `pixel_rad`, the angle
+    that a pixel sees, gives a dark picture an eye's acuity; 0 leaves it out. Steps of 8 bits are
+    dithered; those of 16 are invisible.
     """
     if ev100 is None:
-        ev100 = exposure.automatic_ev100(radiance if inside is None else radiance[inside])
-    if curve == "eye":
-        radiance = seen_by_eye(as_sharp_as_seen(radiance, pixel_rad))
-    balanced = radiance if white_balance is None else radiance @ white_balance.T
-    encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), curve)
+        metered = radiance if inside is None else radiance[inside]
+        ev100 = exposure.automatic_ev100(metered, night_look=wish.night_look)
+    rods = rods_share(ev100, wish.night_look)
+    if rods > 0.0:
+        radiance = seen_by_eye(as_sharp_as_seen(radiance, pixel_rad), rods)
+    balanced = radiance @ white_balance_matrix(wish.white_temperature_k, wish.white_duv).T
+    encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), wish.tone_map)
     if bits == 16:
         return np.rint(encoded * 65535.0).astype(np.uint16)
     encoded += dither(*radiance.shape[:2])[..., None] / 255.0
@@ -50,11 +52,8 @@ def developed(
     `white`: see `automatic_ev100`.
     """
     ev100 = exposure.ev100_of(wish, radiance, white)
-    matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
     # GL counts rows from below, and so does its dither.
-    display = display_picture(radiance[::-1], ev100, wish.tone_map, matrix, pixel_rad=pixel_rad)[
-        ::-1
-    ]
+    display = display_picture(radiance[::-1], ev100, wish, pixel_rad=pixel_rad)[::-1]
     return Picture(radiance, np.ascontiguousarray(display, np.uint8), ev100, pixel_rad=pixel_rad)
 
 

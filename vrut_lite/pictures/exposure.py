@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.picture import NightLook, SetExposure
 
 MIDDLE_GREY = 0.18
 _SATURATION = 1.2
@@ -29,9 +29,10 @@ _SATURATION = 1.2
 _DARKEST_EV100 = -11.0
 # EV100 below which the eye no longer adapts in full; full adaptation would make dusk look like
 # noon. Share of each further stop kept as darkness (after Krawczyk 2005), and its limit (stops),
-# reached a little below the light of a full moon: starlight must not be lost in black.
+# reached a little below the light of a full moon: starlight must not be lost in black. A long
+# exposure of moonlit land is usually one stop below the meter's (EV -3 to -2 at ISO 100).
 _FULL_ADAPTATION_EV100 = 9.0
-_DARKNESS_KEPT, _MOST_DARKNESS_EV = 0.3, 4.5
+_DARKNESS_KEPT: dict[NightLook, tuple[float, float]] = {"eye": (0.3, 4.5), "exposure": (0.07, 1.0)}
 _BRIGHTEST_SHARE = 0.002
 _ENOUGH_PIXELS = 2**17
 _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
@@ -67,12 +68,16 @@ def scale_of(ev100: float) -> float:
 
 def ev100_of(wish: SetExposure, radiance_rgb: NDArray[np.floating], white: float = 0.0) -> float:
     """Unlimited EV100 for a picture, as `automatic_ev100` meters it."""
-    metered = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance_rgb, white)
-    return metered - wish.compensation_ev
+    if wish.mode == "manual":
+        return wish.ev100 - wish.compensation_ev
+    return automatic_ev100(radiance_rgb, white, wish.night_look) - wish.compensation_ev
 
 
 def automatic_ev100(
-    radiance_rgb: NDArray[np.floating], white: float = 0.0, enough: int = _ENOUGH_PIXELS
+    radiance_rgb: NDArray[np.floating],
+    white: float = 0.0,
+    night_look: NightLook = "eye",
+    enough: int = _ENOUGH_PIXELS,
 ) -> float:
     """EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1.
 
@@ -96,13 +101,14 @@ def automatic_ev100(
     kept = values[: max(1, int(values.size * (1.0 - _BRIGHTEST_SHARE)))]
     mean_stops = _mean_stops(np.log2(np.maximum(kept, darkest)))
     metered = mean_stops + float(np.log2(LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
-    darkness = _DARKNESS_KEPT * max(0.0, _FULL_ADAPTATION_EV100 - metered)
+    kept_share, most_ev = _DARKNESS_KEPT[night_look]
+    darkness = kept_share * max(0.0, _FULL_ADAPTATION_EV100 - metered)
     if white > 0.0 and darkness == 0.0:
         highlight = max(float(np.quantile(values, _HIGHLIGHT_QUANTILE)), darkest)
         metered -= float(np.interp(metered, _CORRECTED_EV100, (0.0, 1.0))) * _correction_ev(
             float(np.log2(white)) - mean_stops, float(np.log2(highlight)) - mean_stops
         )
-    return metered + min(darkness, _MOST_DARKNESS_EV)
+    return metered + min(darkness, most_ev)
 
 
 def _correction_ev(card: float, highlight: float) -> float:

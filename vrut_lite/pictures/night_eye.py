@@ -5,6 +5,10 @@ luminance from XYZ, and the range of luminance in which both rods and cones see;
 changes linearly with the logarithm within it. Rods' grey is bluish as in paintings of moonlit
 scenes, x = y = 0.25 (Jensen et al. 2000, "Night Rendering").
 
+The eye adapts as a whole: in a picture exposed for daylight rods are saturated in dark parts too
+(Aguilar and Stiles 1954, Optica Acta 1, 59: from 2000 scotopic trolands on, with a pupil of 4 mm
+160 cd m^-2).
+
 Acuity falls with luminance: Ward Larson and others fit Shlaer's data (1937), here the frequency at
 which a Gaussian around each pixel halves the contrast. Its width follows the mean light of the
 pixel and its neighbours. The twin is in shaders/tone_map.frag.
@@ -16,11 +20,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ, luminance
+from vrut_lite.messages.picture import NightLook
 from vrut_lite.numeric_types import FloatArray
 
 XYZ_FROM_SRGB = np.linalg.inv(SRGB_FROM_XYZ)
 # Luminance (cd m^-2) below which rods see alone, and above which cones do.
 RODS_ALONE_CD, CONES_ALONE_CD = 5.6e-3, 5.6
+# EV100 of pictures up to which rods see as by night, and from which they are saturated: a middle
+# grey of 7 and of 110 cd m^-2.
+_DARK_ADAPTED_EV100, _SATURATED_EV100 = 5.0, 9.0
 # Scotopic luminance of daylight's white over its luminance; divided by it, white stays as bright.
 _OF_WHITE = 2.57
 # Linear sRGB of x = y = 0.25, for a scotopic luminance of 1.
@@ -34,6 +42,13 @@ _HALVES = math.sqrt(0.5 * math.log(2.0)) / math.pi
 # Radius of the sum in deviations, its limit in pixels, and the deviation (px) below which no blur
 # is done.
 _DEVIATIONS, _MOST_PX, SHARP_PX = 2.0, 6, 0.2
+
+
+def rods_share(ev100: float, night_look: NightLook) -> float:
+    """Part that rods take in a picture of this exposure: 1 by night, 0 by day or to a camera."""
+    if night_look == "exposure":
+        return 0.0
+    return float(np.interp(ev100, (_DARK_ADAPTED_EV100, _SATURATED_EV100), (1.0, 0.0)))
 
 
 def blur_px(pixel_rad: float) -> tuple[float, int]:
@@ -73,11 +88,14 @@ def as_sharp_as_seen(radiance_rgb: NDArray[np.floating], pixel_rad: float) -> Fl
     return np.where((deviation < SHARP_PX)[..., None], rgb, total / weights)
 
 
-def seen_by_eye(radiance_rgb: ArrayLike) -> FloatArray:
-    """Linear sRGB (..., 3) in W m^-2 sr^-1 that a camera would need to show what the eye sees."""
+def seen_by_eye(radiance_rgb: ArrayLike, rods: float = 1.0) -> FloatArray:
+    """Linear sRGB (..., 3) in W m^-2 sr^-1 that a camera would need to show what the eye sees.
+
+    `rods`: see `rods_share`.
+    """
     rgb = np.asarray(radiance_rgb, dtype=float)
     x, y, z = np.moveaxis(np.maximum(rgb @ XYZ_FROM_SRGB.T, _DARK), -1, 0)
     scotopic = y * np.maximum(1.33 * (1.0 + (y + z) / x) - 1.68, 0.0)
     cones = np.log(y * LUMENS_PER_WATT / RODS_ALONE_CD) / np.log(CONES_ALONE_CD / RODS_ALONE_CD)
-    share = np.clip(cones, 0.0, 1.0)[..., None]
-    return np.asarray(share * rgb + (1.0 - share) * scotopic[..., None] * RODS_RGB)
+    share = rods * (1.0 - np.clip(cones, 0.0, 1.0))[..., None]
+    return np.asarray((1.0 - share) * rgb + share * scotopic[..., None] * RODS_RGB)

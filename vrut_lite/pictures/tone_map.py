@@ -40,10 +40,9 @@ SIGMOID = (-0.00232, 0.1191, 0.4298, -6.868, 31.96, -40.14, 15.5)
 def tone_mapped(picture: ArrayLike, curve: ToneMap = "agx") -> NDArray[np.float64]:
     """Display-encoded sRGB (..., 3) in [0, 1] of linear picture values (..., 3).
 
-    "agx"; "exponential", 1 - exp(-k L); "none", which clamps at 1; "eye" is AgX of radiance that
-    `night_eye.py` has changed before.
+    "agx"; "exponential", 1 - exp(-k L); "none", which clamps at 1.
     """
-    if curve in ("agx", "eye"):
+    if curve == "agx":
         return agx(picture)
     values = np.maximum(np.asarray(picture, dtype=float), 0.0)
     return srgb_encode(-np.expm1(-EXPONENTIAL_RATE * values) if curve == "exponential" else values)

@@ -68,6 +68,9 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     if name == "SetHaze":
         added |= {"aerosol": "one-lobe"} if "aerosol" not in message else {}
         added |= {"own": None} if "own" not in message else {}
+    # The look of nights was a tone map.
+    if name == "SetExposure" and message.get("tone_map") == "eye":
+        added["tone_map"] = "agx"
     # The handler that reported a failed GPU, by its name in a Fault.
     if name == "Fault" and message.get("where") == "cube_done":
         added["where"] = "job_done"

@@ -5,17 +5,18 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, SetClock
 from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import Metadata, write_picture
 from vrut_lite.pictures.picture import Picture
-from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.studio.engines import GL, EngineHost
 from vrut_lite.studio.open_kernel import open_gl, open_host, require_sky, require_sun
@@ -103,6 +104,7 @@ class SceneStudio:
             **picture_metadata(project, self._host.kernel),
             "exposureEv100": picture.ev100,
             "toneMap": project.exposure.tone_map,
+            "nightLook": project.exposure.night_look,
             "engine": self._plan.engine,
         }
         if isinstance(self._host, EngineHost):
@@ -151,16 +153,10 @@ class SceneShot:
 
     def _display_16(self) -> NDArray[Any]:
         """16-bit display values, from the radiance: the frame itself has 8 bits only."""
-        wish = self.plan.project.exposure
-        matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
         picture = self.picture
         if picture.values is not None:
             return picture.display.astype(np.uint16) * 257
+        wish = SetExposure(**msgspec.structs.asdict(self.plan.project.exposure))
         return display_picture(
-            picture.radiance,
-            picture.ev100,
-            wish.tone_map,
-            matrix,
-            bits=16,
-            pixel_rad=picture.pixel_rad,
+            picture.radiance, picture.ev100, wish, bits=16, pixel_rad=picture.pixel_rad
         )

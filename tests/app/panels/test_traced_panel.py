@@ -42,7 +42,7 @@ def test_it_has_the_acuity_of_the_eyes_tone_map():
     """By starlight grain of single pixels of 0.1 deg is finer than the eye makes out."""
     noise = picture(4)
     dim = Array((noise.radiance.values * 5e-8).astype(np.float32))
-    wish = SetExposure(mode="manual", ev100=-15.0, tone_map="eye")
+    wish = SetExposure(mode="manual", ev100=-15.0)
     grain = {}
     for angle in (0.0, np.radians(0.1)):
         told = msgspec.structs.replace(noise, radiance=dim, pixel_rad=angle)

@@ -159,7 +159,7 @@ class Adaptation:
             self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
         elif self._follows or self._dragged:
             self._seen_ev100 = automatic_ev100(
-                picture.radiance, self._state.white_card, _ENOUGH_PIXELS
+                picture.radiance, self._state.white_card, exposure.night_look, _ENOUGH_PIXELS
             )
         self._seen_level = _level(self._state)
         if not self._arrived:

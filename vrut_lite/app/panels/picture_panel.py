@@ -9,14 +9,14 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label
-from vrut_lite.messages.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
+from vrut_lite.messages.picture import HIGHEST_K, LOWEST_K, NightLook, SetExposure, ToneMap
 
 _TONE_TITLES = {
     "agx": "AgX, like film",
     "exponential": "1 \N{MINUS SIGN} exp(\N{MINUS SIGN}kL), as in papers",
     "none": "none, cut off at white",
-    "eye": "AgX of what the eye sees by night",
 }
+_NIGHT_TITLES = {"eye": "as the eye sees", "exposure": "as a long exposure"}
 _LOWEST_EV, _HIGHEST_EV = -11.0, 24.0
 
 
@@ -37,6 +37,9 @@ class PicturePanel(QWidget):
         self.tone_map = Chooser()
         for name in get_args(ToneMap):
             self.tone_map.addItem(_TONE_TITLES[name], name)
+        self.night_look = Chooser()
+        for name in get_args(NightLook):
+            self.night_look.addItem(_NIGHT_TITLES[name], name)
         self.white_temperature_k = NumberField(LOWEST_K, HIGHEST_K, "K", whole=True)
         self.white_duv = NumberField(-0.05, 0.05, decimals=4)
         self.metered = faint_label(wraps=True)
@@ -56,6 +59,8 @@ class PicturePanel(QWidget):
             ("Compensation", self.compensation_ev, "Brighter by so many stops"),
             ("Tone map", self.tone_map, "AgX (Sobotka 2022), 1 - exp(-kL) (Bruneton and Neyret "
              "2008), or none"),
+            ("Night", self.night_look, "Dark, without colour and detail (Ward Larson 1997), or "
+             "brighter, in its colours"),
             ("White", self.white_temperature_k, "Daylight of this colour temperature is shown "
              "white (CIE 15, Bradford)"),
             ("Green or pink", self.white_duv, "Of the white: greener above 0, pinker below (Duv in "
@@ -73,6 +78,9 @@ class PicturePanel(QWidget):
         self.lock.clicked.connect(self.set_locked)
         self.meter.clicked.connect(self._session.meter_exposure)
         self.tone_map.activated.connect(lambda _: self._send(tone_map=self.tone_map.currentData()))
+        self.night_look.activated.connect(
+            lambda _: self._send(night_look=self.night_look.currentData())
+        )
         for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
             field: NumberField = getattr(self, name)
             field.edited.connect(lambda value, name=name: self._send(**{name: value}))
@@ -98,6 +106,7 @@ class PicturePanel(QWidget):
         self.meter.setEnabled(not locked)
         self.ev100.setEnabled(locked)
         self.tone_map.setCurrentIndex(self.tone_map.findData(wish.tone_map))
+        self.night_look.setCurrentIndex(self.night_look.findData(wish.night_look))
         for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
             getattr(self, name).show_value(getattr(wish, name))
 

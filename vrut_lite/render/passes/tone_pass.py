@@ -19,7 +19,6 @@ _CURVES: dict[str, Defines] = {
     "none": (),
     "exponential": ("EXPONENTIAL",),
     "agx": ("AGX",),
-    "eye": ("AGX", "EYE"),
 }
 
 
@@ -56,20 +55,23 @@ class TonePass:
 
     def __init__(self, context: Any):
         self._context = context
-        self._screens: dict[str, FullScreen] = {}
+        self._screens: dict[tuple[ToneMap, bool], FullScreen] = {}
 
     def draw(
         self, radiance: Any, display: Any, ev100: float, wish: SetExposure, pixel_rad: float
     ) -> None:
         """Turn a texture of radiance into a framebuffer for display, with luma as its alpha."""
-        if wish.tone_map not in self._screens:
-            self._screens[wish.tone_map] = self._screen(wish.tone_map)
-        screen = self._screens[wish.tone_map]
+        rods = night_eye.rods_share(ev100, wish.night_look)
+        key = wish.tone_map, rods > 0.0
+        if key not in self._screens:
+            self._screens[key] = self._screen(*key)
+        screen = self._screens[key]
         display.use()
         radiance.use(location=0)
         screen.set("from_radiance", from_radiance(ev100, wish).T.ravel())
         blur, reach = night_eye.blur_px(pixel_rad)
         screen.set("blur", blur)
+        screen.set("rods", rods)
         if "reach" in screen.program:
             screen.program["reach"].value = reach
         self._context.disable(
@@ -77,8 +79,9 @@ class TonePass:
         )
         screen.draw()
 
-    def _screen(self, curve: ToneMap) -> FullScreen:
-        screen = FullScreen(self._context, "tone_map.frag", _CURVES[curve])
+    def _screen(self, curve: ToneMap, by_eye: bool) -> FullScreen:
+        defines = (*_CURVES[curve], "EYE") if by_eye else _CURVES[curve]
+        screen = FullScreen(self._context, "tone_map.frag", defines)
         screen.set("outset", outset(curve).T.ravel())
         screen.set("darkest", 2.0**tone_map.DARKEST_LOG2)
         screen.set("darkest_log2", tone_map.DARKEST_LOG2)

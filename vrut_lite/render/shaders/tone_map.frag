@@ -13,6 +13,7 @@ uniform vec3 luminance_weights;
 #ifdef EYE
 uniform mat3 xyz_from_srgb;
 uniform vec3 rods_rgb;
+uniform float rods;                  // the part that they take in the picture
 uniform float rods_alone;            // CIE Y in W m^-2 sr^-1
 uniform float cones_alone;
 uniform vec4 acuity;
@@ -76,7 +77,7 @@ vec3 seen_by_eye(vec3 rgb) {
     vec3 xyz = max(xyz_from_srgb * rgb, 1e-20);
     float scotopic = xyz.y * max(1.33 * (1.0 + (xyz.y + xyz.z) / xyz.x) - 1.68, 0.0);
     float cones = clamp(log(xyz.y / rods_alone) / log(cones_alone / rods_alone), 0.0, 1.0);
-    return mix(scotopic * rods_rgb, rgb, cones);
+    return mix(rgb, scotopic * rods_rgb, rods * (1.0 - cones));
 }
 #endif
 

@@ -53,7 +53,7 @@ def tone_mapped(
 ) -> NDArray[np.uint32]:
     """Bytes (h, w) for `smooth_edges` of radiance (h, w, 4), row 0 at the bottom.
 
-    The curve "eye" is not supported: it depends on a pixel's neighbours.
+    The eye's look of nights is not supported: it depends on a pixel's neighbours.
     """
     height, width = radiance.shape[:2]
     toned = np.empty((height, width), np.uint32)

@@ -14,6 +14,7 @@ from PIL import Image, ImageDraw
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.panorama import lat_long_directions
+from vrut_lite.messages.picture import SetExposure
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.exposure import automatic_ev100
@@ -25,6 +26,8 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
 _PANEL = (640, 160)
+# A photograph's unit is unknown: it is no night.
+_CAMERA = SetExposure(night_look="exposure")
 _CAPTION_HEIGHT = 20
 # The profile is the mean of so many columns on either side of the meridian.
 _HALF_WIDTH = 2
@@ -51,7 +54,7 @@ def strips(comparison: PhotographComparison) -> Image.Image:
     pen = ImageDraw.Draw(paper)
     for number, (caption, radiance) in enumerate(panels):
         left, top = width * (number % 2), (height + _CAPTION_HEIGHT) * (number // 2)
-        shown = display_picture(np.maximum(radiance, 0.0).astype(np.float32), ev100)
+        shown = display_picture(np.maximum(radiance, 0.0).astype(np.float32), ev100, _CAMERA)
         paper.paste(Image.fromarray(shown).resize(_PANEL, Image.Resampling.BICUBIC), (left, top))
         pen.text((left + 6, top + height + 4), caption, fill="black")
     return paper
