@@ -94,6 +94,7 @@ class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     white_temperature_k: Annotated[float, msgspec.Meta(ge=1700, le=25000)] = 6504.0
     white_duv: Annotated[float, msgspec.Meta(ge=-0.05, le=0.05)] = 0.0
     night_look: NightLook = "eye"
+    glare: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0
 
 
 class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

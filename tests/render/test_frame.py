@@ -114,13 +114,13 @@ def test_a_pixel_on_an_edge_is_the_mean_of_what_it_shows(backend, box_file):
 
 
 @pytest.mark.parametrize("curve", ["agx", "exponential", "none"])
-@pytest.mark.parametrize("dim", [1.0, 1e-2, 1e-5])
+@pytest.mark.parametrize(("dim", "glare"), [(1.0, 0.0), (1e-2, 0.0), (1e-5, 0.0), (1e-2, 0.5)])
 @pytest.mark.parametrize("white", [(6504.0, 0.0), (3200.0, 0.01)])
-def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file, curve, dim, white):
-    """The shader and pictures/display.py write one curve, one night and one dither: within one
-    8-bit step."""
+def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file, curve, dim, glare, white):
+    """The shader and pictures/display.py write one curve, one night, one glare and one dither:
+    within one 8-bit step."""
     kelvin, duv = white
-    wish = SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv)
+    wish = SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv, glare=glare)
     backend.change(exposure=wish)
     show_box(backend, box_file)
     light(backend, dim * (0.02 + 3.0 * (1.0 + texel_directions(64)) ** 4))

@@ -80,6 +80,9 @@ def _view_options(command: Command) -> Command:
         click.option("--white", type=_white, metavar="KELVIN[,DUV]", help="Show daylight of this "
                      "colour temperature white; DUV leads off the daylight locus, towards green. "
                      "Default 6504: colours as they are."),
+        click.option("--glare", type=FiniteRange(0.0, 1.0), metavar="SHARE", help="Show light "
+                     "that an eye scatters around lamps and the sun: 1 all of it, 0 (default) "
+                     "none. EXR has none."),
         click.option("--air/--no-air", default=None, help="See the scene through the air "
                      "(default)."),
         click.option("--light-shafts/--no-light-shafts", default=None, help="Let the scene's "
@@ -145,7 +148,7 @@ def render(
 
 def _with_view(project: Project, options: dict[str, Any]) -> Project:
     """The project with camera and exposure; takes their keys out of `options`."""
-    exposure = said(options, ("compensation_ev", "tone_map", "night_look"))
+    exposure = said(options, ("compensation_ev", "tone_map", "night_look", "glare"))
     for values in (options.pop("exposed"), options.pop("white")):
         exposure |= values or {}
     return msgspec.structs.replace(

@@ -35,7 +35,8 @@ class SetExposure(Input, frozen=True, kw_only=True):
     Automatic exposure, or a fixed EV100; the compensation brightens by so many stops. Light of
     `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown
     white; 6504 K leaves colours as they are. By night the picture looks as an eye sees it, or as a
-    long exposure with its colours (`pictures/night_eye.py`).
+    long exposure with its colours (`pictures/night_eye.py`). `glare` 1 shows the light that an eye
+    scatters around what is bright (`pictures/glare.py`), 0 none.
     """
 
     revises: ClassVar[bool] = False
@@ -47,6 +48,7 @@ class SetExposure(Input, frozen=True, kw_only=True):
     white_temperature_k: float = 6504.0
     white_duv: float = 0.0
     night_look: NightLook = "eye"
+    glare: float = 0.0
 
     def check(self) -> None:
         """Stops of which powers of two stay finite, and white that is near daylight."""
@@ -57,6 +59,7 @@ class SetExposure(Input, frozen=True, kw_only=True):
         checks.number(self, "white_temperature_k", LOWEST_K, HIGHEST_K)
         checks.number(self, "white_duv", -MOST_DUV, MOST_DUV)
         checks.choice(self, "night_look", get_args(NightLook))
+        checks.number(self, "glare", 0.0, 1.0)
 
 
 class PictureClicked(Input, frozen=True, kw_only=True):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.pictures.glare import with_glare
 from vrut_lite.pictures.night_eye import as_sharp_as_seen, rods_share, seen_by_eye
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
@@ -27,12 +28,14 @@ def display_picture(
 
     Without `ev100` the exposure is metered from the picture itself, without pixels outside `inside`
     (h, w), such as the corners around a fisheye. All else is as `wish` says. `pixel_rad`, the angle
-    that a pixel sees, gives a dark picture an eye's acuity; 0 leaves it out. Steps of 8 bits are
-    dithered; those of 16 are invisible.
+    that a pixel sees, gives a dark picture an eye's acuity, and glare its width; 0 leaves both out.
+    Steps of 8 bits are dithered; those of 16 are invisible.
     """
     if ev100 is None:
         metered = radiance if inside is None else radiance[inside]
         ev100 = exposure.automatic_ev100(metered, night_look=wish.night_look)
+    if wish.glare > 0.0 and pixel_rad > 0.0:
+        radiance = with_glare(radiance, wish.glare, pixel_rad)
     rods = rods_share(ev100, wish.night_look)
     if rods > 0.0:
         radiance = seen_by_eye(as_sharp_as_seen(radiance, pixel_rad), rods)

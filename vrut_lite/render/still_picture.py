@@ -9,6 +9,7 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.numeric_types import Float32Array
 from vrut_lite.pictures import exposure
+from vrut_lite.pictures.glare import with_glare
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.value_picture import value_pixels, values_of
 from vrut_lite.render.culling import in_view, part_of
@@ -133,7 +134,13 @@ class StillPictures:
             ev100 = exposure.ev100_of(state.exposure, radiance, state.white_card)
         with passes.measure("tone map"):
             pixel_rad = view.pixel_rad(targets.size)
+            if state.exposure.glare > 0.0:
+                veiled = with_glare(radiance, state.exposure.glare, pixel_rad)
+                targets.write_resolved(_opaque(veiled))
             passes.tone.draw(targets.radiance, targets.display, ev100, state.exposure, pixel_rad)
+            if state.exposure.glare > 0.0:
+                # For another exposure, as `_last` says.
+                targets.write_resolved(_opaque(radiance))
         return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
     def _draw_seen(self, targets: Targets, shot: FrameInputs, sample: int) -> None:
@@ -205,6 +212,11 @@ class StillPictures:
                 shot.defines.sky,
                 pictures,
             )
+
+
+def _opaque(radiance: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Radiance (h, w, 3) with an alpha of 1."""
+    return np.dstack([radiance, np.ones(radiance.shape[:2])]).astype(np.float32)
 
 
 def _defines(shot: FrameInputs) -> Defines:

@@ -40,6 +40,7 @@ class PicturePanel(QWidget):
         self.night_look = Chooser()
         for name in get_args(NightLook):
             self.night_look.addItem(_NIGHT_TITLES[name], name)
+        self.glare = NumberField(0.0, 1.0, decimals=2)
         self.white_temperature_k = NumberField(LOWEST_K, HIGHEST_K, "K", whole=True)
         self.white_duv = NumberField(-0.05, 0.05, decimals=4)
         self.metered = faint_label(wraps=True)
@@ -61,6 +62,8 @@ class PicturePanel(QWidget):
              "2008), or none"),
             ("Night", self.night_look, "Dark, without colour and detail (Ward Larson 1997), or "
              "brighter, in its colours"),
+            ("Glare", self.glare, "Light that an eye scatters around what is bright, 1 all of it "
+             "(CIE 146:2002); in finished pictures"),
             ("White", self.white_temperature_k, "Daylight of this colour temperature is shown "
              "white (CIE 15, Bradford)"),
             ("Green or pink", self.white_duv, "Of the white: greener above 0, pinker below (Duv in "
@@ -81,7 +84,7 @@ class PicturePanel(QWidget):
         self.night_look.activated.connect(
             lambda _: self._send(night_look=self.night_look.currentData())
         )
-        for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
+        for name in ("ev100", "compensation_ev", "glare", "white_temperature_k", "white_duv"):
             field: NumberField = getattr(self, name)
             field.edited.connect(lambda value, name=name: self._send(**{name: value}))
         self.reset.clicked.connect(lambda: self._session.send(SetExposure()))
@@ -107,7 +110,7 @@ class PicturePanel(QWidget):
         self.ev100.setEnabled(locked)
         self.tone_map.setCurrentIndex(self.tone_map.findData(wish.tone_map))
         self.night_look.setCurrentIndex(self.night_look.findData(wish.night_look))
-        for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
+        for name in ("ev100", "compensation_ev", "glare", "white_temperature_k", "white_duv"):
             getattr(self, name).show_value(getattr(wish, name))
 
     def _show_metered(self, shown: Shown) -> None:
