@@ -1,12 +1,17 @@
 """A scene backend that traces paths."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+from path_tracer.denoising import can_denoise, without_grain
+from path_tracer.guides import guides
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.errors import GivenUp
 from vrut_lite.scene_engine import IsGivenUp, Picture, SceneState, developed
+
+_GUIDE_SAMPLES = 8
 
 
 class PathTracedBackend:
@@ -41,5 +46,9 @@ class PathTracedBackend:
         )
         if radiance is None:
             raise GivenUp
+        shown = radiance
+        if self.settings.denoise and can_denoise():
+            shown = without_grain(radiance, guides(subject, self.settings, _GUIDE_SAMPLES))
         pixel_rad = subject.camera.pixel_rad(len(radiance))
-        return developed(radiance, state.exposure, pixel_rad, state.white_card)
+        picture = developed(shown, state.exposure, pixel_rad, state.white_card)
+        return replace(picture, radiance=radiance, shown=shown)

@@ -4,7 +4,6 @@ The window imports it by the entry point `vrut_lite.panels`; nothing else here i
 """
 
 from functools import partial
-from importlib.util import find_spec
 from time import perf_counter
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from path_tracer.denoising import can_denoise, without_grain
 from path_tracer.messages import PathTracedPicture
 from path_tracer.remaining import Remaining, remaining_text
 from vrut_lite.errors import UserError
@@ -36,13 +36,12 @@ from vrut_lite.panel_kit import (
 
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."
-_DENOISER = "mitsuba_oidn"
 _WIDTH_PX, _HEIGHT_PX = 560, 400
 
 
 class Developed(NamedTuple):
-    """A picture (h, w, 3) as the screen shows it, its radiance, and how many of its samples are
-    there."""
+    """A picture (h, w, 3) as the screen shows it, its radiance as traced, and how many of its
+    samples are there."""
 
     pixels: NDArray[np.uint8]
     radiance: NDArray[np.float32]
@@ -74,7 +73,8 @@ class TracedPanel(QWidget):
             "A preview by Intel's Open Image Denoise (Afra 2024); it invents what few paths leave "
             "open"
         )
-        if find_spec(_DENOISER) is None:
+        self.denoise.setChecked(can_denoise())
+        if not can_denoise():
             self.denoise.setEnabled(False)
             self.denoise.setToolTip("It needs the extra `ref`: pip install 'vrut-lite[ref]'")
         self.keep = QPushButton("Save\N{HORIZONTAL ELLIPSIS}")
@@ -176,11 +176,7 @@ class TracedPanel(QWidget):
 def _developed(
     message: PathTracedPicture, ev100: float | None, wish: SetExposure, denoises: bool
 ) -> Developed:
-    radiance = message.radiance.values
-    if denoises:
-        import mitsuba_oidn
-
-        # Copied, for the next call may write into the same memory.
-        radiance = np.array(mitsuba_oidn.denoise(np.ascontiguousarray(radiance), hdr=True))
-    pixels = display_picture(radiance, ev100, wish, pixel_rad=message.pixel_rad)
-    return Developed(pixels.astype(np.uint8), radiance, message.samples, message.samples_wanted)
+    traced = message.radiance.values
+    shown = without_grain(traced) if denoises else traced
+    pixels = display_picture(shown, ev100, wish, pixel_rad=message.pixel_rad)
+    return Developed(pixels.astype(np.uint8), traced, message.samples, message.samples_wanted)

@@ -35,6 +35,14 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
             "Burley 2012",
         ),
     ] = "auto"
+    denoise: Annotated[
+        bool,
+        setting(
+            "Whether a finished picture is shown without grain, by Open Image Denoise where "
+            "mitsuba-oidn is installed; EXR keeps what was traced",
+            source="Afra 2024",
+        ),
+    ] = True
     variant: Annotated[
         Literal["auto", "scalar", "llvm"],
         setting("Of mitsuba: scalar_rgb, or llvm_ad_rgb; auto: llvm where it runs"),

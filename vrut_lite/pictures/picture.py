@@ -17,7 +17,8 @@ class Picture:
     radiance (h, w, 3) float32 is linear sRGB in W m^-2 sr^-1, display (h, w, 3) uint8 is
     sRGB-encoded, row 0 at the top; `ev100` is the exposure used. A picture in false colours has
     `values`, and `radiance` holds them in each channel, 0 without a value. `pixel_rad` is the angle
-    that a pixel in the middle sees, 0 where unknown.
+    that a pixel in the middle sees, 0 where unknown. `shown` is the radiance behind `display` where
+    it is another, as without grain.
     """
 
     radiance: NDArray[np.float32]
@@ -25,6 +26,7 @@ class Picture:
     ev100: float
     values: Values | None = None
     pixel_rad: float = 0.0
+    shown: NDArray[np.float32] | None = None
 
     def _repr_png_(self) -> bytes:
         """The picture as PNG, for notebooks."""

@@ -156,7 +156,6 @@ class SceneShot:
         picture = self.picture
         if picture.values is not None:
             return picture.display.astype(np.uint16) * 257
+        radiance = picture.radiance if picture.shown is None else picture.shown
         wish = SetExposure(**msgspec.structs.asdict(self.plan.project.exposure))
-        return display_picture(
-            picture.radiance, picture.ev100, wish, bits=16, pixel_rad=picture.pixel_rad
-        )
+        return display_picture(radiance, picture.ev100, wish, bits=16, pixel_rad=picture.pixel_rad)

@@ -3,9 +3,8 @@
 Region means are of the traced picture: it is right in the mean, a denoised one need not be.
 """
 
-import mitsuba_oidn
-import numpy as np
-from path_tracer.guides import guides
+from path_tracer.denoising import without_grain
+from path_tracer.guides import Guides, guides
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 
@@ -27,8 +26,4 @@ def guides_of(case: Case, state: SceneState) -> Arrays:
 
 def denoised(radiance: Picture, guide: Arrays) -> Picture:
     """Radiance (h, w, 3) without grain."""
-    found = mitsuba_oidn.denoise(
-        np.ascontiguousarray(radiance, np.float32), guide["albedo"], guide["normal"], hdr=True
-    )
-    # Copied, for the next call may write into the same memory.
-    return np.array(found, np.float32)
+    return without_grain(radiance, Guides(**guide))

@@ -38,7 +38,7 @@ def picture(samples, seed=1):
     )
 
 
-def test_it_has_the_acuity_of_the_eyes_tone_map():
+def test_it_has_the_eyes_acuity_by_night():
     """By starlight grain of single pixels of 0.1 deg is finer than the eye makes out."""
     noise = picture(4)
     dim = Array((noise.radiance.values * 5e-8).astype(np.float32))
@@ -86,16 +86,18 @@ def test_a_panel_that_is_shown_again_has_no_picture_of_another_hour(panel):
     assert "paths a pixel" not in panel.progress.text()
 
 
-def test_grain_is_taken_away_when_asked_for(panel):
-    """The preview has far less of it, about the same mean, and goes back at a click."""
+def test_grain_is_taken_away_unless_asked_for(panel):
+    """The preview has far less of it and about the same mean; the radiance to save is as traced."""
     pytest.importorskip("mitsuba_oidn", reason="the package mitsuba-oidn is not installed")
+    assert panel.denoise.isChecked()
     panel._hear(picture(4))
     panel.driver.until(lambda: panel.shown is not None)
-    grainy = panel.shown.radiance
+    smooth, radiance = panel.shown.pixels, panel.shown.radiance
     panel.denoise.click()
-    panel.driver.until(lambda: panel.shown.radiance is not grainy)
-    smooth = panel.shown.radiance
+    panel.driver.until(lambda: panel.shown.pixels is not smooth)
+    np.testing.assert_array_equal(panel.shown.radiance, radiance)
+    smooth, grainy = (
+        _developed(picture(4), 10.0, SetExposure(), denoises).pixels for denoises in (True, False)
+    )
     assert smooth.std() < 0.6 * grainy.std()
-    assert smooth.mean() == pytest.approx(grainy.mean(), rel=0.1)
-    panel.denoise.click()
-    panel.driver.until(lambda: np.array_equal(panel.shown.radiance, grainy))
+    assert smooth.mean() == pytest.approx(grainy.mean(), rel=0.15)
