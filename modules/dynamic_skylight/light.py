@@ -9,7 +9,6 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
-from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import HosekWilkieQuality
 from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
@@ -27,6 +26,7 @@ from vrut_lite.sky.sky_of_hour import (
     Spectrum,
     SunDisc,
 )
+from vrut_lite.sky.visible_disc import MEAN_ANGULAR_RADIUS_RAD
 
 NAME = "dynamic_skylight"
 # Over how many metres, and the eye's own height, air thins: an eye that moves by a share of it

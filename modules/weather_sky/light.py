@@ -13,7 +13,7 @@ from vrut_lite.messages.haze import MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.clear_sun import sun_irradiance_rgb
 from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, Sky, SkyInputs, SunDisc
-from vrut_lite.sky.suns import RADIUS_RAD
+from vrut_lite.sky.visible_disc import MEAN_ANGULAR_RADIUS_RAD
 from weather_sky.colour import TWILIGHT_K, clear_share, rgb_of_daylight, sky_rgb
 from weather_sky.conditions import Conditions
 from weather_sky.hemisphere import horizontal
@@ -110,10 +110,10 @@ class WeatherLight(Sky):
         """The sun's light: colour by clear air, illuminance by the weather."""
         lux = self.conditions.direct_lux
         if lux <= 0.0:
-            return SunDisc(np.zeros(3), RADIUS_RAD)
+            return SunDisc(np.zeros(3), MEAN_ANGULAR_RADIUS_RAD)
         tint = np.maximum(sun_irradiance_rgb(self.haze, self.conditions.apparent_elevation_rad), 0)
         shines = tint * (lux / LUMENS_PER_WATT / float(luminance(tint)))
-        return SunDisc(shines, RADIUS_RAD, haze=self.haze.layers)
+        return SunDisc(shines, MEAN_ANGULAR_RADIUS_RAD, haze=self.haze.layers)
 
     def ambient(self) -> FloatArray:
         """Harmonics of a small cube of sky and ground."""

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 
 from vrut_lite.atmosphere.refraction import (
     geometric_elevation,
     pressure_at_altitude_pa,
     refraction_of_true_rad,
 )
+from vrut_lite.sky.visible_disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 
 EVERYWHERE = np.radians(np.linspace(-90.0, 90.0, 18001))
 

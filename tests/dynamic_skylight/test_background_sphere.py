@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from dynamic_skylight.background import fill_ground
 from dynamic_skylight.daylight import Daylight
-from dynamic_skylight.sun.disc import visible_fraction
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, horizontal_irradiance
+from vrut_lite.sky.visible_disc import visible_fraction
 
 
 def daylight(turbidity=3.0, albedo=0.1, elevation=0.7, azimuth=1.0, colour="disc") -> Daylight:

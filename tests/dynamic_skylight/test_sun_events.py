@@ -8,11 +8,11 @@ import astronomy
 import numpy as np
 import pytest
 from dynamic_skylight import SunEvents, sun_events, sun_position
-from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vrut_lite.atmosphere.refraction import refraction_of_true_rad
+from vrut_lite.sky.visible_disc import MEAN_ANGULAR_RADIUS_RAD
 
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 NAMES = [field.name for field in fields(SunEvents)]

@@ -5,7 +5,6 @@ import pytest
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.sky import SOLAR_DISC_RADIUS_RAD
-from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 from dynamic_skylight.sun_light import disc_irradiance, in_gamut, limb_darkening_rgb, sun_light
 from dynamic_skylight.twilight import sky_of_hour
 from hypothesis import given
@@ -19,6 +18,7 @@ from vrut_lite.geometry.colour import (
     rgb_from_spectrum,
     solar_irradiance,
 )
+from vrut_lite.sky.visible_disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 
 
 @pytest.mark.parametrize("turbidity", mostly_long([1.0, 4.5, 10.0], (4.5).__ne__))

@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from dynamic_skylight import sun_events, sun_position
-from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.twilight_curve import illuminance_lx
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
@@ -17,6 +16,7 @@ from vrut_lite.atmosphere.refraction import (
     pressure_at_altitude_pa,
     refraction_of_true_rad,
 )
+from vrut_lite.sky.visible_disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 
 EPOCH, DAYS = datetime(1900, 1, 1, tzinfo=UTC), 73_414
 # Around the leap seconds at the ends of 1972, 1998, 2005 and 2016, and special dates.

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.messages.weather import LEAP_HOURS, SetWeather
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.visible_disc import visible_fraction
 
-RADIUS_RAD = 0.004652
 _J2000 = 946_728_000.0
 _HOUR_S = 3600.0
 
@@ -27,8 +27,7 @@ class Suns(NamedTuple):
     @property
     def disc_fraction(self) -> FloatArray:
         """Visible share (...,) of the disc."""
-        t = np.clip(self.apparent_elevation_rad / RADIUS_RAD, -1.0, 1.0)
-        return np.clip(0.5 + (t * np.sqrt(1.0 - t * t) + np.arcsin(t)) / np.pi, 0.0, 1.0)
+        return visible_fraction(self.apparent_elevation_rad)
 
     @property
     def east_north_up(self) -> FloatArray:

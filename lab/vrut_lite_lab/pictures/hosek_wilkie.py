@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 from dynamic_skylight.daylight import Daylight
-from dynamic_skylight.sun.disc import visible_fraction
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.pictures.display import display_picture
+from vrut_lite.sky.visible_disc import visible_fraction
 from vrut_lite_lab.pictures.drawing import sheet, view_directions
 
 

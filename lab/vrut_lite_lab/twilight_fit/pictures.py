@@ -8,7 +8,6 @@ from functools import cache
 
 import matplotlib as mpl
 import numpy as np
-from dynamic_skylight.sun.disc import visible_fraction
 from dynamic_skylight.sun_light import sun_light
 from dynamic_skylight.twilight import HourSky, sky_of_hour
 from dynamic_skylight.twilight_curve import illuminance_lx
@@ -19,6 +18,7 @@ from vrut_lite.atmosphere.refraction import geometric_elevation, refraction_of_t
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance, srgb_encode
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.visible_disc import visible_fraction
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

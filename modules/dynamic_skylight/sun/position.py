@@ -5,7 +5,6 @@ from datetime import datetime
 from typing import Literal, get_args
 
 from dynamic_skylight.sun import ephemeris, preetham
-from dynamic_skylight.sun.disc import visible_fraction
 from vrut_lite.arguments import as_number, check_choice, check_instant
 from vrut_lite.atmosphere.refraction import (
     STANDARD_TEMPERATURE_C,
@@ -14,6 +13,7 @@ from vrut_lite.atmosphere.refraction import (
 )
 from vrut_lite.geometry.frames import direction_from_angles
 from vrut_lite.messages.place import HIGHEST_M, LOWEST_M
+from vrut_lite.sky.visible_disc import visible_fraction
 
 Method = Literal["ephemeris", "preetham"]
 # The standard atmosphere has 325,000 Pa at the lowest altitude.

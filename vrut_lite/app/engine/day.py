@@ -1,33 +1,20 @@
 """The sun's day at a place: sampled every five minutes, with the instants of its events.
 
-The samples come from `SunMoved`, whichever module holds the sun. Events are roots between two
-samples, by the almanacs' conventions: at sunrise and sunset the refracted upper limb stands on a
-level horizon; at twilights the centre's geometric elevation is -6, -12 or -18 degrees; at noon the
-sun crosses the meridian. Refraction is interpolated from the day's own samples of geometric and
-apparent elevation, at the limb's elevation.
+The samples come from `SunMoved`, whichever module holds the sun.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import UTC, date, datetime, time, timedelta, tzinfo
+from datetime import date, datetime, timedelta, tzinfo
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.app.engine.preview_kernel import PreviewKernel
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sun import SunMoved
+from vrut_lite.sky.day_events import civil_day, day_events
 
 _STEP = timedelta(minutes=5)
-_PRECISION_S = 0.5
-# The sun's mean angular radius, 16 minutes of arc.
-_SUN_RADIUS_RAD = float(np.radians(16.0 / 60.0))
-TWILIGHTS_DEG = {"civil": -6.0, "nautical": -12.0, "astronomical": -18.0}
-# In their order on an ordinary day.
-MARKS = (
-    "astronomical dawn", "nautical dawn", "civil dawn", "sunrise", "noon",
-    "sunset", "civil dusk", "nautical dusk", "astronomical dusk",
-)  # fmt: skip
-Height = Callable[[SunMoved], float]
 
 
 @dataclass(frozen=True)
@@ -107,15 +94,17 @@ class Day:
 
 def day_of(second: PreviewKernel, day: date, zone: tzinfo) -> Day | None:
     """A civil day of a time zone, where `second` is set up; None if no module holds the sun."""
-    start, end = (
-        datetime.combine(day + timedelta(days=n), time(), tzinfo=zone).astimezone(UTC)
-        for n in (0, 1)
-    )
+    start, end = civil_day(day, zone)
     steps = round((end - start) / _STEP)
     instants = [start + (end - start) * i / steps for i in range(steps + 1)]
     suns = [sun for instant in instants if (sun := second.sun_at(instant)) is not None]
     if len(suns) < len(instants):
         return None
+
+    def sun_at(instant: datetime) -> SunMoved:
+        return second.sun_at(instant) or suns[0]
+
+    place = second.kernel.last(SetPlace)
     return Day(
         start=start,
         end=end,
@@ -124,56 +113,5 @@ def day_of(second: PreviewKernel, day: date, zone: tzinfo) -> Day | None:
         elevation_deg=np.degrees([sun.elevation_rad for sun in suns]),
         azimuth_deg=np.degrees([sun.azimuth_rad for sun in suns]) % 360.0,
         direction=np.array([sun.direction for sun in suns]),
-        marks=_marks(second, instants, suns),
+        marks=day_events(start, end, sun_at, 0.0 if place is None else place.altitude_m),
     )
-
-
-def _marks(
-    second: PreviewKernel, instants: list[datetime], suns: list[SunMoved]
-) -> dict[str, datetime]:
-    def crossing(height: Height, rising: bool) -> datetime | None:
-        """The first upward crossing of zero, or the last downward one, to half a second."""
-        sign = 1.0 if rising else -1.0
-        above = np.array([sign * height(sun) >= 0.0 for sun in suns])
-        found = np.flatnonzero(~above[:-1] & above[1:])
-        if not found.size:
-            return None
-        index = int(found[0 if rising else -1])
-        low, high = instants[index], instants[index + 1]
-        while (high - low).total_seconds() > _PRECISION_S:
-            middle = low + (high - low) / 2
-            sun = second.sun_at(middle)
-            if sun is not None and sign * height(sun) >= 0.0:
-                high = middle
-            else:
-                low = middle
-        return high
-
-    limb = _upper_limb(suns)
-    found = {
-        "sunrise": crossing(limb, rising=True),
-        "noon": crossing(lambda sun: float(np.sin(sun.azimuth_rad)), rising=False),
-        "sunset": crossing(limb, rising=False),
-    }
-    for name, elevation_deg in TWILIGHTS_DEG.items():
-        height = _above(elevation_deg)
-        found[f"{name} dawn"] = crossing(height, rising=True)
-        found[f"{name} dusk"] = crossing(height, rising=False)
-    return {name: when for name in MARKS if (when := found[name]) is not None}
-
-
-def _upper_limb(suns: list[SunMoved]) -> Height:
-    """Elevation of the refracted upper limb."""
-    rising = sorted(suns, key=lambda sun: sun.elevation_rad)
-    elevation_rad = np.array([sun.elevation_rad for sun in rising])
-    refraction_rad = np.array([sun.apparent_elevation_rad for sun in rising]) - elevation_rad
-
-    def height(sun: SunMoved) -> float:
-        limb_rad = sun.elevation_rad + _SUN_RADIUS_RAD
-        return limb_rad + float(np.interp(limb_rad, elevation_rad, refraction_rad))
-
-    return height
-
-
-def _above(elevation_deg: float) -> Height:
-    return lambda sun: float(np.degrees(sun.elevation_rad)) - elevation_deg

@@ -16,7 +16,6 @@ from bruneton_sky.background import background_cube, surroundings
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField, solve
 from dynamic_skylight.daylight import Daylight
-from dynamic_skylight.sun.disc import visible_fraction
 from numpy.typing import NDArray
 
 from vrut_lite.atmosphere.aerosol import optical_depth_of_turbidity
@@ -25,6 +24,7 @@ from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, SRGB_FROM_XYZ, luminanc
 from vrut_lite.geometry.panorama import lat_long_directions, sample_sky
 from vrut_lite.messages.haze import DEFAULT_AEROSOL, AerosolType, SetHaze
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.visible_disc import visible_fraction
 from vrut_lite_lab.study.photographs.mask import Sun, elevations_deg
 
 # Radiance (n, 3), W m^-2 sr^-1, of a turbidity and a sun at directions (n, 3).
