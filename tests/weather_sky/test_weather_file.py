@@ -4,6 +4,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from vrut_lite.errors import UserError
 from vrut_lite.weather.weather_file import read_weather
@@ -98,10 +100,49 @@ def test_missing_values_are_filled_and_said(year_text, read):
     )
 
 
-def test_names_of_towns_may_be_in_any_encoding(year_text, read):
-    """Files are written all over the world; nothing but the name is lost."""
-    weather = read(year_text.replace("LOCATION,Prague", "LOCATION,Córdoba"), "latin-1")
-    assert weather.name == "C?rdoba"
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
+def test_names_of_towns_may_be_in_any_encoding(year_text, read, encoding):
+    """Files are written all over the world: the name is read as its town spells it."""
+    head, _, rows = year_text.partition("\n")
+    head = head.replace("Prague", '"Zürich, Kloten"')
+    assert read(f"{head}\n{rows}", encoding).name == "Zürich  Kloten"
+
+
+@pytest.mark.parametrize("night", ["-1", "", "9999", "-9999", " "])
+def test_light_that_is_missing_by_night_is_none(year_text, read, night):
+    """Instruments rest while the sun is down: what they then write is no lack of the file. Within
+    a degree of the horizon the light of a day nearby stands in, tens of watts."""
+    rows = [line.split(",") for line in year_text.splitlines()[HEAD:]]
+    dark = [n for n, row in enumerate(rows) if row[GLOBAL] == row[DIRECT] == row[DIFFUSE] == "0"]
+    blank = {(n, column): night for n in dark for column in (DIRECT, DIFFUSE)}
+    expected, found = read(year_text), read(with_cells(year_text, blank))
+    for name in ("direct_normal_w_m2", "diffuse_horizontal_w_m2"):
+        apart = np.array(getattr(found, name)) - np.array(getattr(expected, name))
+        assert apart.max() < 30.0
+        assert np.count_nonzero(apart) < 40
+
+
+def test_an_hour_that_is_never_observed_has_the_nearest_hours_clouds(year_text, read):
+    """Observers write clouds down every six hours, or by day alone."""
+    rows = [row for row in range(8760) if row % 6]
+    cover = np.array(read(with_cells(year_text, {(row, TOTAL): "99" for row in rows})).cloud_cover)
+    by_day, observed = cover.reshape(-1, 24), np.repeat([0, 6, 12, 18], [4, 6, 6, 8])
+    assert np.array_equal(by_day, by_day[:, observed])
+
+
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.integers(0, 8759), st.integers(0, 34), st.text(max_size=8) | st.floats().map(str))
+def test_any_cell_is_read_or_refused_in_one_line(year_text, read, row, column, cell):
+    """Rows come from loggers and spreadsheets: none of them ends in a traceback."""
+    refusal = ""
+    try:
+        read(with_cells(year_text, {(row, column): cell}), "utf-8").check()
+    except UserError as error:
+        refusal = str(error)
+    places = f"line {HEAD + row + 1}:", f"row {row + 1} ", "rows:", "line "
+    assert not refusal or any(place in refusal for place in places)
 
 
 def test_files_as_editors_and_older_programs_leave_them(year_text, read):
@@ -132,12 +173,19 @@ BROKEN = {
         lambda t: t.replace("2023,3,5,7,", "2023,3,5,8,", 1),
         "another hour in row 1519 than month 3, day 5, hour 7",
     ),
+    "no direct sun in an hour": (
+        lambda t: with_cells(t, {(row, DIRECT): "" for row in range(12, 8760, 24)}),
+        "has no direct normal irradiance in hour 13 of any day, though the sun is up",
+    ),
     "no direct sun": (
         lambda t: with_cells(t, {(None, DIRECT): "9999"}),
         "has no direct normal irradiance",
     ),
     "words": (lambda t: t.replace("2023,3,5,7,", "2023,March,5,7,", 1), "line 1527: must hold"),
-    "no such day": (lambda t: t.replace("2023,3,5,7,", "2023,2,30,7,", 1), "line 1527: must hold"),
+    "no such day": (
+        lambda t: t.replace("2023,3,5,7,", "2023,2,30,7,", 1),
+        "date 2023-2-30 does not exist",
+    ),
     "a row cut off": (lambda t: t.replace("2023,3,5,7,", "2023,3,5,7\n", 1), "line 1527: must"),
     "no time zone": (lambda t: t.replace(",1.0,200.0", ",,200.0", 1), "time zone and altitude of"),
     "a zone of no earth": (lambda t: t.replace(",1.0,200.0", ",99,200.0", 1), "of this earth"),

@@ -101,15 +101,14 @@ def middle_of_sunlit(
     return np.asarray(start + _HOUR_S * middle)
 
 
-def year_start_s(weather: SetWeather) -> float:
-    """Seconds since 1970 of the first hour's beginning, in 2023 or the leap year 2024."""
-    leap = len(weather.direct_normal_w_m2) == LEAP_HOURS
-    first = datetime(2024 if leap else 2023, 1, 1, tzinfo=UTC).timestamp()
-    return first - _HOUR_S * weather.utc_offset_h
+def hour_edges_s(hours: int, utc_offset_h: float) -> FloatArray:
+    """Seconds (hours + 1,) since 1970 of the hours' ends, in 2023 or the leap year 2024."""
+    first = datetime(2024 if hours == LEAP_HOURS else 2023, 1, 1, tzinfo=UTC).timestamp()
+    return np.asarray(first + _HOUR_S * (np.arange(hours + 1) - utc_offset_h))
 
 
 def suns_of_year(weather: SetWeather) -> Suns:
     """The suns (hours,) of the middle of each hour's sunlit part, of 2023 or the leap year 2024."""
-    starts = year_start_s(weather) + _HOUR_S * np.arange(len(weather.direct_normal_w_m2))
+    starts = hour_edges_s(len(weather.direct_normal_w_m2), weather.utc_offset_h)[:-1]
     where = weather.latitude_deg, weather.longitude_deg, weather.altitude_m
     return suns_at(middle_of_sunlit(starts, *where), *where)

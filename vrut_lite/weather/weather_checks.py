@@ -12,7 +12,7 @@ import numpy as np
 from vrut_lite.atmosphere.planet import EARTH_RADIUS_M
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.sky.suns import Suns, suns_at, year_start_s
+from vrut_lite.sky.suns import Suns, hour_edges_s, suns_at
 
 _HOURS_A_MONTH = 730.5
 _SHIFTS_H = 0.5 * np.arange(-23, 25)
@@ -111,9 +111,8 @@ def _readings(weather: SetWeather) -> list[_Reading]:
 
 def _suns(weather: SetWeather, reading: _Reading) -> Suns:
     """The suns (hours,) of the middle of each hour."""
-    middle = year_start_s(weather) + 3600.0 * (
-        np.arange(len(weather.direct_normal_w_m2)) + 0.5 + reading.shift_h
-    )
+    edges_s = hour_edges_s(len(weather.direct_normal_w_m2), weather.utc_offset_h)
+    middle = edges_s[:-1] + 3600.0 * (0.5 + reading.shift_h)
     return suns_at(
         middle, reading.latitude * weather.latitude_deg, reading.longitude * weather.longitude_deg
     )

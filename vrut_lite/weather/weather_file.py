@@ -1,16 +1,17 @@
 """Reads a year of weather from an EPW file (EnergyPlus Weather), by pvlib."""
 
-import codecs
+import csv
 import io
 import os
 import stat
 from datetime import date
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from msgspec import structs
+from numpy.typing import NDArray
 
 from vrut_lite.checks import refusal_of
 from vrut_lite.errors import UserError
@@ -21,7 +22,10 @@ from vrut_lite.messages.weather import (
     MOST_DIRECT_W_M2,
     SetWeather,
 )
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import BoolArray, FloatArray
+from vrut_lite.plain_numbers import plain_int
+from vrut_lite.sky.suns import hour_edges_s, suns_at
+from vrut_lite.text_files import decoded, plain_text
 from vrut_lite.weather.weather_checks import contradictions
 
 SUFFIX = ".epw"
@@ -37,11 +41,25 @@ _MISSING_IRRADIANCE, _MISSING_DEW_POINT, _MISSING_TENTHS = 9999.0, 99.9, 99.0
 _USUAL_DEW_POINT_C = 11.0
 
 
+class _Irradiance(NamedTuple):
+    """A column of light: its name by pvlib, its title, and what no sun exceeds."""
+
+    name: str
+    title: str
+    most_w_m2: float
+
+
+_LIGHT = (
+    _Irradiance("dni", "direct normal irradiance", MOST_DIRECT_W_M2),
+    _Irradiance("dhi", "diffuse horizontal irradiance", MOST_DIFFUSE_W_M2),
+)
+
+
 def read_weather(path: str | os.PathLike[str]) -> SetWeather:
     """The year of an EPW file.
 
-    Hours without direct or diffuse irradiance, or dew point, take the value of the same hour of
-    the nearest day that has one; the message's `lacks` says so.
+    Irradiance that is missing while the sun is down is 0. Other missing values are those of the
+    same hour of the nearest day, or of the nearest hour; the message's `lacks` says so.
 
     Raises:
         UserError: pvlib is not installed, or the file is missing, no EPW, or has other than the
@@ -57,10 +75,8 @@ def _read(file: Path, text: str) -> SetWeather:
     table, place = _parsed(file, text)
     _check_hours(file, table)
     lacks: list[str] = []
-    direct = _irradiance(file, table, "dni", "direct normal irradiance", MOST_DIRECT_W_M2, lacks)
-    diffuse = _irradiance(
-        file, table, "dhi", "diffuse horizontal irradiance", MOST_DIFFUSE_W_M2, lacks
-    )
+    is_dark = _is_dark(table, place)
+    direct, diffuse = (_irradiance(file, table, column, is_dark, lacks) for column in _LIGHT)
     weather = SetWeather(
         path=str(file),
         name=_clean(place.get("city", "")) or file.stem,
@@ -90,9 +106,7 @@ def _text_of(file: Path) -> str:
                 f"the weather file {file} is too large, {state.st_size:,} bytes: a year of hours "
                 f"has less than {_MOST_BYTES:,}"
             )
-        # Names of towns are written in any encoding; all else is ASCII.
-        content = file.read_bytes().removeprefix(codecs.BOM_UTF8)
-        return content.decode("ascii", errors="replace").replace("�", "?")
+        return decoded(plain_text(file.read_bytes()))
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"cannot open the weather file {file}: {reason}") from None
@@ -100,7 +114,9 @@ def _text_of(file: Path) -> str:
 
 def _parsed(file: Path, text: str) -> tuple[Any, dict[str, Any]]:
     """The rows as pvlib's table, and the place."""
-    head = text.lstrip().splitlines()[0].split(",") if text.strip() else [""]
+    first, _, rest = text.lstrip().partition("\n")
+    # A name in quotation marks may hold commas.
+    head = [cell.replace(",", " ") for cell in next(csv.reader([first])) or [""]]
     if head[0].strip().upper() != "LOCATION" or len(head) < 10:
         raise UserError(
             f"{file} is no EPW file: its first line is not LOCATION with latitude, longitude, "
@@ -117,7 +133,7 @@ def _parsed(file: Path, text: str) -> tuple[Any, dict[str, Any]]:
         raise UserError(
             "weather files need the package pvlib: pip install 'vrut-lite[weather]'"
         ) from None
-    whole = _whole_rows(file, text)
+    whole = _whole_rows(file, [",".join(head), *rest.split("\n")])
     try:
         table, place = read_epw(io.StringIO(whole))
     # pandas raises errors of many kinds.
@@ -136,34 +152,45 @@ def _is_place(cells: list[str]) -> bool:
     return bool(np.isfinite(numbers).all()) and abs(numbers[2]) <= _MOST_OFFSET_H
 
 
-def _whole_rows(file: Path, text: str) -> str:
+def _whole_rows(file: Path, lines: list[str]) -> str:
     """The text with every row filled up to EPW's columns.
 
     Raises:
         UserError: a row holds no date and hour, or too few columns; the sentence names its line.
     """
-    lines = text.lstrip().splitlines()
     for number, line in enumerate(lines[_HEAD_LINES:], start=_HEAD_LINES):
         cells = line.split(",")
         if not line.strip():
             continue
-        if '"' in line or not _LAST_NEEDED <= len(cells) <= _COLUMNS or not _is_date(cells):
+        if '"' in line or not _LAST_NEEDED <= len(cells) <= _COLUMNS or not _is_hour(cells):
             raise UserError(
-                f"the weather file {file}, line {number + 1}: must hold year, month, day, hour, "
-                f"and {_LAST_NEEDED} to {_COLUMNS} columns in all"
+                f"the weather file {file}, line {number + 1}: must hold year, month, day, hour "
+                f"from 1 to 24, and {_LAST_NEEDED} to {_COLUMNS} columns in all"
+            )
+        if not _is_date(cells):
+            raise UserError(
+                f"the weather file {file}, line {number + 1}: the date "
+                f"{'-'.join(cell.strip() for cell in cells[:3])} does not exist; mend that row"
             )
         lines[number] = line + "," * (_COLUMNS - len(cells))
     return "\n".join(lines) + "\n"
 
 
-def _is_date(cells: list[str]) -> bool:
-    """Whether a row begins with year, month, day and hour as the calendar has them."""
+def _is_hour(cells: list[str]) -> bool:
+    """Whether a row begins with four whole numbers, the last one an hour as EPW counts them."""
     try:
-        year, month, day, hour = (int(cell) for cell in cells[:4])
-        date(year, month, day)
+        return [plain_int(cell) for cell in cells[:4]][3] in range(1, 25)
+    except ValueError:
+        return False
+
+
+def _is_date(cells: list[str]) -> bool:
+    """Whether the calendar has the day with which a row begins."""
+    try:
+        date(*map(int, cells[:3]))
     except (ValueError, OverflowError):
         return False
-    return 1 <= hour <= 24
+    return True
 
 
 def _check_hours(file: Path, table: Any) -> None:
@@ -196,16 +223,26 @@ def _numbers(table: Any, name: str) -> FloatArray:
 
 
 def _irradiance(
-    file: Path, table: Any, name: str, title: str, most: float, lacks: list[str]
+    file: Path, table: Any, column: _Irradiance, is_dark: BoolArray, lacks: list[str]
 ) -> tuple[float, ...]:
-    values = _numbers(table, name)
+    values = _numbers(table, column.name)
     known = (values >= 0.0) & (values < _MISSING_IRRADIANCE)
     # More than the sun has above the air is a fault of the instrument.
-    known &= values <= most
-    filled = _filled(np.where(known, values, np.nan), title, lacks)
-    if filled is None:
-        raise UserError(f"the weather file {file} has no {title}: choose another file")
-    return filled
+    known &= values <= column.most_w_m2
+    # Instruments rest at night, or show less than nothing.
+    light = np.where(known, values, np.where(is_dark, 0.0, np.nan))
+    never = np.flatnonzero(np.isnan(light.reshape(-1, 24)).all(axis=0))
+    if never.size:
+        when = f" in hour {never[0] + 1} of any day, though the sun is up" if known.any() else ""
+        raise UserError(f"the weather file {file} has no {column.title}{when}: choose another file")
+    return _filled(light, column.title, lacks)
+
+
+def _is_dark(table: Any, place: dict[str, Any]) -> BoolArray:
+    """Whether the sun is down (hours,) in the middle of each hour."""
+    middle_s = hour_edges_s(len(table), place["TZ"])[:-1] + 1800.0
+    suns = suns_at(middle_s, place["latitude"], place["longitude"], place["altitude"])
+    return suns.apparent_elevation_rad < 0.0
 
 
 def _global(table: Any) -> FloatArray:
@@ -217,42 +254,49 @@ def _global(table: Any) -> FloatArray:
 def _dew_point(table: Any, lacks: list[str]) -> tuple[float, ...]:
     values = _numbers(table, "temp_dew")
     known = (values > -_MISSING_DEW_POINT) & (values < 60.0)
-    filled = _filled(np.where(known, values, np.nan), "the dew point", lacks)
-    if filled is None:
+    if not known.any():
         lacks.append(f"no dew point: {_USUAL_DEW_POINT_C:g} degrees Celsius stands in")
         return (_USUAL_DEW_POINT_C,) * len(values)
-    return filled
+    return _filled(np.where(known, values, np.nan), "the dew point", lacks)
 
 
 def _cloud_cover(table: Any, lacks: list[str]) -> tuple[float, ...]:
     for name in ("total_sky_cover", "opaque_sky_cover"):
         values = _numbers(table, name)
         known = (values >= 0.0) & (values <= 10.0)
-        share = _filled(np.where(known, 0.1 * values, np.nan), "cloud cover", lacks)
-        if share is not None:
-            return share
+        if known.any():
+            return _filled(np.where(known, 0.1 * values, np.nan), "cloud cover", lacks)
     lacks.append("no cloud cover: the time bar shows no clouds")
     return ()
 
 
-def _filled(values: FloatArray, title: str, lacks: list[str]) -> tuple[float, ...] | None:
-    """A year without NaN, by the same hour of the nearest day; None if an hour never has one."""
+def _filled(values: FloatArray, title: str, lacks: list[str]) -> tuple[float, ...]:
+    """A year without NaN: by the same hour of the nearest day, or an hour that is never known by
+    the nearest one."""
     by_day = values.reshape(-1, 24)
     unknown = np.isnan(by_day)
-    if unknown.all(axis=0).any():
-        return None
-    if unknown.any():
-        days = np.arange(len(by_day))
-        for hour in np.flatnonzero(unknown.any(axis=0)):
-            have = days[~unknown[:, hour]]
-            after = np.clip(np.searchsorted(have, days), 0, have.size - 1)
-            before = np.clip(after - 1, 0, None)
-            nearer = np.abs(have[before] - days) <= np.abs(have[after] - days)
-            by_day[:, hour] = by_day[np.where(nearer, have[before], have[after]), hour]
-        count = int(unknown.sum())
-        hours = "1 hour lacks" if count == 1 else f"{count:,} hours lack"
-        lacks.append(f"{hours} {title}: the same hour of the nearest day stands in")
+    never = unknown.all(axis=0)
+    days, hours = np.arange(len(by_day)), np.arange(24)
+    for hour in np.flatnonzero(unknown.any(axis=0) & ~never):
+        have = days[~unknown[:, hour]]
+        by_day[:, hour] = by_day[_nearest(days, have), hour]
+    by_day[:, never] = by_day[:, _nearest(hours, hours[~never])[never]]
+    count, of_day = int(unknown[:, ~never].sum()), int(never.sum())
+    if count:
+        found = "1 hour lacks" if count == 1 else f"{count:,} hours lack"
+        lacks.append(f"{found} {title}: the same hour of the nearest day stands in")
+    if of_day:
+        found = "1 hour of each day lacks" if of_day == 1 else f"{of_day} hours of each day lack"
+        lacks.append(f"{found} {title}: the nearest hour stands in")
     return tuple(by_day.ravel().tolist())
+
+
+def _nearest(places: NDArray[np.integer], have: NDArray[np.integer]) -> NDArray[np.integer]:
+    """The nearest of rising numbers (H,) to each of some places (N,), the earlier of two."""
+    after = np.clip(np.searchsorted(have, places), 0, have.size - 1)
+    before = np.clip(after - 1, 0, None)
+    nearer = np.abs(have[before] - places) <= np.abs(have[after] - places)
+    return np.where(nearer, have[before], have[after])
 
 
 def _clean(name: object) -> str:
