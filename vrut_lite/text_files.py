@@ -26,6 +26,8 @@ def plain_text(data: bytes) -> bytes:
     data = data[len(mark) :] if mark else data
     if encoding != "utf-8":
         data = data.decode(encoding, errors="replace").encode()
+    # Programs of DOS end a text by Ctrl-Z.
+    data = data.rstrip(b"\x1a\0")
     return _LINE_ENDS.sub(b"\n", data) if b"\r" in data else data
 
 

@@ -11,8 +11,9 @@ from vrut_lite.messages.lamps import ALL_AROUND
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_nodes import PlacedNode
 from vrut_lite.scene.gltf_schema import Lamp, Spot
-from vrut_lite.scene.ies_file import Photometry, read_ies
+from vrut_lite.scene.ies_file import read_ies
 from vrut_lite.scene.lamps import PlacedLamp
+from vrut_lite.scene.photometry import Photometry
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 

@@ -1,109 +1,91 @@
 """IES files (ANSI/IES LM-63, all editions): candela that a luminaire sends in each direction."""
 
-import math
 import re
-from typing import NamedTuple
 
 import numpy as np
 
 from vrut_lite.messages.lamps import TABLE_SHAPE
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import FloatArray
+from vrut_lite.scene.photometry import (
+    MOST_ANGLES,
+    Photometry,
+    check_candela,
+    cut_short,
+    finite_numbers,
+    table_of_planes,
+)
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.text_files import decoded, plain_text
 
-_MOST_ANGLES = 721
+_KIND = "an IES file"
+_TILT = re.compile(r"^[ \t]*TILT[ \t]*=(.*)$", re.MULTILINE | re.IGNORECASE)
+# The first line of the editions since 1995; that of 1991 is IESNA91, that of 1986 has none.
+_LATER_EDITION = re.compile(r"\s*IES(NA)?\s*:\s*LM-63-(?!1986|1991)", re.IGNORECASE)
 _SEPARATORS = re.compile(r"[\s,]+")
 _TYPE_C, _TYPE_B, _TYPE_A = 1, 2, 3
-# Angles that files round.
-_NEARLY_DEG = 0.1
-_MOST_CANDELA = 1e12
 
 
-class Photometry(NamedTuple):
-    """A luminaire's light: `table` (181, 73) in [0, 1], and the candela where it is 1.
-
-    Rows go from the luminaire's axis to its opposite, columns once around it from its own +X by
-    +Y. The axis is the nadir of type C, and where lamps of types A and B are aimed.
-    """
-
-    candela: float
-    table: Float32Array
+def is_ies(text: str) -> bool:
+    """Whether a text has the line that every IES file has."""
+    return _TILT.search(text) is not None
 
 
 def read_ies(data: bytes) -> Photometry:
-    """The photometry of an IES file, tilt and ballast factor included.
+    """The photometry of an IES file, tilt and factors of ballast and lamp included.
 
     Raises:
         SceneFileError: it is no IES file, or its numbers do not hold.
     """
-    head, _, rest = data.decode("latin-1").partition("TILT=")
-    tilt, _, body = rest.partition("\n")
-    if not rest or not head.strip():
+    text = decoded(plain_text(data))
+    tilt = _TILT.search(text)
+    if tilt is None:
         raise SceneFileError("an IES file of it has no line TILT=; fetch that file again")
-    values = _numbers(body)
-    if tilt.strip() == "INCLUDE":
+    words = [word for word in _SEPARATORS.split(text[tilt.end() :]) if word]
+    if tilt[1].strip().upper() == "INCLUDE":
         # Lamp outputs by tilt angle: at the angle 0, as it is drawn here, the factor is 1.
-        if len(values) < 2:
-            raise _cut_short()
-        values = values[2 + 2 * int(values[1]) :]
-    if len(values) < 13:
-        raise _cut_short()
-    multiplier, rows, columns, kind = values[2], values[3], values[4], values[5]
+        if len(words) < 2:
+            raise cut_short(_KIND)
+        words = words[2 + 2 * int(finite_numbers(words[1:2], _KIND)[0]) :]
+    if len(words) < 13:
+        raise cut_short(_KIND)
+    head = finite_numbers(words[:13], _KIND)
+    multiplier, rows, columns, kind = head[2:6]
+    ballast, ballast_lamp = head[10:12]
+    if _LATER_EDITION.match(text):
+        # Since 1995 the number is kept for future use, and since 2019 it tells who measured.
+        ballast_lamp = 1.0
     if kind not in (_TYPE_A, _TYPE_B, _TYPE_C):
         raise SceneFileError(
             f"an IES file of it has photometry of type {kind:g}, and there are 1, 2 and 3 (C, B "
             "and A); mend that file"
         )
-    if not (1 <= rows <= _MOST_ANGLES and 1 <= columns <= _MOST_ANGLES):
+    if not (1 <= rows <= MOST_ANGLES and 1 <= columns <= MOST_ANGLES):
         raise SceneFileError(f"an IES file of it has {rows:g} x {columns:g} angles; mend that file")
     lowest = 0.0 if kind == _TYPE_C else -180.0
-    vertical, horizontal, candela = _parts(values[13:], int(rows), int(columns), lowest)
-    candela = candela * multiplier * values[10]
-    if not (np.all(candela >= 0.0) and np.all(candela <= _MOST_CANDELA)):
-        raise SceneFileError("an IES file of it has impossible candela; mend that file")
+    vertical, horizontal, candela = _parts(words[13:], int(rows), int(columns), lowest)
+    candela = candela * multiplier * ballast * ballast_lamp
+    check_candela(candela, _KIND)
     if kind == _TYPE_C:
-        table = _table(vertical, horizontal, candela)
-    else:
-        table = _aimed_table(vertical, horizontal, candela, around_vertical=kind == _TYPE_A)
-    most = float(table.max())
-    return Photometry(most, (table / max(most, 1e-30)).astype(np.float32))
+        return Photometry.of(table_of_planes(vertical, horizontal, candela))
+    return Photometry.of(
+        _aimed_table(vertical, horizontal, candela, around_vertical=kind == _TYPE_A)
+    )
 
 
-def _numbers(text: str) -> list[float]:
-    try:
-        values = [float(word) for word in _SEPARATORS.split(text) if word]
-    except ValueError as fault:
-        raise SceneFileError(f"an IES file of it is damaged ({fault}); fetch it again") from None
-    if not all(map(math.isfinite, values)):
-        raise SceneFileError("an IES file of it holds numbers that are not finite; fetch it again")
-    return values
-
-
-def _parts(
-    values: list[float], rows: int, columns: int, lowest_deg: float
-) -> tuple[FloatArray, ...]:
+def _parts(words: list[str], rows: int, columns: int, lowest_deg: float) -> tuple[FloatArray, ...]:
     """Vertical angles (V,), horizontal ones (H,), degrees, and candela (V, H)."""
-    if len(values) < rows + columns + rows * columns:
-        raise _cut_short()
-    vertical = np.array(values[:rows])
-    horizontal = np.array(values[rows : rows + columns])
     first = rows + columns
-    candela = np.array(values[first : first + rows * columns]).reshape(columns, rows).T
+    if len(words) < first + rows * columns:
+        raise cut_short(_KIND)
+    values = finite_numbers(words[: first + rows * columns], _KIND)
+    vertical = np.array(values[:rows])
+    horizontal = np.array(values[rows:first])
+    candela = np.array(values[first:]).reshape(columns, rows).T
     rising = np.all(np.diff(vertical) > 0.0) and np.all(np.diff(horizontal) > 0.0)
     inside = min(vertical[0], horizontal[0]) >= lowest_deg and vertical[-1] <= 180.0
     if not (rising and inside and horizontal[-1] <= 360.0):
         raise SceneFileError("angles in an IES file of it do not rise; mend that file")
     return vertical, horizontal, candela
-
-
-def _table(vertical: FloatArray, horizontal: FloatArray, candela: FloatArray) -> FloatArray:
-    """Candela at the nodes of our table; dark beyond the file's vertical angles."""
-    rows, columns = TABLE_SHAPE
-    theta, phi = np.linspace(0.0, 180.0, rows), np.linspace(0.0, 360.0, columns)
-    by_column = np.array(
-        [np.interp(theta, vertical, column, left=0.0, right=0.0) for column in candela.T]
-    )
-    folded = _folded(phi, horizontal)
-    return np.array([np.interp(folded, horizontal, row) for row in by_column.T])
 
 
 def _aimed_table(
@@ -139,22 +121,3 @@ def _aimed_table(
         )
     found = np.einsum("vn,hn,vh->n", *shares, candela, optimize=True)
     return np.asarray(found.reshape(TABLE_SHAPE))
-
-
-def _folded(phi: FloatArray, horizontal: FloatArray) -> FloatArray:
-    """Angles around the axis, brought by symmetry into the range that the file has."""
-    last = float(horizontal[-1])
-    if len(horizontal) == 1:
-        return np.full_like(phi, horizontal[0])
-    if abs(last - 90.0) < _NEARLY_DEG:
-        half = np.abs((phi + 180.0) % 360.0 - 180.0)
-        return np.minimum(half, 180.0 - half)
-    if abs(last - 180.0) < _NEARLY_DEG:
-        return np.abs((phi + 180.0) % 360.0 - 180.0)
-    if abs(last - 270.0) < _NEARLY_DEG and abs(float(horizontal[0]) - 90.0) < _NEARLY_DEG:
-        return np.where((phi < 90.0) | (phi > 270.0), (180.0 - phi) % 360.0, phi)
-    return phi
-
-
-def _cut_short() -> SceneFileError:
-    return SceneFileError("an IES file of it is cut short; fetch that file again")

@@ -17,7 +17,7 @@ from vrut_lite.messages.lamps import (
     brightest_first,
 )
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.scene.ies_file import Photometry
+from vrut_lite.scene.photometry import Photometry
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 _LONGEST_NAME = 80

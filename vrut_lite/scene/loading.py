@@ -22,9 +22,10 @@ from vrut_lite.scene.choices import chosen_camera, chosen_variant
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.glazing import glazed
 from vrut_lite.scene.gltf_points_and_lines import Strokes, packed_strokes
-from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
+from vrut_lite.scene.luminaire_file import read_luminaire
 from vrut_lite.scene.mesh import TriangleMesh, mirrored
+from vrut_lite.scene.photometry import Photometry
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, box_of, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.scene_files import SceneFile, SceneFiles
@@ -72,8 +73,8 @@ class OpenScene:
 
     `budget` limits memory; by default it comes from the environment. Axes and units that a
     placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1,
-    and so does `variant` among the materials' variants. `luminaires` are paths of IES files by
-    the names of lamps; `glazing` says which materials are glass.
+    and so does `variant` among the materials' variants. `luminaires` are paths of IES and
+    EULUMDAT files by the names of lamps; `glazing` says which materials are glass.
 
     Raises:
         UserError: in one sentence, if a file is damaged, too large or empty, or more than a
@@ -147,7 +148,7 @@ class OpenScene:
         for name, path in self._luminaires.items():
             try:
                 folder = SceneFolder(Path(path).parent, self._files.budget)
-                read[name] = read_ies(folder.read(Path(path)))
+                read[name] = read_luminaire(folder.read(Path(path)))
             except SceneFileError as fault:
                 raise UserError(f"cannot read the luminaire {path}: {fault}") from fault
         return read
