@@ -20,14 +20,30 @@ _RINGS, _SPOKES = 200, 720
 
 def sun_left(at: Watch) -> FloatArray:
     """Share (3,) of the sun's light that reaches a place past the moon: 1 outside eclipses."""
+    return left_of_disc(*discs(at))
+
+
+def discs(at: Watch) -> tuple[float, float]:
+    """Distance of the moon's disc from the sun's, and its radius, both in radii of the sun's."""
     sun, moon = body_km(astronomy.Body.Sun, at), body_km(astronomy.Body.Moon, at)
     sun_km, moon_km = float(np.linalg.norm(sun)), float(np.linalg.norm(moon))
     # By the sine: an arc cosine would lose small angles.
     apart = float(np.linalg.norm(np.cross(sun / sun_km, moon / moon_km)))
-    if sun @ moon < 0.0:
-        return np.ones(3)
     ratio = MOON_RADIUS_KM / moon_km / (SUN_RADIUS_KM / sun_km)
-    return left_of_disc(apart / (SUN_RADIUS_KM / sun_km), ratio)
+    return (apart if sun @ moon > 0.0 else np.inf) / (SUN_RADIUS_KM / sun_km), ratio
+
+
+def hidden_area(separation: float, moon_radius: float) -> float:
+    """Share of a disc behind another, the lens of two circles; lengths in radii of the disc."""
+    d, r = separation, moon_radius
+    if d >= 1.0 + r:
+        return 0.0
+    if d <= abs(1.0 - r):
+        return min(r * r, 1.0)
+    sun_angle = np.arccos(np.clip((d * d + 1.0 - r * r) / (2.0 * d), -1.0, 1.0))
+    moon_angle = np.arccos(np.clip((d * d + r * r - 1.0) / (2.0 * d * r), -1.0, 1.0))
+    kite = 0.5 * np.sqrt(max((1.0 + r - d) * (d + 1.0 - r) * (d - 1.0 + r) * (d + 1.0 + r), 0.0))
+    return float((sun_angle + r * r * moon_angle - kite) / np.pi)
 
 
 def left_of_disc(separation: float, moon_radius: float) -> FloatArray:

@@ -4,7 +4,7 @@ The window imports it by the entry point `vrut_lite.panels`; nothing else here i
 """
 
 from collections.abc import Callable
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from math import degrees
 
 from PySide6.QtWidgets import QLabel, QPushButton, QWidget
@@ -21,17 +21,20 @@ from vrut_lite.sky.moon_phase import phase_text
 
 _UNKNOWN = "\N{EM DASH}"
 _BELOW = "below the horizon"
+_NEVER = datetime(1, 1, 1, tzinfo=UTC)
+# How long there being no event is taken to last.
+_HOLDS = timedelta(hours=1)
 
 
 class MoonPanel(QWidget):
-    """Looks rise and set up when it is seen and the day or the place has changed."""
+    """Looks rise and set up when it is seen and one of them has passed, or the place changed."""
 
     title = "Moon"
 
     def __init__(self, session: Session):
         super().__init__()
         self._session = session
-        self._looked_up: tuple[object, ...] = ()
+        self._looked_up: tuple[SetPlace | None, datetime, datetime] = None, _NEVER, _NEVER
         self.phase, self.place, self.light = QLabel(), QLabel(), QLabel()
         self.rise, self.set = QLabel(_UNKNOWN), QLabel(_UNKNOWN)
         self.full = QPushButton("Next full moon")
@@ -72,13 +75,14 @@ class MoonPanel(QWidget):
         clock, place = self._session.last(ClockMoved), self._session.last(SetPlace)
         if clock is None or place is None or not self.isVisible():
             return
-        of = clock.instant.replace(minute=0, second=0, microsecond=0), place
-        if of == self._looked_up:
+        of, since, until = self._looked_up
+        # What was looked up holds from its instant to the first of its events.
+        if of == place and since <= clock.instant < until:
             return
-        self._looked_up = of
-        for label, instant in zip(
-            (self.rise, self.set), next_rise_and_set(_watch(clock.instant, place)), strict=True
-        ):
+        found = next_rise_and_set(_watch(clock.instant, place))
+        first = min(filter(None, found), default=clock.instant + _HOLDS)
+        self._looked_up = place, clock.instant, first
+        for label, instant in zip((self.rise, self.set), found, strict=True):
             where = Place(place.latitude_deg, place.longitude_deg)
             label.setText(_UNKNOWN if instant is None else local_text(instant, where))
 

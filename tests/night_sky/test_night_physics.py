@@ -4,8 +4,9 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from dynamic_skylight import sun_position
 from night_sky.earth_shadow import earth_shadow, light_left
-from night_sky.eclipse import left_of_disc, sun_left
+from night_sky.eclipse import hidden_area, left_of_disc, sun_left
 from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
 from night_sky.glow import GlowSources, airglow_cd, glow
 from night_sky.lamp_sky import lamp_share
@@ -263,6 +264,42 @@ def test_the_eclipse_of_august_2026_is_total_in_burgos():
     assert eclipse.kind == "total"
     assert abs((eclipse.at - datetime(2026, 8, 12, 18, 29, tzinfo=UTC)).total_seconds()) < 60
     assert sun_left(watch(eclipse.at, 42.34, -3.70, 850.0)).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("city", "latitude", "longitude", "hidden"),
+    [
+        ("Warsaw", 52.23, 21.01, 0.86),
+        ("Budapest", 47.50, 19.04, 0.66),
+        ("Rome", 41.90, 12.50, 0.77),
+    ],
+)
+def test_an_eclipse_is_seen_though_the_sun_sets_before_its_middle(
+    city, latitude, longitude, hidden
+):
+    """12 August 2026, by the light that is left at its greatest moment above the horizon."""
+    eclipse = next_solar_eclipse(watch(datetime(2026, 8, 1, tzinfo=UTC), latitude, longitude))
+    assert eclipse.at.date().isoformat() == "2026-08-12"
+    assert eclipse.kind == "partial"
+    left = sun_left(watch(eclipse.at, latitude, longitude)).mean()
+    assert 1.0 - left == pytest.approx(hidden, abs=0.03)
+    sun = sun_position(eclipse.at, latitude, longitude)
+    assert sun.apparent_elevation_rad == pytest.approx(0.0, abs=np.radians(0.3))
+
+
+@pytest.mark.parametrize("separation", [0.0, 0.02, 0.5, 1.0, 1.9, 2.2])
+@pytest.mark.parametrize("radius", [0.95, 1.0, 1.04])
+def test_the_hidden_area_is_that_of_two_circles(separation, radius):
+    """Beside an integral over the disc, annular and total ones too."""
+    assert hidden_area(separation, radius) == pytest.approx(
+        1.0 - _counted_left(separation, radius), abs=2e-3
+    )
+
+
+def _counted_left(separation, radius):
+    y, x = np.mgrid[-1.0:1.0:1001j, -1.0:1.0:1001j]
+    disc = np.hypot(x, y) <= 1.0
+    return float((np.hypot(x - separation, y)[disc] > radius).mean())
 
 
 def test_full_moon_rise_and_set_are_the_almanacs():

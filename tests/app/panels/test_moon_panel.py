@@ -70,6 +70,18 @@ def test_it_shows_the_moon_and_when_it_rises(panel):
     assert panel.set.text().startswith("2026-01-02")
 
 
+def test_what_has_passed_is_not_the_next_one(panel):
+    """Within the hour of a moonrise, and after the clock went back."""
+    session = panel._session
+    seen = []
+    for hour, minute in ((12, 2), (12, 50), (12, 2)):
+        at = datetime(2026, 1, 1, hour, minute, tzinfo=UTC)
+        session.known[ClockMoved] = ClockMoved(instant=at)
+        session.listener(NightLightChanged(instant=at, moon=None, glow_rgb=None, source="test"))
+        seen.append(panel.rise.text()[:10])
+    assert seen == ["2026-01-01", "2026-01-02", "2026-01-01"]
+
+
 def test_a_jump_sets_the_clock(panel):
     panel.full.click()
     panel.eclipse.click()
