@@ -47,6 +47,13 @@ def test_clock_times_are_local_and_of_the_projects_day():
     assert by_date == pictures
 
 
+def test_a_folder_may_have_any_name():
+    """The pattern is the file's: a % in a folder is a letter."""
+    for folder in ("50% done", "%04d", "a%20b"):
+        pictures = wanted("05:00", "05:10", "10m", output=f"{folder}/day_%02d.png")
+        assert [str(one.path) for one in pictures] == [f"{folder}/day_0{n}.png" for n in (1, 2)]
+
+
 @pytest.mark.parametrize(
     ("step", "count"), [("30s", 121), ("20 min", 4), ("1h", 2), ("45m", 2), (None, 7), ("30", 3)]
 )

@@ -200,3 +200,11 @@ def test_the_command_line_sets_every_field_or_says_why_not(house, year_file, mon
     assert changed != getattr(project_of_path(str(house)), name)
     if name in OF_SCENE:
         assert changed == another(OF_SCENE[name])
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_project_of_any_editor_is_read(tmp_path, encoding):
+    """Notepad begins a file with a byte order mark, older ones write UTF-16."""
+    path = tmp_path / "house.toml"
+    path.write_bytes('scene = "Häuser.obj"\r\nplace = "50,14"\r\n'.encode(encoding))
+    assert load_project(path).scene.endswith("Häuser.obj")

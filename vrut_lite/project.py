@@ -40,6 +40,7 @@ from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, Remembers, SetTolera
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.place_time import Place, parse_instant, parse_place
 from vrut_lite.scene.settings import SCENE, SceneSettings
+from vrut_lite.text_files import decoded, plain_text
 from vrut_lite.weather.weather_file import read_weather
 from vrut_lite.write_atomic import atomic_output
 
@@ -319,7 +320,7 @@ def load_project(path: str | Path) -> Project:
                 f"the project {file} is too large, {state.st_size:,} bytes: none has more than "
                 f"{_MOST_BYTES:,}"
             )
-        values = tomllib.loads(file.read_text(encoding="utf-8"))
+        values = tomllib.loads(decoded(plain_text(file.read_bytes())))
         if isinstance(values.get("at"), datetime):
             # A bare TOML date is the natural way to write one.
             values["at"] = values["at"].isoformat()

@@ -1,6 +1,7 @@
 """Sensors: points with a direction, in named planes; those of a CSV file."""
 
 import csv
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,11 +10,14 @@ from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import BoolArray, FloatArray
+from vrut_lite.plain_numbers import plain_float
+from vrut_lite.text_files import decoded, plain_text
 
 _SHORTEST = 1e-9
 MOST_SENSORS = 100_000
 _MOST_BYTES = 64 << 20
 _UP = [0.0, 1.0, 0.0]
+_NUMERIC = re.compile(r"[-+.]*\d", re.ASCII)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +96,7 @@ def free_sensors(places_m: FloatArray, normals: FloatArray, name: str) -> Sensor
 def read_sensors(path: str | Path) -> Sensors:
     """Points in the scene's axes (y up), a row each: x,y,z or x,y,z,dx,dy,dz.
 
-    A heading may stand first.
+    A heading, in which no cell begins as a number, may stand first, and remarks begin with #.
 
     Raises:
         UserError: the file cannot be read, or a row is no point.
@@ -101,34 +105,30 @@ def read_sensors(path: str | Path) -> Sensors:
     try:
         if file.stat().st_size > _MOST_BYTES:
             raise UserError(f"the sensors {file} are more than {_MOST_BYTES >> 20} MB")
-        text = file.read_text(encoding="utf-8")
+        text = decoded(plain_text(file.read_bytes()))
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"cannot read the sensors {file}: {reason}") from None
-    rows = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
-    if rows and _is_heading(rows[0]):
+    # A row's cells by its line; spreadsheets write empty ones behind.
+    reader = csv.reader(text.split("\n"))
+    cells = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
+    rows = [(line, row) for line, row in cells if any(row) and not row[0].startswith("#")]
+    if rows and not any(map(_NUMERIC.match, rows[0][1])):
         rows = rows[1:]
     if len(rows) > MOST_SENSORS:
         raise UserError(f"{file} has {len(rows):,} sensors: at most {MOST_SENSORS:,} are computed")
     numbers = np.empty((len(rows), 6))
-    for line, row in enumerate(rows):
+    for number, (line, row) in enumerate(rows):
+        while not row[-1]:
+            row.pop()
         if len(row) not in (3, 6):
             raise UserError(
-                f"sensor {line + 1} of {file} has {len(row)} numbers: give x,y,z or x,y,z,dx,dy,dz"
+                f"line {line} of {file} has {len(row)} numbers: give x,y,z or x,y,z,dx,dy,dz, with "
+                "commas between them"
             )
         try:
-            values = [float(value) for value in row]
+            values = [plain_float(value) for value in row]
         except ValueError:
-            raise UserError(
-                f"sensor {line + 1} of {file} is no numbers: {','.join(row)[:80]}"
-            ) from None
-        numbers[line] = values if len(values) == 6 else values + _UP
+            raise UserError(f"line {line} of {file} is no numbers: {','.join(row)[:80]}") from None
+        numbers[number] = values if len(values) == 6 else values + _UP
     return free_sensors(numbers[:, :3], numbers[:, 3:], str(file))
-
-
-def _is_heading(row: list[str]) -> bool:
-    try:
-        float(row[0])
-    except ValueError:
-        return True
-    return False

@@ -8,6 +8,8 @@ from daylight_numbers.operator import operator_of
 from daylight_numbers.sensors import free_sensors, read_sensors
 from daylight_numbers.sky_cells import CELLS, cell_directions, cell_of
 from daylight_numbers.work_planes import work_planes
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from light_transport.transport import SceneTransport
 
 from vrut_lite.errors import UserError
@@ -121,7 +123,10 @@ def test_a_scene_without_floors_has_no_work_planes():
         ("x,y,z\n", "has no sensors"),
         ("1,2\n", "has 2 numbers"),
         ("1,2,nan\n", "sensor 1 .* no finite"),
-        ("x,y,z\n1,2,3\n1,b,3\n", "sensor 2 .* no numbers"),
+        ("x,y,z\n1,2,3\n1,b,3\n", "line 3 of .* no numbers"),
+        ("O,0.85,0\n1,2,3\n", "line 1 of .* no numbers: O,0.85,0"),
+        ("# desks\n\n1;0,85;0\n", "line 3 of .* has 2 numbers.* commas between"),
+        ("1,2,3\n1_0,2,3\n", "line 2 of .* no numbers"),
         ("1,2,3,0,0,0\n", "direction of no length"),
     ],
 )
@@ -130,6 +135,34 @@ def test_a_bad_file_of_sensors_is_refused_in_one_line(tmp_path, text, sentence):
     path.write_text(text)
     with pytest.raises(UserError, match=sentence):
         read_sensors(path)
+
+
+ROWS = st.lists(
+    st.tuples(*[st.floats(-50.0, 50.0, width=32)] * 3).map(lambda row: ",".join(map(repr, row))),
+    min_size=1,
+    max_size=6,
+)
+BESIDE = st.lists(st.sampled_from(["", "# desks", ",,", " "]), max_size=3)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    ROWS,
+    BESIDE,
+    st.sampled_from(["", "x,y,z\n", '"East (m)",up,south,\n']),
+    st.sampled_from(["\n", "\r\n", "\r"]),
+    st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "utf-16-le"]),
+    st.sampled_from(["", ",", " , ", "\x1a"]),
+)
+def test_every_row_is_a_sensor_whatever_program_wrote_the_file(
+    tmp_path, rows, beside, heading, line_end, encoding, behind
+):
+    """Spreadsheets add marks, empty cells and rows; not one sensor may be lost to them."""
+    text = "\n".join([*beside, heading + "\n".join(rows)]) + behind
+    path = tmp_path / "desks.csv"
+    path.write_bytes(text.replace("\n", line_end).encode(encoding))
+    found = read_sensors(path).places_m
+    assert np.array_equal(found, [[float(cell) for cell in row.split(",")] for row in rows])
 
 
 def test_a_file_of_sensors_looks_up_unless_it_says_where(tmp_path):

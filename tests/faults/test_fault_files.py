@@ -1,6 +1,8 @@
 """Pipes, devices, damaged and vanishing files: one line each."""
 
 import os
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -175,6 +177,31 @@ def test_commands_run_in_a_folder_without_write_access(done, tmp_path, monkeypat
     monkeypatch.chdir("/proc")
     done(*SMALL_SKY, "-o", tmp_path / "sky.exr")
     assert (tmp_path / "sky.exr").exists()
+
+
+@pytest.mark.parametrize("full_at_bytes", [50, 8192])
+def test_an_npz_on_a_full_disk_ends_in_one_sentence(full_at_bytes):
+    """The disk may be full when the file is closed, and no archive may complain when collected."""
+    done = subprocess.run(
+        [sys.executable, "-c", _WRITES_NPZ, str(full_at_bytes)], capture_output=True, text=True
+    )
+    assert done.stdout.strip().startswith("UserError: cannot write")
+    assert done.stderr == ""
+
+
+# A limit of a file's size stands for the disk: it too refuses what a buffer holds.
+_WRITES_NPZ = """
+import resource, signal, sys, tempfile
+import numpy as np
+from vrut_lite.pictures.write_npz import write_npz
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
+with tempfile.TemporaryDirectory() as folder:
+    try:
+        write_npz(f"{folder}/sky.npz", {"sky": np.random.default_rng(1).random(1_500)})
+    except Exception as error:
+        print(f"{type(error).__name__}: {error}")
+"""
 
 
 def test_an_interrupt_between_members_of_an_npz_is_not_replaced(tmp_path, monkeypatch):

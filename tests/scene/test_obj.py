@@ -122,17 +122,73 @@ def test_obj_of_trimesh(tmp_path: Path) -> None:
     np.testing.assert_allclose(scene.upper_m, [0.5, 1.0, 1.5])
 
 
+TWO_QUADS = """# two quads
+mtllib {libraries}
+v 0 0 0 # a remark
+v 1 0 0
+v 1 1 0
+v 0 1 0
+usemtl red#1
+f 1 2 3 4 # in front
+usemtl grün
+f 4 3 2 1
+"""
+RED, GREEN = "newmtl red#1\nKd 1 0 0 # red\n", "newmtl grün\nKd 0 1 0\n"
+
+
+@pytest.mark.parametrize("libraries", ["a.mtl b.mtl", "a.mtl\nmtllib b.mtl", "b.mtl a.mtl"])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-be", "cp1252"])
+def test_obj_of_any_program_has_both_its_materials(
+    tmp_path: Path, libraries: str, line_end: str, encoding: str
+) -> None:
+    """Several libraries, remarks behind numbers, every encoding and line end."""
+    texts = {"a.mtl": RED, "b.mtl": GREEN, "s.obj": TWO_QUADS.format(libraries=libraries)}
+    for name, text in texts.items():
+        (tmp_path / name).write_bytes(text.replace("\n", line_end).encode(encoding))
+    scene = load_scene(tmp_path / "s.obj")
+    assert scene.notices == ()
+    colours = {
+        place.name: place.mesh.material.baseColorFactor[:3].tolist() for place in scene.meshes
+    }
+    assert colours["red#1"][1:] == [0.0, 0.0]
+    assert colours["grün"][::2] == [0.0, 0.0]
+
+
+def test_obj_counts_vertices_from_1_in_its_refusal(write_obj: WriteScene) -> None:
+    """As the file that the user looks at does."""
+    with pytest.raises(UserError, match="a face refers to vertex 9, and it has 4"):
+        load_scene(write_obj(faces="f 1 2 9"))
+
+
+@pytest.mark.parametrize(
+    "name", ["textures/../textures/b.png", "./textures//b.png", "textures/b.png"]
+)
+def test_a_path_that_stays_in_the_folder_is_inside(tmp_path: Path, name: str) -> None:
+    """Wherever it goes in between."""
+    (tmp_path / "textures").mkdir()
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "textures" / "b.png")
+    (tmp_path / "a.mtl").write_text(f"newmtl a\nmap_Kd {name}\n")
+    rows = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    (tmp_path / "s.obj").write_text(f"mtllib a.mtl\n{rows}usemtl a\nf 1/1 2/2 3/3\n")
+    scene = load_scene(tmp_path / "s.obj")
+    assert scene.notices == ()
+    assert material_of(scene).baseColorTexture.size == (2, 2)
+
+
 @st.composite
 def _obj_texts(draw: st.DrawFn) -> str:
-    """Three vertices or more, and faces of any lengths and forms over them."""
+    """Three vertices or more of a parabola, and convex faces of any lengths and forms over them."""
     count = draw(st.integers(3, 9))
-    number = st.integers(-50, 50).map(lambda value: f"{value / 8:g}")
-    lines = [f"v {draw(number)} {draw(number)} {draw(number)}" for _ in range(count)]
+    number = st.integers(-50, 50).map(lambda value: value / 8)
+    start, lean = draw(number), draw(number)
+    lines = [f"v {start + x:g} {x * x / 8:g} {lean * x:g}" for x in range(count)]
     lines += ["vt 0.25 0.5"] * count + ["vn 0 1 0"] * count
     form = st.sampled_from(["{}", "{}/{}", "{}//{}", "{}/{}/{}"])
     alike = draw(st.none() | form)
     for _ in range(draw(st.integers(1, 12))):
         corners = draw(st.lists(st.integers(1, count), min_size=3, max_size=7, unique=True))
+        corners.sort(reverse=draw(st.booleans()))
         if alike is None:
             # trimesh takes "f 1 2 3 4 5 6" after "f 1/1 2/2 3/3" for a triangle: six numbers both.
             corners = corners[: (len(corners) - 1) // 2 * 2 + 1]
@@ -200,7 +256,8 @@ _ROWS = st.sampled_from(
         "vt 1 2 0", "vn 0 0 1", "f 1 2 3", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1", "f -1 -2 -3",
         "f 1/1/1 2 3//1", "f 1/1/ 2/2/ 3/3/", "f 1 2", "l 1 2", "usemtl a", "usemtl b",
         "mtllib x.mtl", "# v 1 2 3", "", "o thing", "  v 4 5 6  ", "v 1e400 0 0", "v nan 0 0",
-        "f 0 1 2", "f 1 2 x", "v 1 2", "vx 1 2 3", "f 1 2 99999999999",
+        "f 1 2 3 # 4", "v 1 2 3 #", "f 1 3 2 4", "f 1 2 4 3 1", "f 0 1 2", "f 1 2 x",
+        "v 1 2", "vx 1 2 3", "f 1 2 99999999999",
         "v 0.1234567890123456789 12345678901234567890 1e-30",
     ]
 )  # fmt: skip
@@ -222,9 +279,9 @@ def test_the_compiled_reading_is_the_reading_word_by_word(rows: list[str]) -> No
         np.testing.assert_allclose(getattr(fast, name), getattr(slow, name), rtol=1e-15)
     np.testing.assert_array_equal(fast.corners, slow.corners)
     np.testing.assert_array_equal(fast.group, slow.group)
-    assert (fast.materials, fast.library, fast.unread) == (
+    assert (fast.materials, fast.libraries, fast.unread) == (
         slow.materials,
-        slow.library,
+        slow.libraries,
         slow.unread,
     )
     for one, other in zip(fast.strokes, slow.strokes, strict=True):

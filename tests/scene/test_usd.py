@@ -50,6 +50,21 @@ def test_a_left_handed_mesh_is_wound_back(tmp_path: Path) -> None:
     assert np.cross(b - a, c - a)[1] < 0
 
 
+@pytest.mark.parametrize("orientation", ["rightHanded", "leftHanded"])
+def test_a_concave_face_is_not_a_fan(tmp_path: Path, orientation: str) -> None:
+    """An L of 3 square centimetres, from a corner about which a fan covers parts twice."""
+    body = f"""def Mesh "l" {{
+        int[] faceVertexCounts = [6]
+        int[] faceVertexIndices = [0, 1, 2, 3, 4, 5]
+        point3f[] points = [(2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0), (0, 0, 0)]
+        uniform token orientation = "{orientation}"
+    }}"""
+    (triangles,) = [place.world_triangles() for place in load_scene(_write(tmp_path, body)).meshes]
+    normals = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    assert np.linalg.norm(normals, axis=1).sum() == pytest.approx(3e-4)
+    assert np.linalg.norm(normals.sum(axis=0)) == pytest.approx(3e-4)
+
+
 def test_preview_surface_and_its_picture(tmp_path: Path) -> None:
     """Values of UsdPreviewSurface, and the picture of the diffuse colour, with coordinates given at
     each corner of each face."""

@@ -3,6 +3,7 @@
 import os
 import zipfile
 from collections.abc import Mapping
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +46,12 @@ def write_npz(
 
 
 def _abandon(archive: zipfile.ZipFile) -> None:
-    """Close the file of an archive that is not closed yet, because its writing was interrupted.
+    """Close the file of an archive that is not closed yet, because its writing has failed.
 
-    Between two members zipfile may refuse to close, also when it is collected, and that refusal
-    would take the interrupt's place.
+    Between two members zipfile may refuse to close, also when it is collected, and so may a file
+    on a full disk: that refusal would take the place of the interrupt or the first error.
     """
-    if archive.fp is not None:
-        archive.fp.close()
-        archive.fp = None
+    stream, archive.fp = archive.fp, None
+    if stream is not None:
+        with suppress(OSError):
+            stream.close()

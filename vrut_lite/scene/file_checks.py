@@ -6,6 +6,7 @@ that were checked are the bytes that are used.
 
 import base64
 import binascii
+import posixpath
 import re
 from pathlib import Path
 from urllib.parse import unquote_to_bytes
@@ -147,7 +148,7 @@ def _refuse_foreign(name: str) -> None:
     elif "\\" in name:
         problem = "which has a backslash; write its path with forward slashes"
         why = "a path with backslashes"
-    elif name.startswith(("/", "~")) or ".." in name.split("/"):
+    elif name.startswith(("/", "~")) or posixpath.normpath(name).startswith(".."):
         problem = "which leads out of the scene's folder; put that file beside the scene"
     else:
         return

@@ -1,9 +1,11 @@
 """MTL: the materials of an OBJ file and their pictures."""
 
+import posixpath
 import re
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from io import BytesIO
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl, tell_mtl
 from vrut_lite.scene.scene_file_error import SceneFileError, UnreadFile
+from vrut_lite.text_files import decoded, plain_text
 
 # How many words follow each option of a map statement (Wavefront MTL, "texture map options").
 _OPTION_WORDS = {
@@ -35,18 +38,20 @@ Statements = dict[str, list[str]]
 
 
 class MtlMaterials:
-    """The materials of one MTL file by name; each picture is decoded once.
+    """The materials of MTL files by name, of two the later one; each picture is decoded once.
 
     Raises:
         SceneFileError: if a picture is damaged or too large.
     """
 
-    def __init__(self, data: bytes, folder: SceneFolder, notices: Notices) -> None:
+    def __init__(self, libraries: list[bytes], folder: SceneFolder, notices: Notices) -> None:
         self._folder = folder
         self._notices = notices
         self._pixels = PixelBudget(folder.budget)
         self._pictures: dict[Hashable, Image.Image] = {}
-        self._statements = _read(data, folder.budget)
+        self._statements: dict[str, Statements] = {}
+        for data in libraries:
+            self._statements |= _read(data, folder.budget)
         self._images = {
             name: self._picture(_file_name(statements["map_kd"], folder))
             for name, statements in self._statements.items()
@@ -109,6 +114,8 @@ def _read(data: bytes, budget: SceneBudget) -> dict[str, Statements]:
         if kind == "newmtl":
             statements = materials[" ".join(words[1:])] = {}
             continue
+        if not _is_map(kind):
+            words = list(takewhile(lambda word: not word.startswith("#"), words))
         statements[kind] = words[1:]
     return materials
 
@@ -121,6 +128,8 @@ def portable_name(name: str, folder: SceneFolder) -> str:
     scene. A name of which no end is one stays as it is.
     """
     slashed = name.replace("\\", "/")
+    if slashed[:1] != "/" and not _DRIVE.match(slashed):
+        slashed = posixpath.normpath(slashed)
     parts = _DRIVE.sub("", slashed).split("/")
     if slashed[:1] != "/" and ".." not in parts and not _DRIVE.match(slashed):
         return slashed
@@ -135,12 +144,12 @@ def _is_map(kind: str) -> bool:
 
 def _lines(data: bytes) -> Iterator[str]:
     """Lines of text, one at a time: a list of all could be many times as large as the file."""
-    for line in BytesIO(data.removeprefix(b"\xef\xbb\xbf")):
+    for line in BytesIO(plain_text(data)):
         if len(line) > _MOST_LINE_BYTES:
             raise SceneFileError(
                 f"a line in its MTL is longer than {_MOST_LINE_BYTES >> 20} MB; export it again"
             )
-        yield from line.decode("utf-8", errors="replace").splitlines()
+        yield decoded(line)
 
 
 def _file_name(words: list[str], folder: SceneFolder) -> str:

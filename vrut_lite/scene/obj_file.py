@@ -1,5 +1,6 @@
 """Reads OBJ text into arrays, block by block, in linear time."""
 
+import re
 import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterator
@@ -10,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.ear_clipping import ear_clipped
 from vrut_lite.scene.obj_kernels import read_plain_block
 from vrut_lite.scene.obj_strokes import ObjStrokes, StatedStrokes
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.text_files import decoded, plain_text
 
 _BLOCK_BYTES = 2**22
 # A file up to here is read word by word, in 30 ms: the kernel takes 400 ms to load.
@@ -24,6 +27,8 @@ _KINDS = (b"v", b"vt", b"vn")
 _UNREAD = {word.encode(): word for word in ("curv", "curv2", "surf")}
 _STROKES = (b"p", b"l")
 _DIGITS = b"0123456789"
+# Remarks behind numbers; in names, # is a letter.
+_COMMENTS = re.compile(rb"^( *(?:v[tn]?|[flp]) [^#\n]*)#[^\n]*", re.MULTILINE)
 # Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 if missing.
 _CORNER = 3
 # Numbers of a vertex with a colour.
@@ -50,7 +55,7 @@ class ObjFile:
     corners: NDArray[np.int32]
     group: NDArray[np.int32]
     materials: tuple[str | None, ...]
-    library: str | None
+    libraries: tuple[str, ...]
     strokes: list[ObjStrokes]
     unread: dict[str, int]
     lost_colours: bool
@@ -69,7 +74,7 @@ class _Reading:
     groups: list[NDArray[np.int32]] = field(default_factory=list)
     materials: dict[str | None, int] = field(default_factory=lambda: {None: 0})
     group: int = 0
-    library: str | None = None
+    libraries: list[bytes] = field(default_factory=list)
     unread: Counter[str] = field(default_factory=Counter)
     has_colours: bool = False
     strokes: StatedStrokes = field(init=False)
@@ -91,20 +96,31 @@ class _Reading:
 
 
 def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
-    """The arrays of an OBJ file; polygons become fans of triangles.
+    """The arrays of an OBJ file; polygons become triangles.
 
     Raises:
         SceneFileError: for malformed numbers, indices out of range, lines that are too long, or
             data that exceed the budget.
     """
     reading = _Reading(budget)
-    read_block = _read_words if len(data) <= _SHORT_BYTES else _read_block
-    for block in _blocks(data):
+    text = plain_text(data)
+    if text is not data:
+        budget.take(len(text), "its text in UTF-8")
+    read_block = _read_words if len(text) <= _SHORT_BYTES else _read_block
+    for block in _blocks(text):
         read_block(block, reading)
     positions = _joined(reading.numbers[b"v"], 3)
     coloured = bool(reading.numbers[b"v"]) and positions.shape[1] >= _COLOURED
     corners = np.concatenate([np.zeros((0, 3, _CORNER), np.int32), *reading.corners])
+    continues = corners[:, 0, 0] < 0
+    np.abs(corners, out=corners)
+    most = int(corners[..., 0].max(initial=0))
+    if most > len(positions):
+        raise SceneFileError(
+            f"a face refers to vertex {most}, and it has {len(positions)}; export it again"
+        )
     corners -= 1
+    corners = ear_clipped(corners, continues, lambda ring: positions[ring[..., 0], :3])
     return ObjFile(
         positions[:, :3],
         positions[:, 3:6] if coloured else None,
@@ -113,7 +129,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
         corners,
         np.concatenate([np.zeros(0, np.int32), *reading.groups]),
         tuple(reading.materials),
-        reading.library,
+        tuple(dict.fromkeys(map(decoded, reading.libraries))),
         reading.strokes.all(len(positions)),
         dict(reading.unread),
         reading.has_colours and not coloured,
@@ -122,7 +138,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
 
 def _blocks(data: bytes) -> Iterator[bytes]:
     """Whole lines, some megabytes at a time; continued lines joined, tabs turned into spaces."""
-    start = 3 if data.startswith(b"\xef\xbb\xbf") else 0
+    start = 0
     while start < len(data):
         end = start + _BLOCK_BYTES
         while True:
@@ -131,11 +147,11 @@ def _blocks(data: bytes) -> Iterator[bytes]:
                 raise SceneFileError(
                     f"a line in it is longer than {_MOST_LINE_BYTES >> 20} MB; export it again"
                 )
-            continued = data[max(end - 3, start) : end].rstrip(b"\r\n").endswith(b"\\")
+            continued = data[max(end - 2, start) : end].rstrip(b"\n").endswith(b"\\")
             if end == len(data) or not continued:
                 break
-        block = data[start:end].replace(b"\r\n", b"\n").replace(b"\\\n", b" ")
-        yield block.replace(b"\t", b" ")
+        block = data[start:end].replace(b"\\\n", b" ").replace(b"\t", b" ")
+        yield _COMMENTS.sub(rb"\1", block) if b"#" in block else block
         start = end
 
 
@@ -175,9 +191,10 @@ def _read_statement(kind: bytes, rest: bytes, reading: _Reading, vertices: int) 
     `vertices` is the number of vertices before it; only negative indices need it.
     """
     if kind == b"usemtl":
-        reading.use_material(_text(rest))
-    elif kind == b"mtllib" and reading.library is None:
-        reading.library = _text(rest)
+        reading.use_material(decoded(rest).strip())
+    elif kind == b"mtllib" and rest.strip():
+        reading.budget.take(len(rest) + _NAME_BYTES, "the names of its material libraries")
+        reading.libraries.append(rest.strip())
     elif kind in _STROKES:
         reading.strokes.read(kind, rest, vertices, reading.group)
     elif kind in _UNREAD:
@@ -210,10 +227,6 @@ def _read_words(block: bytes, reading: _Reading) -> None:
             reading.numbers[kind].append(reading.keep(_numbers(found, 2 if kind == b"vt" else 3)))
     if faces:
         _read_faces(faces, np.array(groups, np.int32), reading)
-
-
-def _text(words: bytes) -> str:
-    return words.decode("utf-8", errors="replace").strip()
 
 
 def _numbers(rows: list[bytes], least: int) -> NDArray[np.float64]:
@@ -318,10 +331,15 @@ def _with_vertices(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 def _fans(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Triangles (n, 3, 3) of convex polygons (m, k, 3), each about its first corner."""
+    """Triangles (n, 3, 3) of polygons (m, k, 3), each about its first corner.
+
+    In triangles after a polygon's first one the number of that corner's vertex is negative.
+    """
     onward = np.arange(1, polygons.shape[1] - 1)
     fan = np.stack([np.zeros_like(onward), onward, onward + 1], axis=1)
-    return polygons[:, fan].reshape(-1, 3, _CORNER)
+    triangles = polygons[:, fan]
+    triangles[:, 1:, 0, 0] *= -1
+    return triangles.reshape(-1, 3, _CORNER)
 
 
 def _absolute_corner(corner: bytes, counts: list[int]) -> bytes:

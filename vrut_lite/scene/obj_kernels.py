@@ -29,6 +29,8 @@ _PLAIN, _ODD = 0, 1
 class PlainBlock(NamedTuple):
     """Rows of v, vt and vn (n, columns); triangles' corners (F, 3, 3), counted from 1, 0 for none.
 
+    In triangles after a polygon's first one the number of the first corner's vertex is negative.
+
     `lines` (E, 3) are the other lines: where each begins and ends, and how many triangles come
     before it.
     """
@@ -169,6 +171,8 @@ def _fill(
             for corner in range(1, found - 1):
                 for part in range(3):
                     corners[triangles, 0, part] = polygon[0, part]
+                    if part == 0 and corner > 1:
+                        corners[triangles, 0, part] = -polygon[0, part]
                     corners[triangles, 1, part] = polygon[corner, part]
                     corners[triangles, 2, part] = polygon[corner + 1, part]
                 triangles += 1

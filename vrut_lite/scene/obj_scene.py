@@ -43,8 +43,7 @@ def read_obj_scene(
     if obj.colours is not None:
         obj = replace(obj, colours=colours_of_obj(obj.colours, notices))
     check_triangles(len(obj.corners))
-    library = _library(obj, folder, notices)
-    materials = MtlMaterials(library, folder, notices)
+    materials = MtlMaterials(_libraries(obj, folder, notices), folder, notices)
     if obj.lost_colours:
         notices.tell("vertex colours of only some vertices of the OBJ", "left out")
     for kind, count in obj.unread.items():
@@ -74,15 +73,20 @@ def _strokes(
     return placed_strokes(obj.strokes, obj.positions, obj.colours, rgba, budget)
 
 
-def _library(obj: ObjFile, folder: SceneFolder, notices: Notices) -> bytes:
-    """The text of the material library; empty without one."""
-    if obj.library is None:
-        return b""
-    try:
-        return folder.get(portable_name(obj.library, folder))
-    except UnreadFile as fault:
-        notices.tell(f"material library {obj.library}", f"{fault.why}, grey instead")
-        return b""
+def _libraries(obj: ObjFile, folder: SceneFolder, notices: Notices) -> list[bytes]:
+    """The texts of the material libraries.
+
+    A statement may name several, or one whose name has spaces.
+    """
+    texts = []
+    for said in obj.libraries:
+        one = portable_name(said, folder)
+        for name in [one] if folder.has(one) else said.split():
+            try:
+                texts.append(folder.get(portable_name(name, folder)))
+            except UnreadFile as fault:
+                notices.tell(f"material library {name}", f"{fault.why}, grey instead")
+    return texts
 
 
 def _groups(obj: ObjFile) -> Iterator[tuple[int, NDArray[np.int32]]]:

@@ -21,6 +21,7 @@ from vrut_lite.messages.placement import (
     UpAxis,
 )
 from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.ear_clipping import ear_clipped
 from vrut_lite.scene.file_checks import MAX_FILE_BYTES
 from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, default_material
@@ -201,6 +202,9 @@ class _Reader:
         check_triangles(self._triangles)
         if not len(corners):
             return []
+        if indices.min() >= 0 and indices.max() < len(points):
+            continues = np.diff(face, prepend=-1) == 0
+            corners = ear_clipped(corners, continues, lambda ring: points[indices[ring]])
         if mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
             self._notices.tell("USD subdivision surface", "its cage is drawn")
         if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:
@@ -288,7 +292,7 @@ def _is_shown(prim: Any) -> bool:
 
 
 def fans(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Triangles (F, 3) of polygons, as numbers of corners, and the polygon (F,) of each."""
+    """Fans of triangles (F, 3) of polygons, as numbers of corners, and the polygon (F,) of each."""
     starts = np.cumsum(counts) - counts
     triangles = np.maximum(counts - 2, 0)
     face = np.repeat(np.arange(len(counts)), triangles)

@@ -101,8 +101,9 @@ def _step(text: str) -> timedelta:
 
 def _check_pattern(output: str) -> None:
     """Raise UserError unless the name has one %d, %4d or %04d, of a width that names can have."""
-    found = _NUMBER.findall(output)
-    if len(found) != 1 or output.count("%") != 1:
+    name = Path(output).name
+    found = _NUMBER.findall(name)
+    if len(found) != 1 or name.count("%") != 1:
         raise UserError(
             f"{output} is one file, and a span of time makes many: put one %04d in its name, "
             "as day_%04d.png"
@@ -118,7 +119,8 @@ def _check_pattern(output: str) -> None:
 
 def _numbered(output: str, number: int) -> Path:
     """The name with its one %d, %4d or %04d replaced."""
-    return Path(_NUMBER.sub(lambda pattern: pattern[0] % number, output))
+    path = Path(output)
+    return path.with_name(_NUMBER.sub(lambda pattern: pattern[0] % number, path.name))
 
 
 def at_instant(project: Project, instant: datetime) -> Project:
