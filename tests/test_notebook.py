@@ -2,6 +2,7 @@
 
 import importlib.util
 import re
+import threading
 from io import BytesIO
 from pathlib import Path
 
@@ -87,6 +88,32 @@ def test_a_scene_shows_itself_and_follows_the_hour(monkeypatch):
         slider.hour = 20.5
         assert slider.picture != before
         assert scene.project.at == "2026-06-21T20:30"
+
+
+@pytest.mark.gl
+def test_cells_that_run_again_keep_two_scenes_open(monkeypatch):
+    """A notebook keeps what its cells have shown: each run kept an OpenGL context, some 190 MB.
+    One that was freed opens again; a closed one says so, however often it is closed."""
+    monkeypatch.chdir(ROOT)
+
+    def opened():
+        return sum(thread.name.startswith("gl-owner") for thread in threading.enumerate())
+
+    before = opened()
+    scenes = [LitScene("scenes/sundial.toml", size=(32, 18)) for _ in range(3)]
+    assert opened() - before == 2
+    first = scenes[0].at(9.0)
+    assert first.display.shape == (18, 32, 3)
+    assert opened() - before == 2
+    for _ in range(2):
+        scenes[0].close()
+    assert opened() - before == 1
+    np.testing.assert_array_equal(pixels_of(scenes[0]._repr_png_()), first.display)
+    with pytest.raises(UserError, match=r"sundial.* is closed"):
+        scenes[0].at(10.0)
+    for scene in scenes:
+        scene.close()
+    assert opened() == before
 
 
 def test_a_wrong_field_is_said_in_a_sentence():

@@ -7,6 +7,7 @@ Prints one line of JSON.
 
 import json
 import math
+import shutil
 import sys
 from pathlib import Path
 
@@ -45,9 +46,15 @@ def plane_irradiance(path):
     return [value * math.pi / REFLECTANCE for value in mean]
 
 
-def daylight_map():
-    """The panorama that the add-on has loaded."""
-    return next(image for image in bpy.data.images if image.get("vrut_lite"))
+def daylight_map(scene=None):
+    """The panorama that lights a scene."""
+    return (scene or bpy.context.scene).world.node_tree.nodes["vrut_lite map"].image
+
+
+def is_there(scene=None):
+    """A panorama's path in the blend file, and whether the file is there."""
+    path = daylight_map(scene).filepath
+    return [path, Path(bpy.path.abspath(path)).is_file()]
 
 
 def lights():
@@ -79,10 +86,11 @@ bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default")
 bpy.context.preferences.addons[ADDON].preferences.program = program
 bpy.data.objects.remove(bpy.data.objects["Light"])
 blend_path = str(Path(folder) / "scene.blend")
-bpy.ops.wm.save_as_mainfile(filepath=blend_path)
 scene, told = bpy.context.scene, {}
 scene.vrut_lite.rows = 256
 scene.vrut_lite.hour = 15.0
+bpy.ops.wm.save_as_mainfile(filepath=blend_path)
+told["saved"] = is_there()
 told["light"] = {"day": compared("plane")}
 told["at 15"] = lights()
 scene.vrut_lite.genus = "St"
@@ -124,6 +132,29 @@ bpy.ops.wm.save_mainfile()
 bpy.ops.wm.open_mainfile(filepath=blend_path)
 bpy.context.scene.frame_set(3)
 told["reopened"] = [lights(), round(bpy.context.scene.vrut_lite.latitude, 3)]
+scene = bpy.context.scene
+scene.vrut_lite.rows = 64
+scene.vrut_lite.live = True
+scene.vrut_lite.hour = 18.0
+told["one hour after a day"] = []
+for frame in (1, 2, 3):
+    scene.frame_set(frame)
+    told["one hour after a day"].append(lights())
+other = bpy.data.scenes.new("Other")
+other.vrut_lite.rows = 64
+other.vrut_lite.hour = 8.0
+told["other scene"] = [lights(), is_there(scene), is_there(other)]
+bpy.ops.wm.save_mainfile()
+moved = Path(folder) / "moved"
+moved.mkdir()
+for name in ("scene.blend", "scene.skies"):
+    shutil.move(Path(folder) / name, moved / name)
+bpy.ops.wm.open_mainfile(filepath=str(moved / "scene.blend"))
+told["moved"] = [is_there(scene) for scene in bpy.data.scenes]
+(Path(folder) / "else").mkdir()
+bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "else" / "copy.blend"))
+told["saved elsewhere"] = [is_there(scene) for scene in bpy.data.scenes]
+told["enabled"] = lights()
 bpy.ops.preferences.addon_disable(module=ADDON)
 told["disabled"] = lights()
 print("TOLD " + json.dumps(told))

@@ -91,7 +91,9 @@ def test_what_is_refused_is_one_sentence_and_the_child_goes_on(child, tmp_path):
 def test_blender_has_our_light(tmp_path):
     """A plane in Cycles gets our irradiance within 1 % by day, below stratus and by the moon, and
     within 6 % where stars and the moon's disc are in the map; a day is keyed, saved and opened
-    again; the add-on disabled leaves the file as it was.
+    again, one hour follows it; a second scene has its own light; a file that is saved for the
+    first time, moved, or saved elsewhere has its panoramas beside it; the add-on disabled leaves
+    the file as it was.
 
     BLENDER_PYTHON names a Python that has the package bpy, which needs an older numpy than ours.
     """
@@ -117,4 +119,15 @@ def test_blender_has_our_light(tmp_path):
     assert [frame[1] for frame in day] == 3 * ["SEQUENCE"]
     assert len({tuple(frame[2:5]) for frame in day}) == 3
     assert told["reopened"] == [day[2], 50.0]
-    assert told["disabled"] == day[2]
+    # One hour after a keyed day is that hour in every frame, of lamp and map.
+    assert told["one hour after a day"] == 3 * [told["one hour after a day"][0]]
+    assert told["one hour after a day"][0][1] == "FILE"
+    # Another scene has its own light.
+    assert told["other scene"][0] == told["one hour after a day"][0]
+    assert told["other scene"][1:] == [["//scene.skies/Scene.exr", True],
+                                       ["//scene.skies/Other.exr", True]]  # fmt: skip
+    assert told["saved"] == ["//scene.skies/Scene.exr", True]
+    for name, folder in (("moved", "scene"), ("saved elsewhere", "copy")):
+        files = [f"//{folder}.skies/{scene}.exr" for scene in ("Other", "Scene")]
+        assert told[name] == [[file, True] for file in files]
+    assert told["disabled"] == told["enabled"]

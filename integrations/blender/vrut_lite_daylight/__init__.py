@@ -2,7 +2,14 @@
 
 import bpy
 
-from . import panel
+from . import blend_world, panel
+
+
+@bpy.app.handlers.persistent
+def _before_save(path):
+    # Without a path Blender saves its start-up file.
+    if path:
+        blend_world.take_along(path)
 
 
 def register():
@@ -10,10 +17,12 @@ def register():
     for kind in panel.CLASSES:
         bpy.utils.register_class(kind)
     bpy.types.Scene.vrut_lite = bpy.props.PointerProperty(type=panel.Daylight)
+    bpy.app.handlers.save_pre.append(_before_save)
 
 
 def unregister():
     """Take the panel away and end the child; sky and sun stay in the file."""
+    bpy.app.handlers.save_pre.remove(_before_save)
     panel.CHILD.close()
     del bpy.types.Scene.vrut_lite
     for kind in reversed(panel.CLASSES):

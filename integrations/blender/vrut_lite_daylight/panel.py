@@ -1,13 +1,14 @@
 """The panel Daylight in the world's properties: place, hour and air; a day as an animation."""
 
 import tempfile
+import zlib
 from datetime import date
 from pathlib import Path
 from typing import ClassVar
 
 import bpy
 
-from .blend_world import clear_sun_keys, show_sequence, show_sky, show_sun
+from .blend_world import clear_sun_keys, show_hour, show_sequence, show_sun
 from .child import Child, NoDaylight
 from .sky_file import Hour, sun_lamp
 
@@ -21,6 +22,8 @@ _CLOUDS = {
 }  # fmt: skip
 # While a slider moves, a sky is asked for as often as this.
 _PAUSE_S = 0.15
+# Names of the scenes that wait for one.
+_WAITING = set()
 
 
 class Preferences(bpy.types.AddonPreferences):
@@ -42,14 +45,20 @@ class Preferences(bpy.types.AddonPreferences):
 def _changed(self, context):
     if not self.live:
         return
+    # The scene that changed need not be the one in view.
     if bpy.app.background:
-        update(context.scene)
-    elif not bpy.app.timers.is_registered(_update_later):
+        update(self.id_data)
+        return
+    _WAITING.add(self.id_data.name)
+    if not bpy.app.timers.is_registered(_update_later):
         bpy.app.timers.register(_update_later, first_interval=_PAUSE_S)
 
 
 def _update_later():
-    update(bpy.context.scene)
+    while _WAITING:
+        scene = bpy.data.scenes.get(_WAITING.pop())
+        if scene is not None:
+            update(scene)
 
 
 def _number(name, description, default, least, most, **more):
@@ -108,16 +117,14 @@ class Daylight(bpy.types.PropertyGroup):
 def update(scene):
     """Show the sky of the panel's hour, or why there is none."""
     daylight = scene.vrut_lite
-    folder = _folder()
-    path = folder / f"{bpy.path.clean_name(scene.name)}.exr"
+    path = _folder() / f"{_file_name(scene)}.exr"
     try:
         CHILD.ask(_program(), _hour(daylight, daylight.hour).words(path))
     except NoDaylight as error:
         daylight.said, daylight.failed = str(error), True
         return False
     sun = sun_lamp(path, daylight.stars)
-    show_sky(scene, path)
-    show_sun(scene, sun)
+    show_hour(scene, path, sun)
     daylight.said, daylight.failed = sun.caption, False
     return True
 
@@ -156,6 +163,12 @@ def _folder():
     return folder
 
 
+def _file_name(scene):
+    """A name of files that no other scene has: Blender cleans some names to the same."""
+    name = bpy.path.clean_name(scene.name)
+    return name if name == scene.name else f"{name}_{zlib.crc32(scene.name.encode()):08x}"
+
+
 class VRUT_LITE_OT_update(bpy.types.Operator):
     """Compute the sky and the sun of this hour"""
 
@@ -183,7 +196,7 @@ class VRUT_LITE_OT_key_day(bpy.types.Operator):
         scene, daylight = context.scene, context.scene.vrut_lite
         frames = range(scene.frame_start, scene.frame_end + 1)
         steps = max(len(frames) - 1, 1)
-        folder, name = _folder(), bpy.path.clean_name(scene.name)
+        folder, name = _folder(), _file_name(scene)
         paths = [folder / f"{name}_{frame:04d}.exr" for frame in frames]
         try:
             for k, path in enumerate(paths):
