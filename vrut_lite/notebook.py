@@ -1,5 +1,6 @@
 """Scenes in a notebook: a scene under an hour shows itself, and has a slider of the hour."""
 
+import gc
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Self
 from weakref import ref
@@ -131,3 +132,7 @@ def _keep(kept: "list[tuple[ref[LitScene], SceneStudio]]") -> None:
     _open[:] = kept
     for studio in closed:
         studio.close()
+    if closed:
+        # Kernels and their modules refer to each other: else their arrays stay for a while.
+        del closed, studio
+        gc.collect()
