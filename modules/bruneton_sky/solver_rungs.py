@@ -50,6 +50,7 @@ _FINE = {
 _FINER = {
     **_FINE,
     "mu_s": 128,
+    "direction_azimuth": 16,
     "source_mu": 96,
     "source_azimuth": 32,
     "later_azimuth": 16,

@@ -47,7 +47,8 @@ class SolverSizes:
         irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
 
     Raises:
-        ValueError: a size is too small to interpolate in or above 4096, or bins outnumber steps.
+        ValueError: a size is too small to interpolate in or above 4096, bins outnumber steps, or
+            later orders have more azimuths than the first.
     """
 
     altitude: int = 24
@@ -80,6 +81,8 @@ class SolverSizes:
         for name in ("direction_mu", "polarised_mu"):
             if getattr(self, name) % 2:
                 raise ValueError(f"{name} of the solver must be even: half looks down")
+        if max(self.later_azimuth, self.higher_azimuth or 0) > self.direction_azimuth:
+            raise ValueError("direction_azimuth of the solver must not be less than later ones")
         bins = self.node_bins, self.higher_bins or 0, self.single_bins, self.multiple_bins
         if max(bins) > self.steps:
             raise ValueError("steps of the solver must not be fewer than its bins")
