@@ -66,13 +66,14 @@ def rehearse(way: str) -> None:
 
 
 def draw(scene: str, moves: bool) -> None:
-    """A finished picture of a scene; before it, if it moves, pictures of the turning camera."""
+    """A finished picture of a scene; after it, if it moves, pictures of the turning camera."""
     plan = ScenePlan(Project(scene=scene, at=_AT, size=SIZE, tolerance=_TOLERANCE))
     studio = plan.open()
     try:
-        if moves:
-            _move(studio._host)
         studio.shoot(plan.project.instant())
+        if moves:
+            # By day: dark pictures have a tone curve of their own.
+            _move(studio._host)
     finally:
         studio.close()
 

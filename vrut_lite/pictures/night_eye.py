@@ -5,9 +5,9 @@ luminance from XYZ, and the range of luminance in which both rods and cones see;
 changes linearly with the logarithm within it. Rods' grey is bluish as in paintings of moonlit
 scenes, x = y = 0.25 (Jensen et al. 2000, "Night Rendering").
 
-The eye adapts as a whole: in a picture exposed for daylight rods are saturated in dark parts too
-(Aguilar and Stiles 1954, Optica Acta 1, 59: from 2000 scotopic trolands on, with a pupil of 4 mm
-160 cd m^-2).
+The eye adapts as a whole: in a picture exposed for daylight rods add nothing in dark parts either.
+Both see together up to an adaptation of 5 cd m^-2 (CIE 191:2010), and rods are saturated from 2000
+scotopic trolands on, with a pupil of 4 mm 160 cd m^-2 (Aguilar and Stiles 1954, Optica Acta 1, 59).
 
 Acuity falls with luminance: Ward Larson and others fit Shlaer's data (1937), here the frequency at
 which a Gaussian around each pixel halves the contrast. Its width follows the mean light of the
@@ -26,9 +26,9 @@ from vrut_lite.numeric_types import FloatArray
 XYZ_FROM_SRGB = np.linalg.inv(SRGB_FROM_XYZ)
 # Luminance (cd m^-2) below which rods see alone, and above which cones do.
 RODS_ALONE_CD, CONES_ALONE_CD = 5.6e-3, 5.6
-# EV100 of pictures up to which rods see as by night, and from which they are saturated: a middle
-# grey of 7 and of 110 cd m^-2.
-_DARK_ADAPTED_EV100, _SATURATED_EV100 = 5.0, 9.0
+# EV100 of pictures up to which rods see as by night, and from which they add nothing: a middle grey
+# of 7 and of 55 cd m^-2.
+_DARK_ADAPTED_EV100, _SATURATED_EV100 = 5.0, 8.0
 # Scotopic luminance of daylight's white over its luminance; divided by it, white stays as bright.
 _OF_WHITE = 2.57
 # Linear sRGB of x = y = 0.25, for a scotopic luminance of 1.
