@@ -47,11 +47,34 @@ def test_pipe(tmp_path: Path) -> None:
     assert "regular file" in refusal(tmp_path / "scene.glb")
 
 
-@pytest.mark.parametrize("name", ["scene.fbx", "scene", "scene.glb.zip"])
+@pytest.mark.parametrize("name", ["scene", "scene.glb.zip"])
 def test_unknown_extension(tmp_path: Path, name: str) -> None:
-    """Only glTF, GLB and OBJ are read, and the message lists them."""
+    """The message lists the formats that are read."""
     (tmp_path / name).write_bytes(b"x")
     assert ".glb, .gltf, .obj" in refusal(tmp_path / name)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("a.fbx", "FBX"), ("a.blend", "a file of Blender")])
+def test_what_blender_reads_names_the_way_out(tmp_path: Path, name: str, kind: str) -> None:
+    """Who has such a file learns what it is, and that glTF is the way."""
+    (tmp_path / name).write_bytes(b"x")
+    assert f"it is {kind}, which is not read" in refusal(tmp_path / name)
+    assert "export it as glTF" in refusal(tmp_path / name)
+
+
+def test_gltf_1_is_called_so(tmp_path: Path) -> None:
+    """glTF 1.0 has objects in place of lists, and need not state its version."""
+    (tmp_path / "a.gltf").write_text('{"meshes": {"mesh-1": {"primitives": []}}, "nodes": {}}')
+    assert "glTF 1.0" in refusal(tmp_path / "a.gltf")
+    (tmp_path / "a.glb").write_bytes(struct.pack("<4sIIII", b"glTF", 1, 20, 0, 0))
+    assert "glTF 1.0" in refusal(tmp_path / "a.glb")
+
+
+@pytest.mark.parametrize("name", ["a.gltf", "a.ply", "a.off", "a.stl"])
+def test_text_in_utf_16_is_called_so(tmp_path: Path, name: str) -> None:
+    """Editors on Windows save it, and no format that is text alone allows it."""
+    (tmp_path / name).write_text('{"asset": {"version": "2.0"}}', encoding="utf-16")
+    assert "UTF-16" in refusal(tmp_path / name)
 
 
 def test_wrong_magic(tmp_path: Path) -> None:
@@ -76,7 +99,7 @@ def test_glb_version(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{", "[]", "null", "{'asset': 1}", '{"a":' * 9999, "[" * 200_000, "\xff\xfe{}"],
+    ["", "{", "[]", "null", "{'asset': 1}", '{"a":' * 9999, "[" * 200_000, "\xff{}"],
 )
 def test_invalid_json(tmp_path: Path, text: str) -> None:
     """A document that is not a JSON object, or nested too deeply, is refused."""

@@ -33,6 +33,11 @@ class SceneBudget:
         """The most memory that loading takes, by the sizes counted so far."""
         return PEAK_PER_BYTE * self._counted_bytes + BASE_BYTES
 
+    @property
+    def room_bytes(self) -> float:
+        """The memory that loading may still take, by the sizes counted so far."""
+        return max(self._limit_bytes - self.peak_bytes, 0.0)
+
     def check(self, size_bytes: int, what: str) -> None:
         """Refuse a size that exceeds the limit, without counting it.
 

@@ -25,7 +25,14 @@ _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 # Measured memory of the document's objects and of their values.
 _OBJECT_BYTES, _VALUE_BYTES = 256, 96
+_TO_GLTF_2 = "export it as glTF 2, or `npx gltf-pipeline -i OLD -o NEW`"
 Item = TypeVar("Item")
+
+
+class _Gltf1(msgspec.Struct):
+    """What marks glTF 1.0, which need not state its version: lists are objects by names."""
+
+    meshes: dict[str, msgspec.Raw]
 
 
 @dataclass(frozen=True)
@@ -209,6 +216,7 @@ def _parse(text: bytes, budget: SceneBudget) -> Gltf:
     try:
         return msgspec.json.decode(text.removeprefix(b"\xef\xbb\xbf"), type=Gltf)
     except msgspec.ValidationError as fault:
+        _refuse_gltf_1(text)
         raise SceneFileError(
             f"its glTF document is not valid ({fault}); export it again"
         ) from fault
@@ -216,10 +224,18 @@ def _parse(text: bytes, budget: SceneBudget) -> Gltf:
         raise SceneFileError(f"its glTF document is not JSON ({fault}); export it again") from fault
 
 
+def _refuse_gltf_1(text: bytes) -> None:
+    try:
+        msgspec.json.decode(text, type=_Gltf1)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return
+    raise SceneFileError(f"it is glTF 1.0, which is not read; {_TO_GLTF_2}")
+
+
 def _check_version(document: Gltf) -> None:
     if document.asset.version.split(".")[0] != "2":
         raise SceneFileError(
-            f"it is glTF {ascii(document.asset.version)[:20]}, not glTF 2; export it as glTF 2"
+            f"it is glTF {ascii(document.asset.version)[:20]}, not glTF 2; {_TO_GLTF_2}"
         )
 
 
@@ -232,7 +248,7 @@ def _glb_chunks(data: bytes) -> tuple[bytes | memoryview, memoryview | None]:
     version, length = struct.unpack_from("<II", data, 4)
     if version != 2:
         raise SceneFileError(
-            f"it is GLB version {version}, and only 2 is read; export it as glTF 2"
+            f"it is GLB version {version}, as glTF {version}.0 has it; {_TO_GLTF_2}"
         )
     if length > len(data):
         raise SceneFileError(

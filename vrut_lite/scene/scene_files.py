@@ -1,11 +1,12 @@
 """The files of one scene, each read once and under one budget."""
 
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrut_lite.errors import UserError
 from vrut_lite.messages.placement import Placement
-from vrut_lite.scene import usd_scene
+from vrut_lite.scene import trimesh_scene, usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_points_and_lines import Strokes
@@ -16,10 +17,10 @@ from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-SUFFIXES = (".glb", ".gltf", ".obj", *usd_scene.SUFFIXES)
+SUFFIXES = (".glb", ".gltf", ".obj", *usd_scene.SUFFIXES, *trimesh_scene.SUFFIXES)
 # Formats that Blender imports or writes.
-_OF_BLENDER = (".abc", ".blend", ".fbx", ".ply", ".stl")
-_EXPORT = "export it as one of these"
+_OF_BLENDER = {".abc": "Alembic", ".blend": "a file of Blender", ".fbx": "FBX"}
+_MAY_BE_TEXT = (".gltf", ".stl", ".ply", ".off", ".usd", ".usda")
 # Placement of a glTF file by its standard.
 _GLTF = Placement(up="y", metres_per_unit=1.0)
 
@@ -106,11 +107,15 @@ class SceneFiles:
 
 def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
     notices = Notices()
+    _check_text(real)
     if real.suffix.lower() == ".obj":
         placed, strokes = read_obj_scene(real, budget, notices)
         file = SceneFile(placed, [], notices, Placement(), resting_strokes=strokes)
     elif real.suffix.lower() in usd_scene.SUFFIXES:
         file = SceneFile(*_usd(real, budget, notices))
+    elif real.suffix.lower() in trimesh_scene.SUFFIXES:
+        placed, says = trimesh_scene.read_trimesh_scene(real, budget, notices)
+        file = SceneFile(placed, [], notices, says)
     else:
         gltf = GltfScene(read_gltf_file(real, budget, notices, variant))
         file = SceneFile(gltf.posed(None), gltf.cameras(None), notices, _GLTF, gltf)
@@ -139,8 +144,23 @@ def _check_path(path: Path) -> None:
             raise
         raise SceneFileError(f"its path cannot be used ({fault}); check its name") from fault
     suffix = path.resolve().suffix.lower()
+    if suffix in _OF_BLENDER:
+        raise SceneFileError(
+            f"it is {_OF_BLENDER[suffix]}, which is not read; open it in Blender, or in the "
+            "program that wrote it, and export it as glTF"
+        )
     if suffix not in SUFFIXES:
         raise SceneFileError(
-            f"its name does not end in {', '.join(SUFFIXES)}; "
-            + ("import it into Blender and export it as glTF" if suffix in _OF_BLENDER else _EXPORT)
+            f"its name does not end in {', '.join(SUFFIXES)}; export it as one of these"
         )
+
+
+def _check_text(real: Path) -> None:
+    """Refuse text in UTF-16; COLLADA says its encoding, and the reader of OBJ knows it."""
+    try:
+        with real.open("rb") as file:
+            mark = file.read(2)
+    except OSError:
+        return  # The reader names it.
+    if real.suffix.lower() in _MAY_BE_TEXT and mark in (BOM_UTF16_LE, BOM_UTF16_BE):
+        raise SceneFileError("it is text in UTF-16; save it in UTF-8, or export it again")

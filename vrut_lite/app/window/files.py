@@ -28,9 +28,10 @@ from vrut_lite.project import (
     save_project,
     weather_inputs,
 )
+from vrut_lite.scene.scene_files import SUFFIXES
 from vrut_lite.weather.weather_file import read_weather
 
-_TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.usd *.usda *.usdc *.usdz *.toml)"
+_TO_OPEN = f"Scenes and projects ({' '.join(f'*{one}' for one in (*SUFFIXES, PROJECT_SUFFIX))})"
 
 
 class Files:

@@ -1,0 +1,256 @@
+"""STL, PLY, OFF, 3MF and COLLADA: shapes, colours, axes and units, and broken files."""
+
+import struct
+import zipfile
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scene_files import png_bytes
+
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.colour import srgb_decode
+from vrut_lite.scene import trimesh_process
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.loading import LoadedScene, load_scene
+
+_RED, _OLIVE = (255, 0, 0), (128, 128, 0)
+
+
+def _box() -> trimesh.Trimesh:
+    return trimesh.creation.box(bounds=[[0, 0, 0], [2, 3, 4]])
+
+
+def _bytes(kind: str) -> bytes:
+    """The box as a file of this kind."""
+    if kind in ("3mf", "dae"):
+        pytest.importorskip("lxml", reason="the package lxml is not installed")
+    if kind == "dae":
+        pytest.importorskip("collada", reason="the package pycollada is not installed")
+    data = _box().export(file_type=kind)
+    return data if isinstance(data, bytes) else data.encode()
+
+
+def _write(folder: Path, name: str, data: bytes) -> Path:
+    (folder / name).write_bytes(data)
+    return folder / name
+
+
+def _corner_colours(scene: LoadedScene) -> np.ndarray:
+    """The linear colours (V, 3) of all vertices."""
+    colours = [place.mesh.colours for place in scene.meshes]
+    return np.concatenate([one[:, :3] for one in colours if one is not None])
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "ply", "off", "dae"])
+def test_each_format_has_the_boxes_shape(tmp_path: Path, kind: str) -> None:
+    """A box of 2 x 3 x 4 m opens with its twelve triangles, facing outwards."""
+    name = "box." + kind.removesuffix("_ascii").upper()
+    scene = load_scene(_write(tmp_path, name, _bytes(kind)))
+    assert scene.triangles == 12
+    np.testing.assert_allclose([scene.lower_m, scene.upper_m], [[0, 0, 0], [2, 3, 4]])
+    for place in scene.meshes:
+        a, b, c = np.moveaxis(place.world_triangles(), 1, 0)
+        outward = np.sum(np.cross(b - a, c - a) * (a + b + c - [3, 4.5, 6]), axis=1)
+        assert (outward > 0).all()
+
+
+def test_3mf_is_in_millimetres_along_z(tmp_path: Path) -> None:
+    """3MF states its unit, by default millimetres, and stands on the plane of x and y."""
+    scene = load_scene(_write(tmp_path, "box.3mf", _bytes("3mf")))
+    assert (scene.placement.up, scene.placement.metres_per_unit) == ("z", 0.001)
+    np.testing.assert_allclose(scene.upper_m - scene.lower_m, [0.002, 0.004, 0.003])
+
+
+@pytest.mark.parametrize("sides", [("<", "little"), (">", "big")])
+def test_ply_with_polygons_and_colours(tmp_path: Path, sides: tuple[str, str]) -> None:
+    """Binary faces of 3 to 5 corners, as Blender writes them, are fans; byte colours are sRGB."""
+    order, name = sides
+    points = [(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (2, 0, 0), (2, 0, 1), (3, 0, 0.5)]
+    faces = [(0, 3, 2, 1), (1, 2, 5, 6, 4), (0, 1, 2)]
+    head = f"""ply
+format binary_{name}_endian 1.0
+comment made by hand
+element vertex {len(points)}
+property float x
+property float y
+property float z
+property uchar red
+property uchar green
+property uchar blue
+element face {len(faces)}
+property list uchar uint vertex_indices
+end_header
+"""
+    data = head.encode()
+    data += b"".join(struct.pack(order + "3f3B", *point, *_OLIVE) for point in points)
+    data += b"".join(struct.pack(f"{order}B{len(f)}I", len(f), *f) for f in faces)
+    scene = load_scene(_write(tmp_path, "a.ply", data))
+    assert scene.triangles == 2 + 3 + 1
+    np.testing.assert_allclose(scene.upper_m, [3, 0, 1])
+    colours = _corner_colours(scene)
+    expected = np.tile(srgb_decode(np.array(_OLIVE) / 255.0), (len(colours), 1))
+    np.testing.assert_allclose(colours, expected, atol=1e-6)
+    material = scene.meshes[0].mesh.material
+    np.testing.assert_array_equal(material.baseColorFactor, 1.0)
+    assert material.doubleSided
+    with pytest.raises(UserError, match="its PLY is damaged"):
+        load_scene(_write(tmp_path, "a.ply", data[:-3]))
+
+
+def test_3mf_colours_are_the_reflectance(tmp_path: Path) -> None:
+    """Base materials colour objects and triangles; colour groups colour corners (3MF materials
+    extension, section 3); a component stands where its matrix says."""
+    pytest.importorskip("lxml", reason="the package lxml is not installed")
+    triangle = '<triangle v1="0" v2="1" v3="2" {}/>'
+    model = f"""<?xml version="1.0"?>
+<model unit="meter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+ xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">
+<resources>
+<basematerials id="1"><base name="r" displaycolor="#FF0000"/><base name="o"
+ displaycolor="#808000FF"/></basematerials>
+<m:colorgroup id="2"><m:color color="#FF0000"/><m:color color="#808000"/></m:colorgroup>
+<object id="3" pid="1" pindex="1"><mesh><vertices><vertex x="0" y="0" z="0"/>
+<vertex x="1" y="0" z="0"/><vertex x="1" y="1" z="0"/></vertices><triangles>
+{triangle.format("")}{triangle.format('pid="1" p1="0"')}
+{triangle.format('pid="2" p1="0" p2="1" p3="1"')}</triangles></mesh></object>
+<object id="4"><components><component objectid="3" transform="1 0 0 0 1 0 0 0 1 5 0 0"/>
+</components></object></resources><build><item objectid="3"/><item objectid="4"/></build></model>"""
+    data = BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        archive.writestr("3D/3dmodel.model", model)
+    scene = load_scene(_write(tmp_path, "a.3mf", data.getvalue()))
+    assert scene.triangles == 6
+    assert scene.meshes[0].mesh is scene.meshes[1].mesh
+    np.testing.assert_allclose(scene.upper_m, [6, 0, 0])
+    mesh = scene.meshes[0].mesh
+    corners = [_OLIVE] * 3 + [_RED] * 3 + [_RED, _OLIVE, _OLIVE]
+    shown = mesh.colours[mesh.faces.reshape(-1), :3]
+    np.testing.assert_allclose(shown, srgb_decode(np.array(corners) / 255.0), atol=1e-6)
+
+
+def _collada(picture: str = "", tail: str = "") -> bytes:
+    """A red or papered triangle of COLLADA, Z up, in inches."""
+    colour = "<color>0.5 0 0 1</color>"
+    if picture:
+        colour = '<texture texture="s" texcoord="uv"/>'
+    floats = "<float_array id='{0}a' count='{1}'>{2}</float_array><technique_common><accessor "
+    floats += "source='#{0}a' count='3' stride='{3}'>{4}</accessor></technique_common>"
+    xyz, uv = (
+        "".join(f"<param name='{p}' type='float'/>" for p in names) for names in ("XYZ", "ST")
+    )
+    positions = floats.format("p", 9, "0 0 0 100 0 0 0 0 100", 3, xyz)
+    coordinates = floats.format("t", 6, "0 0 1 0 0 1", 2, uv)
+    return f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>
+<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis></asset>
+<library_images><image id="i"><init_from>{picture}</init_from></image></library_images>
+<library_effects><effect id="e"><profile_COMMON><newparam sid="f"><surface type="2D">
+<init_from>i</init_from></surface></newparam><newparam sid="s"><sampler2D><source>f</source>
+</sampler2D></newparam><technique sid="c"><lambert><diffuse>{colour}</diffuse></lambert>
+</technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh><source id="p">{positions}</source>
+<source id="t">{coordinates}</source><vertices id="v"><input semantic="POSITION" source="#p"/>
+</vertices><triangles count="1" material="k"><input semantic="VERTEX" source="#v" offset="0"/>
+<input semantic="TEXCOORD" source="#t" offset="1" set="0"/><p>0 0 1 1 2 2</p></triangles></mesh>
+</geometry></library_geometries><library_visual_scenes><visual_scene id="w"><node id="n">
+<translate>0 0 100</translate><instance_geometry url="#g"><bind_material><technique_common>
+<instance_material symbol="k" target="#m"/></technique_common></bind_material>
+</instance_geometry>{tail}</node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#w"/></scene></COLLADA>""".encode()
+
+
+def test_collada_states_its_axes_unit_and_colour(tmp_path: Path) -> None:
+    """Up axis and unit are the file's own; a material's colour is the reflectance as stated."""
+    pytest.importorskip("collada", reason="the package pycollada is not installed")
+    lamp = '<instance_light url="#l"/>'
+    scene = load_scene(_write(tmp_path, "a.dae", _collada(tail=lamp)))
+    assert (scene.placement.up, scene.placement.metres_per_unit) == ("z", 0.0254)
+    np.testing.assert_allclose([scene.lower_m, scene.upper_m], [[0, 2.54, 0], [2.54, 5.08, 0]])
+    colour = scene.meshes[0].mesh.material.baseColorFactor
+    np.testing.assert_allclose(colour, [0.5, 0, 0, 1], atol=0.5 / 255)
+    assert scene.notices == ("lamp of the COLLADA: left out",)
+
+
+def test_pictures_of_collada_lie_in_the_scenes_folder(tmp_path: Path) -> None:
+    """A picture beside the scene is its colour; one elsewhere is told and never opened."""
+    pytest.importorskip("collada", reason="the package pycollada is not installed")
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    for place in (folder, tmp_path):
+        _write(place, "my brick.png", png_bytes((4, 2)))
+    scene = load_scene(_write(folder, "a.dae", _collada("file://my%20brick.png")))
+    picture = scene.meshes[0].mesh.material.baseColorTexture
+    assert picture is not None
+    assert picture.size == (4, 2)
+    (folder / "my brick.png").unlink()
+    scene = load_scene(_write(folder, "a.dae", _collada("../my%20brick.png")))
+    assert scene.meshes[0].mesh.material.baseColorTexture is None
+    assert "outside the scene's folder" in scene.notices[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "fault"),
+    [
+        ("a.stl", bytes(80) + b"\xff\xff\xff\xff" + bytes(50), "4,294,967,295 triangles"),
+        ("a.stl", b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "'endsolid'"),
+        ("a.stl", b"", "fewer than the head"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999\nend_header\n", "99,999,999"),
+        ("a.ply", b"plot", "does not begin with 'ply'"),
+        ("a.off", b"OFF\n353535235358 4 4\n0 0 0\n", "353,535,235,358 vertices"),
+        ("a.off", b"{}", "does not begin with OFF"),
+        ("a.3mf", b"PK\3\4" + bytes(60), "no ZIP archive"),
+        ("a.dae", b"<COLLADA>", "damaged"),
+    ],
+)
+def test_broken_files_end_in_one_sentence(
+    tmp_path: Path, name: str, data: bytes, fault: str
+) -> None:
+    """The sentence says what is wrong and what to do."""
+    with pytest.raises(UserError) as error:
+        load_scene(_write(tmp_path, name, data))
+    assert fault in str(error.value)
+    assert "export it again" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "ply", "off", "3mf", "dae"])
+def test_mangled_files_have_a_fault_or_content(kind: str) -> None:
+    """Whatever bytes are cut, changed or put in, the reader answers and never raises."""
+    whole, suffix = _bytes(kind), "." + kind.removesuffix("_ascii")
+
+    @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(st.integers(0, len(whole)), st.integers(0, 40), st.binary(max_size=12))
+    def mangled(at: int, gone: int, put: bytes) -> None:
+        told = trimesh_process.read(suffix, whole[:at] + put + whole[at + gone :])
+        assert told.fault or isinstance(told.parts, list)
+
+    mangled()
+
+
+def test_what_takes_too_much_memory_is_refused(tmp_path: Path) -> None:
+    """A 3MF of 3 MB that unpacks to 700 MB ends at the limit, in a sentence that names it."""
+    pytest.importorskip("lxml", reason="the package lxml is not installed")
+    data = BytesIO()
+    with (
+        zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        archive.open("3D/3dmodel.model", "w", force_zip64=True) as file,
+    ):
+        for _ in range(700):
+            file.write(b" " * 2**20)
+    path = _write(tmp_path, "a.3mf", data.getvalue())
+    with pytest.raises(UserError, match=r"takes more than .* GiB to read.*VRUT_LITE_MEMORY_GIB"):
+        load_scene(path, SceneBudget(600 * 2**20))
+
+
+def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without pycollada the sentence names the extra, and the way by Blender."""
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    _write(tmp_path, "collada.py", b"raise ImportError('no collada')")
+    with pytest.raises(UserError, match=r"vrut-lite\[formats\].*Blender"):
+        load_scene(_write(tmp_path, "a.dae", _collada()))
