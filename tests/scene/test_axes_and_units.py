@@ -74,9 +74,49 @@ def test_a_room_open_to_its_front_stays_upright(tmp_path: Path) -> None:
 
 
 def test_a_wall_and_a_statue_stay_upright(tmp_path: Path) -> None:
-    """What is flat, or stands on little, says nothing of its axis."""
-    for shape in (_box((9, 4, 0.1), (0, 0, 0)), trimesh.creation.icosphere(subdivisions=2)):
-        assert load_scene(_write(tmp_path / "a.obj", shape)).notices == ()
+    """What is flat, or stands on little, says nothing of its axis; of a flat one, which may be a
+    floor of a program whose axis is Z, that is told."""
+    wall = load_scene(_write(tmp_path / "a.obj", _box((9, 4, 0.1), (0, 0, 0))))
+    assert wall.notices == ("flat and upright (else --up z, or Up in the Scene panel)",)
+    np.testing.assert_allclose(wall.upper_m, [9, 4, 0.1])
+    pane = _box((0, 2, 2), (1, 0, 0))
+    assert load_scene(_write(tmp_path / "a.obj", pane)).notices == ()
+    statue = trimesh.creation.icosphere(subdivisions=2)
+    assert load_scene(_write(tmp_path / "a.obj", statue)).notices == ()
+    lying = load_scene(tmp_path / "a.obj", placement=Placement(up="y"))
+    assert lying.notices == ()
+
+
+@pytest.mark.parametrize("size", [(8, 6, 10), (14, 6, 18)])
+def test_a_skirt_hides_no_floor(tmp_path: Path, size: tuple[float, float, float]) -> None:
+    """A Z-up house on land with a skirt of a metre has no face at its lowest end but sides; the
+    largest level area is its floor all the same. So upright ones stay."""
+    skirt = _box((20, 1, 24), (-10, -1, -12))
+    skirt.update_faces(skirt.face_normals[:, 1] > -0.5)
+    house = _box(size, (-size[0] / 2, 0, -size[2] / 2))
+    for matrix, up in ((AS_IT_IS, "y"), (Z_UP, "z")):
+        scene = load_scene(_write(tmp_path / "a.obj", skirt, house, matrix=matrix))
+        assert scene.placement.up == up
+        np.testing.assert_allclose([scene.lower_m[1], scene.upper_m[1]], [-1, 6])
+
+
+def test_a_tower_and_a_facade_without_ground_stay_upright(tmp_path: Path) -> None:
+    """A wall larger than every floor is no floor, where there are floors."""
+    floors = [_box((10, 0.3, 10), (0, 3.0 * k, 0)) for k in range(30)]
+    back = _box((10, 90, 0.3), (0, 0, 0))
+    assert load_scene(_write(tmp_path / "a.obj", *floors, back)).placement.up == "y"
+
+
+def test_a_glb_that_lies_on_its_side_has_a_hint(tmp_path: Path) -> None:
+    """glTF is +Y up by its standard and stays so; a floor across Z is told."""
+    for matrix, count in ((AS_IT_IS, 0), (Z_UP, 1)):
+        joined = trimesh.util.concatenate(_house())
+        joined.apply_transform(matrix)
+        (tmp_path / "a.glb").write_bytes(joined.export(file_type="glb"))
+        scene = load_scene(tmp_path / "a.glb")
+        assert scene.placement.up == "y"
+        hints = [line for line in scene.notices if "largest level area" in line]
+        assert len(hints) == count
 
 
 @pytest.mark.parametrize(("units", "name"), [(100, "centimetres"), (1000, "millimetres")])

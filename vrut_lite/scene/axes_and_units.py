@@ -7,13 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.messages.placement import UpAxis
-from vrut_lite.scene.placed import PlacedMesh, box_of
+from vrut_lite.scene.placed import MAX_TRIANGLES, PlacedMesh, box_of
 
 # Height above the lowest point, as a share of the extent, of faces that count as the scene's base.
 _BOTTOM = 0.03
 _LEVEL_COSINE = 0.95
-# Least share of the footprint that a floor covers; largest share of a wall across the other axis.
-_FLOOR, _NO_FLOOR = 0.5, 0.1
+# Least share of the footprint that the largest level area covers, least ratio of it to that across
+# the other axis, and largest share of the footprint at that axis's lower end: a skirt's side.
+_FLOOR, _LARGER, _NO_FLOOR = 0.5, 2.0, 0.25
+# Layers of the extent in which level areas are summed.
+_LAYERS = 32
 _FLAT = 0.03
 # Land is a sheet: largest height over width, least share of its footprint, least share of its area
 # that faces one way.
@@ -28,56 +31,84 @@ _CENTIMETRES_HIGH = 5000.0
 def guess_up(placed: list[PlacedMesh]) -> UpAxis:
     """The axis along which the scene stands on something: +Y unless only +Z has a floor.
 
-    A floor is made of faces across the axis at its lower end that cover half of the footprint, or
-    of land without an underside. What is flat along Z, as a wall is, says nothing.
+    A floor is the largest level area of the lower half, which lies higher than the lowest point
+    where land has a skirt, or land without an underside. What is flat along Z says nothing.
     """
     lower, extent = _bounds(placed)
     if extent[2] <= _FLAT * max(extent):
         return "y"
-    floors = _floor_shares(placed, lower, extent)
-    lies = floors[1] <= _NO_FLOOR and (floors[2] >= _FLOOR or _is_land(placed, extent))
-    return "z" if lies else "y"
+    areas, lowest = _level_areas(placed, lower, extent)
+    if lowest[0] > _NO_FLOOR * extent[2] * extent[0]:
+        return "y"
+    has_floor = areas[1] >= max(_FLOOR * extent[0] * extent[1], _LARGER * areas[0])
+    return "z" if (has_floor and areas[1] > 0.0) or _is_land(placed, extent) else "y"
+
+
+def stands_on_edge(placed: list[PlacedMesh]) -> bool:
+    """Whether the scene is flat along Z: a wall, or a sheet of a program whose axis is Z."""
+    _, extent = _bounds(placed)
+    return bool(extent[2] <= _FLAT * max(extent))
 
 
 def _is_land(placed: list[PlacedMesh], extent: NDArray[np.float64]) -> bool:
     """Whether it is one low sheet over the plane of x and y, all of it facing the same way."""
-    areas = []
-    with np.errstate(over="ignore", invalid="ignore"):
-        for place in placed:
-            every = len(place.mesh.faces) // _SAMPLED_FACES + 1
-            a, b, c = (place.mesh.vertices[corner] for corner in place.mesh.faces[::every].T)
-            (bx, by), (cx, cy) = (b - a).T[:2], (c - a).T[:2]
-            areas.append((bx * cy - by * cx) * every / 2)
-        across = np.concatenate(areas)
-        faces_up, covered = abs(across.sum()), np.abs(across).sum()
+    across = np.concatenate([_normals(place, _SAMPLED_FACES)[1][:, 2] for place in placed])
+    faces_up, covered = abs(across.sum()), np.abs(across).sum()
     is_low = extent[2] <= _LOW * min(extent[:2])
     return bool(is_low and faces_up >= max(_ONE_WAY * covered, _LAND * extent[0] * extent[1]))
 
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The lowest corner (3,) and the extent (3,)."""
-    lows, highs = zip(*(box_of(p.mesh.vertices) for p in placed), strict=True)
+    lows, highs = zip(*(box_of(_points(place)) for place in placed), strict=True)
     lower = np.min(lows, axis=0)
     return lower, np.max(highs, axis=0) - lower
 
 
-def _floor_shares(
+def _points(place: PlacedMesh) -> NDArray[np.float64]:
+    """Vertices (V, 3) in the file's axes."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix = place.world_from_model
+        return np.asarray(place.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])
+
+
+def _normals(
+    place: PlacedMesh, most: int = MAX_TRIANGLES
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres and area vectors (n, 3) of at most about `most` faces, which stand for all."""
+    every = len(place.mesh.faces) // most + 1
+    points = _points(place)
+    with np.errstate(over="ignore", invalid="ignore"):
+        a, b, c = (points[corner] for corner in place.mesh.faces[::every].T)
+        return (a + b + c) / 3, np.cross(b - a, c - a) * (every / 2)
+
+
+def _level_areas(
     placed: list[PlacedMesh], lower: NDArray[np.float64], extent: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """The shares (3,) of the footprint across x, y and z that faces cover at its lower end."""
-    areas = np.zeros(3)
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Areas (2,) of level faces across y and z: the largest of the lower half, and the lowest.
+
+    Those of one height that face the same way are summed.
+    """
+    layers, lowest = np.zeros((2, 2, _LAYERS + 1)), np.zeros(2)
+    scale = np.maximum(extent, np.finfo(float).tiny)
     for place in placed:
-        vertices, faces = place.mesh.vertices, place.mesh.faces
-        low = vertices <= lower + _BOTTOM * extent
-        for axis in range(3):
-            is_low = low[:, axis]
-            bottom = faces[is_low[faces[:, 0]] & is_low[faces[:, 1]] & is_low[faces[:, 2]]]
-            a, b, c = (vertices[bottom[:, corner]] for corner in range(3))
-            across = np.cross(b - a, c - a) / 2
-            level = np.abs(across[:, axis]) >= _LEVEL_COSINE * np.linalg.norm(across, axis=1)
-            areas[axis] += np.abs(across[level, axis]).sum()
-    footprints = np.maximum(extent[[1, 2, 0]] * extent[[2, 0, 1]], np.finfo(float).tiny)
-    return areas / footprints
+        centres, areas = _normals(place)
+        size = np.linalg.norm(areas, axis=1)
+        for row, axis in enumerate((1, 2)):
+            across = areas[:, axis]
+            level = np.flatnonzero(np.abs(across) >= _LEVEL_COSINE * size)
+            height = (centres[level, axis] - lower[axis]) / scale[axis]
+            across = across[level]
+            layer = np.clip(np.nan_to_num(height) * _LAYERS, 0, _LAYERS - 1).astype(np.int64)
+            for side, facing in enumerate((across > 0.0, across < 0.0)):
+                layers[row, side] += np.bincount(
+                    layer[facing], np.abs(across[facing]), minlength=_LAYERS + 1
+                )
+            lowest[row] += np.abs(across[height <= _BOTTOM]).sum()
+    # A height may lie on the border of two layers.
+    pairs = (layers[..., 1:] + layers[..., :-1])[..., : _LAYERS // 2]
+    return pairs.max(axis=(1, 2)), lowest
 
 
 def guess_metres_per_unit(

@@ -16,7 +16,12 @@ from vrut_lite.messages.glazing import Glazing
 from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.messages.points_and_lines import PointsAndLines
-from vrut_lite.scene.axes_and_units import ground_top, guess_metres_per_unit, guess_up
+from vrut_lite.scene.axes_and_units import (
+    ground_top,
+    guess_metres_per_unit,
+    guess_up,
+    stands_on_edge,
+)
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.choices import chosen_camera, chosen_variant
 from vrut_lite.scene.file_checks import SceneFolder
@@ -31,6 +36,8 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.scene_files import SceneFile, SceneFiles
 
 MAX_REACH_M = 1e7
+# Triangles of a file whose stated axis is compared with its shape: 0.1 s.
+_MOST_TRIED = 200_000
 _UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
 _AS_IT_SAYS = Placement()
 _NO_LUMINAIRES: Mapping[str, str] = MappingProxyType({})
@@ -206,11 +213,20 @@ def _filled(asked: Placement, file: SceneFile) -> Placement:
 
 
 def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[str]:
-    """Lines on guesses that change the scene."""
+    """Lines on guesses that change the scene, and on an axis that may be another."""
     lines = []
-    if asked.up is None and file.says.up is None and filled.up != "y":
+    if asked.up is None and file.says.up is None:
+        if filled.up != "y":
+            lines.append(
+                "taken to stand along +Z, where it has a floor (else --up y, or Up in the Scene "
+                "panel)"
+            )
+        elif stands_on_edge(file.placed):
+            lines.append("flat and upright (else --up z, or Up in the Scene panel)")
+    elif asked.up is None and _may_lie(file):
         lines.append(
-            "taken to stand along +Z, where it has a floor (else --up y, or Up in the Scene panel)"
+            "upright by the file's own axis, and its largest level area is across Z (else --up z, "
+            "or Up in the Scene panel)"
         )
     unit = filled.metres_per_unit
     if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
@@ -219,6 +235,12 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
             f"taken to be in {name} (else --metres-per-unit 1, or Unit in the Scene panel)"
         )
     return lines
+
+
+def _may_lie(file: SceneFile) -> bool:
+    """Whether the file says +Y and has its floor across Z; large ones are not asked."""
+    triangles = sum(len(place.mesh.faces) for place in file.placed)
+    return file.says.up == "y" and triangles <= _MOST_TRIED and guess_up(file.placed) == "z"
 
 
 def _joined(
