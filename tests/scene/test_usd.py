@@ -164,14 +164,72 @@ def Mesh "hidden" {{{QUAD} token visibility = "invisible"
 def Mesh "guide" {{{QUAD} uniform token purpose = "guide"
 }}
 def Mesh "smooth" {{{QUAD.replace('"none"', '"catmullClark"')}}}
-def Sphere "ball" {{}}
+def BasisCurves "hair" {{}}
 """
     scene = load_scene(_write(tmp_path, body))
     assert scene.triangles == 4
     assert scene.notices == (
         "USD subdivision surface: its cage is drawn",
-        "USD Sphere: not drawn",
+        "USD BasisCurves: not drawn",
     )
+
+
+@pytest.mark.parametrize(
+    ("kind", "attributes", "lower_m", "upper_m", "volume_m3"),
+    [
+        ("Cube", "double size = 3", (-1.5, -1.5, -1.5), (1.5, 1.5, 1.5), 27.0),
+        ("Sphere", "double radius = 2", (-2, -2, -2), (2, 2, 2), 32 / 3 * np.pi),
+        (
+            "Cylinder",
+            "double radius = 2\ndouble height = 5",
+            (-2, -2, -2.5),
+            (2, 2, 2.5),
+            20 * np.pi,
+        ),
+        (
+            "Cylinder",
+            'double height = 6\nuniform token axis = "X"',
+            (-3, -1, -1),
+            (3, 1, 1),
+            6 * np.pi,
+        ),
+        ("Cone", 'double height = 6\nuniform token axis = "Y"', (-1, -3, -1), (1, 3, 1), 2 * np.pi),
+        (
+            "Capsule",
+            "double radius = 1\ndouble height = 3",
+            (-1, -1, -2.5),
+            (1, 1, 2.5),
+            13 / 3 * np.pi,
+        ),
+        ("Plane", 'double width = 4\nuniform token axis = "X"', (0, -1, -2), (0, 1, 2), 0.0),
+        ("Plane", 'double width = 4\nuniform token axis = "Y"', (-2, 0, -1), (2, 0, 1), 0.0),
+    ],
+)
+def test_shapes_are_closed_surfaces_of_their_size(
+    tmp_path: Path,
+    kind: str,
+    attributes: str,
+    lower_m: tuple[float, ...],
+    upper_m: tuple[float, ...],
+    volume_m3: float,
+) -> None:
+    """Extent and signed volume, positive where triangles face outwards, are the shape's (UsdGeom's
+    schema), with the colour that is displayed."""
+    body = f"""def {kind} "thing" {{
+{attributes}
+color3f[] primvars:displayColor = [(0.1, 0.2, 0.3)]
+}}"""
+    head = '#usda 1.0\n(\n    upAxis = "Y"\n    metersPerUnit = 1\n)\n'
+    scene = load_scene(_write(tmp_path, body, head=head))
+    np.testing.assert_allclose([scene.lower_m, scene.upper_m], [lower_m, upper_m], atol=1e-12)
+    triangles = scene.meshes[0].world_triangles()
+    assert np.linalg.det(triangles).sum() / 6 == pytest.approx(volume_m3, rel=0.01)
+    colour = scene.meshes[0].mesh.material.baseColorFactor[:3]
+    np.testing.assert_allclose(colour, [0.1, 0.2, 0.3], atol=1e-6)
+    assert scene.notices == ()
+    if kind == "Plane":
+        a, b, c = triangles[0]
+        assert np.cross(b - a, c - a).max() > 0
 
 
 def test_layers_keep_to_the_folder(tmp_path: Path) -> None:

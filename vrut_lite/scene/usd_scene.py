@@ -36,6 +36,7 @@ from vrut_lite.scene.mesh import (
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.usd_materials import UsdMaterials
+from vrut_lite.scene.usd_shapes import SHAPES, shape_triangles
 from vrut_lite.scene.vertex_colours import within_range
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
@@ -136,7 +137,7 @@ class _Reader:
             if prim.IsA(UsdGeom.PointInstancer):
                 walk.PruneChildren()
                 placed += self._instances(prim)
-            elif prim.IsA(UsdGeom.Mesh):
+            elif _is_surface(prim):
                 placed += self._places(prim, self._matrix(prim))
             elif prim.IsA(UsdGeom.Camera):
                 cameras.append(self._camera(prim))
@@ -172,7 +173,7 @@ class _Reader:
             root = self._stage.GetPrimAtPath(target)
             from_root = np.linalg.inv(self._matrix(root.GetParent()))
             for part in Usd.PrimRange(root, Usd.TraverseInstanceProxies()):
-                if not part.IsA(UsdGeom.Mesh):
+                if not _is_surface(part):
                     continue
                 in_prototype = from_root @ self._matrix(part)
                 for place in np.flatnonzero(numbers == number):
@@ -192,9 +193,15 @@ class _Reader:
         from pxr import UsdGeom
 
         mesh, name = UsdGeom.Mesh(prim), prim.GetName()
-        points = np.array(mesh.GetPointsAttr().Get(self._time) or [], np.float64).reshape(-1, 3)
-        counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self._time) or [], np.int64)
-        indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(self._time) or [], np.int64)
+        is_mesh = prim.IsA(UsdGeom.Mesh)
+        if is_mesh:
+            points = np.array(mesh.GetPointsAttr().Get(self._time) or [], np.float64)
+            points = points.reshape(-1, 3)
+            counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self._time) or [], np.int64)
+            indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(self._time) or [], np.int64)
+        else:
+            points, triangles = shape_triangles(prim, self._time)
+            counts, indices = np.full(len(triangles), 3), triangles.reshape(-1)
         if counts.sum() != len(indices) or counts.min(initial=3) < 0:
             raise SceneFileError(f"mesh {ascii(name)[:60]} has faces without corners; export again")
         corners, face = fans(counts)
@@ -205,14 +212,14 @@ class _Reader:
         if indices.min() >= 0 and indices.max() < len(points):
             continues = np.diff(face, prepend=-1) == 0
             corners = ear_clipped(corners, continues, lambda ring: points[indices[ring]])
-        if mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
+        if is_mesh and mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
             self._notices.tell("USD subdivision surface", "its cage is drawn")
         if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:
             corners = corners[:, ::-1]
         spread = _Corners(indices, corners, face)
         normals = self._corner_values(mesh, "normals", spread, 3)
         uv = self._corner_values(mesh, "st", spread, 2)
-        if normals is None and mesh.GetNormalsAttr().HasAuthoredValue():
+        if is_mesh and normals is None and mesh.GetNormalsAttr().HasAuthoredValue():
             values = np.array(mesh.GetNormalsAttr().Get(self._time), np.float64)
             normals = spread.spread(values, mesh.GetNormalsInterpolation(), 3)
         displayed = self._corner_values(mesh, "displayColor", spread, 3)
@@ -280,6 +287,12 @@ class _Reader:
         pose[:3, :3] = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
         degrees = camera.GetFieldOfView(Gf.Camera.FOVVertical)
         return SceneCamera(pose, float(np.radians(degrees)), prim.GetName()[:80])
+
+
+def _is_surface(prim: Any) -> bool:
+    from pxr import UsdGeom
+
+    return bool(prim.IsA(UsdGeom.Mesh)) or prim.GetTypeName() in SHAPES
 
 
 def _is_shown(prim: Any) -> bool:
