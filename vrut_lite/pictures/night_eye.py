@@ -41,7 +41,7 @@ ACUITY, LEAST_CYCLES = (17.25, 1.4, 0.35, 25.72), 0.7
 _HALVES = math.sqrt(0.5 * math.log(2.0)) / math.pi
 # Radius of the sum in deviations, its limit in pixels, and the deviation (px) below which no blur
 # is done.
-_DEVIATIONS, _MOST_PX, SHARP_PX = 2.0, 6, 0.2
+DEVIATIONS, _MOST_PX, SHARP_PX = 2.0, 6, 0.2
 
 
 def rods_share(ev100: float, night_look: NightLook) -> float:
@@ -62,7 +62,7 @@ def blur_px(pixel_rad: float) -> tuple[float, int]:
     widest = per_cycle / LEAST_CYCLES
     if widest < SHARP_PX:
         return per_cycle, 0
-    return per_cycle, min(math.ceil(_DEVIATIONS * widest), _MOST_PX)
+    return per_cycle, min(math.ceil(DEVIATIONS * widest), _MOST_PX)
 
 
 def as_sharp_as_seen(radiance_rgb: NDArray[np.floating], pixel_rad: float) -> FloatArray:
@@ -77,11 +77,13 @@ def as_sharp_as_seen(radiance_rgb: NDArray[np.floating], pixel_rad: float) -> Fl
     a, b, c, d = ACUITY
     decades = np.log10(np.maximum(mean * LUMENS_PER_WATT, _DARK))
     deviation = per_cycle / np.maximum(a * np.arctan(b * decades + c) + d, LEAST_CYCLES)
+    near = np.ceil(DEVIATIONS * deviation)
     padded = np.pad(rgb, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
     total, weights = np.zeros_like(rgb), np.zeros((rows, columns, 1))
     for i in range(-reach, reach + 1):
         for j in range(-reach, reach + 1):
             weight = np.exp(-0.5 * (i * i + j * j) / np.maximum(deviation, 1e-3) ** 2)[..., None]
+            weight = np.where((max(abs(i), abs(j)) <= near)[..., None], weight, 0.0)
             y, x = reach + i, reach + j
             total += weight * padded[y : y + rows, x : x + columns]
             weights += weight

@@ -94,6 +94,7 @@ class TonePass:
         screen.set("acuity", night_eye.ACUITY)
         screen.set("least_cycles", night_eye.LEAST_CYCLES)
         screen.set("sharp_px", night_eye.SHARP_PX)
+        screen.set("deviations", night_eye.DEVIATIONS)
         screen.set("lumens_per_watt", LUMENS_PER_WATT)
         screen.set("cones_alone", night_eye.CONES_ALONE_CD / LUMENS_PER_WATT)
         if "curve" in screen.program:

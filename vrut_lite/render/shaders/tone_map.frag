@@ -21,7 +21,8 @@ uniform float least_cycles;
 uniform float sharp_px;
 uniform float lumens_per_watt;
 uniform float blur;                  // deviation in pixels times cycles a degree
-uniform int reach;                   // pixels; 0 blurs nothing
+uniform int reach;                   // pixels at most; 0 blurs nothing
+uniform float deviations;            // radius of the sum
 #endif
 
 in vec2 at;
@@ -62,10 +63,11 @@ vec3 as_sharp_as_seen(ivec2 p) {
     float cycles = acuity.x * atan(acuity.y * decades + acuity.z) + acuity.w;
     float deviation = blur / max(cycles, least_cycles);
     if (deviation < sharp_px) return own;
+    int near = min(reach, int(ceil(deviations * deviation)));
     vec3 total = vec3(0.0);
     float weights = 0.0;
-    for (int i = -reach; i <= reach; ++i)
-        for (int j = -reach; j <= reach; ++j) {
+    for (int i = -near; i <= near; ++i)
+        for (int j = -near; j <= near; ++j) {
             float weight = exp(-0.5 * float(i * i + j * j) / (deviation * deviation));
             total += weight * texelFetch(radiance, clamp(p + ivec2(j, i), ivec2(0), last), 0).rgb;
             weights += weight;
