@@ -202,7 +202,11 @@ def test_pictures_of_collada_lie_in_the_scenes_folder(tmp_path: Path) -> None:
         ("a.stl", b"", "fewer than the head"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999\nend_header\n", "99,999,999"),
         ("a.ply", b"plot", "does not begin with 'ply'"),
-        ("a.off", b"OFF\n353535235358 4 4\n0 0 0\n", "353,535,235,358 vertices"),
+        (
+            "a.off",
+            b"OFF\n353535235358 4 4\n0 0 0\n",
+            "353,535,235,358 vertices, 4 faces; it has 3 lines",
+        ),
         ("a.off", b"{}", "does not begin with OFF"),
         ("a.3mf", b"PK\3\4" + bytes(60), "no ZIP archive"),
         ("a.dae", b"<COLLADA>", "damaged"),

@@ -59,6 +59,8 @@ def _fans(
     """
     sizes, starts, at = np.empty(count, np.int64), np.empty(count, np.int64), start
     for number in range(count):
+        if at + size_type.itemsize > len(data):
+            raise ValueError(f"it ends before face {number + 1:,} of {count:,}")
         size = int(np.frombuffer(data, size_type, 1, at)[0])
         sizes[number], starts[number] = size, at + size_type.itemsize
         at += size_type.itemsize + size * index_type.itemsize

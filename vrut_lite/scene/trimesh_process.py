@@ -230,7 +230,11 @@ def _checked_off(data: bytes) -> bytes:
     head = _OFF_HEAD.match(data)
     if head is None:
         raise _Damaged("it does not begin with OFF and its counts")
-    _check_counts(data, {"vertices": int(head[1]), "faces": int(head[2])})
+    vertices, faces, lines = int(head[1]), int(head[2]), len(data.splitlines())
+    if lines < vertices + faces:
+        raise _Damaged(
+            f"its head counts {vertices:,} vertices, {faces:,} faces; it has {lines:,} lines"
+        )
     return data
 
 
@@ -238,15 +242,11 @@ def _checked_ply(data: bytes) -> bytes:
     head, end, body = data.partition(b"end_header")
     if data[:3] != b"ply" or not end:
         raise _Damaged("it does not begin with 'ply' and a head that ends in 'end_header'")
-    counts = {name.decode(): int(count) for name, count in _PLY_ELEMENT.findall(head)}
-    _check_counts(body, counts)
+    for name, count in _PLY_ELEMENT.findall(head):
+        if int(count) > len(body):
+            counted = f"{int(count):,} of the element {name.decode()}"
+            raise _Damaged(f"its head counts {counted}, and {len(body):,} bytes follow")
     return triangulated_ply(data)
-
-
-def _check_counts(data: bytes, counts: dict[str, int]) -> None:
-    for name, count in counts.items():
-        if count > len(data):
-            raise _Damaged(f"its head counts {count:,} {name}, and it has {len(data):,} bytes")
 
 
 def _checked_3mf(data: bytes) -> bytes:
