@@ -18,6 +18,8 @@ _FLOOR, _LARGER, _NO_FLOOR = 0.5, 2.0, 0.25
 # Layers of the extent in which level areas are summed.
 _LAYERS = 32
 _FLAT = 0.03
+# Least height in the file's units of what may be land that stands on edge.
+_STOREY = 3.0
 # Land is a sheet: largest height over width, least share of its footprint, least share of its area
 # that faces one way.
 _LOW, _LAND, _ONE_WAY = 0.5, 0.8, 0.98
@@ -45,9 +47,12 @@ def guess_up(placed: list[PlacedMesh]) -> UpAxis:
 
 
 def stands_on_edge(placed: list[PlacedMesh]) -> bool:
-    """Whether the scene is flat along Z: a wall, or a sheet of a program whose axis is Z."""
+    """Whether the scene is flat along Z: a wall, or land of a program whose axis is Z.
+
+    What is lower than a storey is taken to be a panel.
+    """
     _, extent = _bounds(placed)
-    return bool(extent[2] <= _FLAT * max(extent))
+    return bool(extent[2] <= _FLAT * max(extent) and extent[1] >= _STOREY)
 
 
 def _is_land(placed: list[PlacedMesh], extent: NDArray[np.float64]) -> bool:
