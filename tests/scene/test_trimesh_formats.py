@@ -177,6 +177,14 @@ def test_collada_states_its_axes_unit_and_colour(tmp_path: Path) -> None:
     assert scene.notices == ("lamp of the COLLADA: left out",)
 
 
+def test_a_file_of_skinned_meshes_alone_says_so(tmp_path: Path) -> None:
+    """Skinned meshes are left out; who has no other learns why nothing is there."""
+    pytest.importorskip("collada", reason="the package pycollada is not installed")
+    skinned = _collada().replace(b"instance_geometry", b"instance_controller")
+    with pytest.raises(UserError, match=r"no triangles \(skinned mesh of the COLLADA: left out\)"):
+        load_scene(_write(tmp_path, "a.dae", skinned))
+
+
 def test_pictures_of_collada_lie_in_the_scenes_folder(tmp_path: Path) -> None:
     """A picture beside the scene is its colour; one elsewhere is told and never opened."""
     pytest.importorskip("collada", reason="the package pycollada is not installed")

@@ -120,7 +120,8 @@ def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
         gltf = GltfScene(read_gltf_file(real, budget, notices, variant))
         file = SceneFile(gltf.posed(None), gltf.cameras(None), notices, _GLTF, gltf)
     if not any(len(place.mesh.faces) for place in file.placed):
-        raise SceneFileError("it has no triangles; export the scene with its meshes")
+        told = f" ({'; '.join(notices.lines())})" if notices.lines() else ""
+        raise SceneFileError(f"it has no triangles{told}; export the scene with its meshes")
     return file
 
 
