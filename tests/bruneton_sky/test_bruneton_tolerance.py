@@ -1,5 +1,6 @@
 """The Bruneton sky at a tolerance: what it chooses, what it keeps, what is made anew."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +10,13 @@ from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField, real_time_sizes
 from bruneton_sky.solver_job import solve_air
-from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, rung_tolerance
+from bruneton_sky.solver_rungs import (
+    SOLVER_RUNGS,
+    SolverRung,
+    counted_work,
+    rung_sizes,
+    rung_tolerance,
+)
 from bruneton_sky.tolerance import FRONTS, TABLES, BrunetonQuality, quality_for
 from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 
@@ -94,3 +101,11 @@ def test_a_tolerance_solves_the_air_again_and_names_the_size(asked: list[str]) -
         assert size == quality_for(tolerance).cube_size
     assert asked == ["usual", quality_for(0.01).solver]
     assert asked[1] != "usual"
+
+
+@pytest.mark.parametrize("name", AIRS)
+@pytest.mark.parametrize("rung", SOLVER_RUNGS)
+def test_later_orders_have_no_more_azimuths_than_the_first(name: str, rung: SolverRung) -> None:
+    """Their harmonics are added to those of the first order."""
+    sizes = replace(rung_sizes(AIRS[name], rung), direction_azimuth=8)
+    assert max(sizes.azimuths_of(order) for order in range(3, 9)) <= 8

@@ -31,7 +31,8 @@ class SolverSizes:
             and fog add two thirds to the altitudes, for their own layer.
         direction_mu, direction_azimuth: directions at each node, over all zenith angles (half
             of them below the horizon) and over half a turn of azimuth.
-        later_azimuth: azimuths for the light of orders two and up, which varies less.
+        later_azimuth: azimuths for the light of orders two and up, which varies less; no more than
+            `direction_azimuth` are used.
         higher_azimuth: of orders four and up, where these do with fewer.
         degree: of the spherical harmonics in which light is scattered.
         source_mu, source_azimuth: directions in which the source function is tabulated.
@@ -47,8 +48,7 @@ class SolverSizes:
         irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
 
     Raises:
-        ValueError: a size is too small to interpolate in or above 4096, bins outnumber steps, or
-            later orders have more azimuths than the first.
+        ValueError: a size is too small to interpolate in or above 4096, or bins outnumber steps.
     """
 
     altitude: int = 24
@@ -81,15 +81,14 @@ class SolverSizes:
         for name in ("direction_mu", "polarised_mu"):
             if getattr(self, name) % 2:
                 raise ValueError(f"{name} of the solver must be even: half looks down")
-        if max(self.later_azimuth, self.higher_azimuth or 0) > self.direction_azimuth:
-            raise ValueError("direction_azimuth of the solver must not be less than later ones")
         bins = self.node_bins, self.higher_bins or 0, self.single_bins, self.multiple_bins
         if max(bins) > self.steps:
             raise ValueError("steps of the solver must not be fewer than its bins")
 
     def azimuths_of(self, order: int) -> int:
         """Azimuths for the light of an order of three and up."""
-        return self.later_azimuth if order < HIGHER else self.higher_azimuth or self.later_azimuth
+        later = self.later_azimuth if order < HIGHER else self.higher_azimuth or self.later_azimuth
+        return min(later, self.direction_azimuth)
 
     def polarises(self, scattered: int) -> bool:
         """Whether light that was scattered so often carries its polarisation on."""
