@@ -72,7 +72,7 @@ def draw(scene: str, moves: bool) -> None:
     try:
         studio.shoot(plan.project.instant())
         if moves:
-            # By day: dark pictures have a tone curve of their own.
+            # Light is on: dark pictures take another tone pass.
             _move(studio._host)
     finally:
         studio.close()

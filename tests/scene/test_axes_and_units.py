@@ -74,8 +74,8 @@ def test_a_room_open_to_its_front_stays_upright(tmp_path: Path) -> None:
 
 
 def test_a_wall_and_a_statue_stay_upright(tmp_path: Path) -> None:
-    """What is flat, or stands on little, says nothing of its axis; of a flat one, which may be a
-    floor of a program whose axis is Z, that is told."""
+    """A flat scene, or one on a small foot, says nothing of its axis; a flat one, which may be a
+    floor of a program whose axis is Z, has a notice."""
     wall = load_scene(_write(tmp_path / "a.obj", _box((9, 4, 0.1), (0, 0, 0))))
     assert wall.notices == ("flat and upright (else --up z, or Up in the Scene panel)",)
     np.testing.assert_allclose(wall.upper_m, [9, 4, 0.1])
@@ -108,7 +108,7 @@ def test_a_tower_and_a_facade_without_ground_stay_upright(tmp_path: Path) -> Non
 
 
 def test_a_glb_that_lies_on_its_side_has_a_hint(tmp_path: Path) -> None:
-    """glTF is +Y up by its standard and stays so; a floor across Z is told."""
+    """glTF is +Y up by its standard and stays so; a floor across Z has a notice."""
     for matrix, count in ((AS_IT_IS, 0), (Z_UP, 1)):
         joined = trimesh.util.concatenate(_house())
         joined.apply_transform(matrix)

@@ -61,7 +61,7 @@ def test_a_ring_with_a_seam_keeps_its_hole(sides, inner):
 
 
 def test_a_polygon_that_crosses_itself_still_ends():
-    """Whatever it looks like: every corner is used, and nothing runs for ever."""
+    """Every corner of any polygon is used, and the work is bounded."""
     flat, triangles = clipped([[0, 0], [1, 1], [1, 0], [0, 1], [0.5, 3], [0.5, -3]])
     assert triangles.shape == (4, 3)
     assert clip_ears(flat, np.array([0])).shape == (4, 3)
@@ -101,7 +101,7 @@ def test_triangles_that_a_file_says_are_left_as_they_are():
 
 
 def test_corners_keep_their_coordinates_and_normals():
-    """Triangles are cut anew; what belongs to a corner goes with it."""
+    """Concave faces are triangulated; attributes of a corner go with it."""
     rows = "".join(f"v {x} {y} 0\nvt {x} {y}\n" for x, y in L_SHAPE)
     corners = " ".join(f"{n}/{n}" for n in range(1, 7))
     obj = parse_obj(f"{rows}f {corners}\n".encode(), SceneBudget(2**30))

@@ -166,7 +166,7 @@ WORDS = st.text(max_size=6) | st.floats().map(str) | st.integers(-5, 10**12).map
 
 @given(st.integers(0, 70), WORDS, st.sampled_from(["", "\x1a", "\r\n", "\n\n7"]))
 def test_any_line_is_read_or_refused_in_a_sentence(line: int, word: str, end: str) -> None:
-    """Of either format: makers' and users' programs write whatever they want."""
+    """Any line of either format is read, or refused in one sentence."""
     for text in (ldt(2, {0: "9 8 7", 90: "9 5 3", 180: "9 1 0"}), ies({0: "9 8 7", 90: "9 1 0"})):
         lines = text.split("\n")
         lines[line % len(lines)] = word

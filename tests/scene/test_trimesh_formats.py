@@ -186,7 +186,7 @@ def test_a_file_of_skinned_meshes_alone_says_so(tmp_path: Path) -> None:
 
 
 def test_pictures_of_collada_lie_in_the_scenes_folder(tmp_path: Path) -> None:
-    """A picture beside the scene is its colour; one elsewhere is told and never opened."""
+    """A picture beside the scene is its colour; one elsewhere has a notice and is never opened."""
     pytest.importorskip("collada", reason="the package pycollada is not installed")
     folder = tmp_path / "scene"
     folder.mkdir()
@@ -233,7 +233,7 @@ def test_broken_files_end_in_one_sentence(
 
 @pytest.mark.parametrize("kind", ["stl", "stl_ascii", "ply", "off", "3mf", "dae"])
 def test_mangled_files_have_a_fault_or_content(kind: str) -> None:
-    """Whatever bytes are cut, changed or put in, the reader answers and never raises."""
+    """Files with bytes cut, changed or put in are read, or refused in one sentence."""
     whole, suffix = _bytes(kind), "." + kind.removesuffix("_ascii")
 
     @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))

@@ -18,7 +18,7 @@ _FLOOR, _LARGER, _NO_FLOOR = 0.5, 2.0, 0.25
 # Layers of the extent in which level areas are summed.
 _LAYERS = 32
 _FLAT = 0.03
-# Least height in the file's units of what may be land that stands on edge.
+# Least height (file units) of a sheet that may be land standing on edge.
 _STOREY = 3.0
 # Land is a sheet: largest height over width, least share of its footprint, least share of its area
 # that faces one way.
@@ -49,7 +49,7 @@ def guess_up(placed: list[PlacedMesh]) -> UpAxis:
 def stands_on_edge(placed: list[PlacedMesh]) -> bool:
     """Whether the scene is flat along Z: a wall, or land of a program whose axis is Z.
 
-    What is lower than a storey is taken to be a panel.
+    A sheet lower than a storey is taken to be a panel.
     """
     _, extent = _bounds(placed)
     return bool(extent[2] <= _FLAT * max(extent) and extent[1] >= _STOREY)

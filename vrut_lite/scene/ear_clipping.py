@@ -23,7 +23,7 @@ def ear_clipped(
     continues: BoolArray,
     places_of: Callable[[NDArray[Any]], FloatArray],
 ) -> NDArray[Any]:
-    """Triangles (F, 3, ...) of which those of concave polygons are cut anew.
+    """Triangles (F, 3, ...), with those of concave polygons replaced by ear clipping.
 
     Args:
         corners: fans of polygons, each about its polygon's first corner, in order.

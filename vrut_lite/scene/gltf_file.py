@@ -30,7 +30,7 @@ Item = TypeVar("Item")
 
 
 class _Gltf1(msgspec.Struct):
-    """What marks glTF 1.0, which need not state its version: lists are objects by names."""
+    """A document whose lists are objects by names: glTF 1.0, which need not state its version."""
 
     meshes: dict[str, msgspec.Raw]
 

@@ -52,7 +52,7 @@ def read_ies(data: bytes) -> Photometry:
     multiplier, rows, columns, kind = head[2:6]
     ballast, ballast_lamp = head[10:12]
     if _LATER_EDITION.match(text):
-        # Since 1995 the number is kept for future use, and since 2019 it tells who measured.
+        # Since 1995 the number is kept for future use, and since 2019 it names who measured.
         ballast_lamp = 1.0
     if kind not in (_TYPE_A, _TYPE_B, _TYPE_C):
         raise SceneFileError(

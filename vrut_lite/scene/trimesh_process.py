@@ -144,7 +144,7 @@ def _material(source: Any) -> FileMaterial | None:
 
 
 def _add_statements(file: MeshFile, suffix: str, data: bytes, scene: Any) -> None:
-    """Add what the file states of its axes and units, and what is left out of it."""
+    """Add the file's axes and units, and the names of parts that are left out."""
     if suffix == ".3mf":
         # Its build platform is the plane of x and y.
         unit = next((g.metadata.get("units") for g in scene.geometry.values()), None)
@@ -197,7 +197,7 @@ def _colours_of_3mf(data: bytes, file: MeshFile) -> list[NDArray[np.uint8] | Non
 def _colours_of_object(
     source: Any, triangles: list[Any], groups: dict[str, NDArray[np.uint8]]
 ) -> NDArray[np.uint8] | None:
-    """Colours (F, 3, 3) of an object's triangles; None if it has none of its own."""
+    """Colours (F, 3, 3) of an object's triangles; None without any."""
     own = source.get("pid"), source.get("pindex", "0")
     if not any(one.get("pid", own[0]) in groups for one in triangles):
         return None
