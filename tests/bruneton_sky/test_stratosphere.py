@@ -16,6 +16,8 @@ from bruneton_sky.settings import (
     spectral_atmosphere_of,
 )
 from bruneton_sky.single_scattering_kernels import fast_by_name, fast_scattered_without_phase
+from bruneton_sky.sky_view import limb_counts, table_counts
+from bruneton_sky.sky_view.rays import table_rows
 from bruneton_sky.solver import SolverSizes, multiple_scattering
 from bruneton_sky.solver import solve as solve_field
 from bruneton_sky.solver.bin_kernels import bins_of_ray
@@ -25,6 +27,7 @@ from bruneton_sky.solver.particles import kinds_of, shares_above, shares_at
 from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.sun_light import haze_layers, sun_irradiance
 from other_planet import OTHER_PLANET
+from spectral_rows import total_radiance
 
 from vrut_lite.atmosphere.aerosols.stratosphere import stratosphere
 from vrut_lite.atmosphere.haze_layer import HAZE_NM
@@ -247,6 +250,29 @@ def test_the_picture_of_dusk_is_that_of_exact_rays() -> None:
     exact = sky_of(0.05).radiance_rgb(0.0, mu, float(sun[1]), towards[seen] @ sun)
     shown = sky_of(0.05).cube_map(16, sun)[seen]
     assert luminance(shown) == pytest.approx(luminance(exact), rel=0.03)
+
+
+@pytest.mark.parametrize("altitude_m", [0.0, 8000.0, 4e5, 4e7])
+@pytest.mark.parametrize(
+    ("elevation_deg", "most"), [(20.0, 0.015), (3.0, 0.015), (-4.0, 0.015), (-9.0, 0.03)]
+)
+def test_a_table_of_twilight_has_bins_enough(
+    altitude_m: float, elevation_deg: float, most: float
+) -> None:
+    """Where the planet's shadow and the layer's kinks cut through rays, 99 of 100 nodes of a table
+    have the light of rays divided ten times as finely within 1.5 % in all four wavelengths, 9
+    degrees down 3 % (half as many bins erred by 3 to 6 % from aloft and space, by 15 % after an
+    eruption)."""
+    mu_s = float(np.sin(np.radians(elevation_deg)))
+    for depth in (0.005, 0.05):
+        field = sky_of(depth).field
+        in_space = altitude_m > field.atmosphere.top_altitude_m
+        rows = table_rows(field.atmosphere, altitude_m, mu_s, 32, 0, 24)
+        counts = table_counts(field.atmosphere, altitude_m, mu_s)
+        shown = total_radiance(field, rows, limb_counts(counts) if in_space else counts)
+        fine = total_radiance(field, rows, (1000, 1000, counts[2]))
+        scale = np.maximum(fine, 1e-3 * fine.max(axis=(0, 1)))
+        assert np.quantile(np.abs(shown - fine) / scale, 0.99) < most
 
 
 def _rgb(sky: SolvedSky, mu: np.ndarray, mu_s: float, nu: np.ndarray) -> np.ndarray:
