@@ -12,6 +12,7 @@ from vrut_lite.atmosphere.aerosols import PhaseTable
 from vrut_lite.atmosphere.exponential_layers import ExponentialLayers
 from vrut_lite.geometry.colour import SKYLIGHT_NM
 from vrut_lite.messages.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_lab.polarised_truth.gases import (
     depolarisation,
     ozone_depth,
@@ -21,6 +22,9 @@ from vrut_lite_lab.polarised_truth.gases import (
 from vrut_lite_lab.polarised_truth.particles import mixture
 
 _OZONE_DU = 300.0
+# Half width (nm) of the triangle over which ozone is averaged: the product's values are means of
+# 10 nm, linear between their middles, since each of its wavelengths stands for a band.
+_BAND_NM = 10.0
 # Altitudes (km) at which the density is the standard atmosphere's; it is exponential between them,
 # which errs by 0.2 % to 11 km and 0.8 % above.
 _PROFILE_KM = (0, 1, 2, 4, 6, 8, 9.5, 11, 15, 20, 26, 32, 37, 42, 47, 51, 58, 65, 72, 78, 84)
@@ -65,7 +69,7 @@ def independent_air(name: str) -> Atmosphere:
         rayleigh_above_scale_height_m=layers.scale_height_m[1:],
         rayleigh_depolarisation=float(depolarisation(nm).mean()),
         gas_absorption=tuple(np.array(air.gas_absorption) * air.column_m / molecules_m),
-        absorption_extinction=tuple(ozone_depth(nm, _OZONE_DU) / ozone_m),
+        absorption_extinction=tuple(_band_ozone_depth(nm) / ozone_m),
     )
     if air.aerosol_depth().any():
         low = _layer(_TYPES[HAZES[name].aerosol], _at_550(name, "mie"))
@@ -79,6 +83,14 @@ def independent_air(name: str) -> Atmosphere:
             stratosphere_table=high[2],
         )  # fmt: skip
     return changed
+
+
+def _band_ozone_depth(wavelength_nm: FloatArray) -> FloatArray:
+    """Vertical optical depth (C,) of ozone in bands about the wavelengths."""
+    offset_nm = np.linspace(-_BAND_NM, _BAND_NM, 81)
+    weight = 1.0 - np.abs(offset_nm) / _BAND_NM
+    depth = ozone_depth(wavelength_nm[:, None] + offset_nm, _OZONE_DU)
+    return np.asarray(depth @ weight / weight.sum())
 
 
 def _at_550(name: str, layer: str) -> float:
