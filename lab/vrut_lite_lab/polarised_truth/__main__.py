@@ -7,8 +7,9 @@ suns, in three airs, for three observers. Both come from the four wavelengths of
 colour matrix; that matrix's own error is not in them.
 
 By default the truth's optics are independent of the product's, so that the errors are those of
-optics and transfer together. `--shared-optics` gives the truth the product's own optics: what is
-left is the error of transfer.
+optics and transfer together. The product's solver in the truth's air shows the share of optics
+without the noise of paths. `--shared-optics` gives the truth the product's own optics: what is left
+is the error of transfer.
 
 Numbers are relative errors over rays: root mean square, largest, and the standard error of the
 truth, which the root mean square includes.
@@ -51,12 +52,16 @@ class RelativeErrors(NamedTuple):
 
 
 class ComparedSky(NamedTuple):
-    """One row of the page; without sasktran2 the last is None."""
+    """One row of the page: errors against the truths and, without noise, those of optics alone.
+
+    Without sasktran2 the last is None.
+    """
 
     air: str
     observer: str
     sun_zenith_deg: float
     monte_carlo: RelativeErrors
+    optics: RelativeErrors
     sasktran: RelativeErrors | None
 
 
@@ -66,13 +71,16 @@ def compare(
     """Rows of an air, as they are found."""
     own = product_air(name)
     air = own if shared_optics else independent_air(name)
-    sky = solve(own)
+    sky, in_other_optics = solve(own), solve(air)
     count, paths = _QUICK if quick else _WHOLE
     observers = ("ground",) if quick else tuple(ALTITUDES_M)
     for observer in observers:
         for sun in _QUICK_SUNS_DEG if quick else SUN_ZENITHS_DEG:
             rays = rays_of(observer, sun, count)
-            shown = _luminance_and_blue(solved_radiance(sky, rays))
+            shown, changed = (
+                _luminance_and_blue(solved_radiance(each, rays)) for each in (sky, in_other_optics)
+            )
+            no_noise = np.zeros_like(shown)
             by_paths = _traced(air, rays, paths * (1 if quick else _MORE_PATHS.get(sun, 1)))
             mean, noise = by_paths.mean(axis=0), by_paths.std(axis=0, ddof=1)
             noise /= np.sqrt(len(by_paths)) * mean
@@ -81,10 +89,13 @@ def compare(
             if with_sasktran and sun < 90.0:
                 solved = [sasktran_stokes(air, rays, c)[:, 0] for c in range(shown.shape[-1] + 2)]
                 truth = _luminance_and_blue(np.stack(solved, axis=1))
-                other = _errors((shown / truth - 1.0)[lit], np.zeros_like(shown)[lit])
+                other = _errors((shown / truth - 1.0)[lit], no_noise[lit])
             yield ComparedSky(
-                name, observer, sun, _errors((shown / mean - 1.0)[lit], noise[lit]), other
-            )
+                name, observer, sun,
+                _errors((shown / mean - 1.0)[lit], noise[lit]),
+                _errors((shown / changed - 1.0)[lit], no_noise[lit]),
+                other,
+            )  # fmt: skip
 
 
 def _traced(air: Atmosphere, rays: Rays, paths: int) -> FloatArray:
@@ -112,7 +123,8 @@ def _errors(relative: FloatArray, noise: FloatArray) -> RelativeErrors:
 def page(rows: list[ComparedSky]) -> str:
     """A table in Markdown: a line for each air and observer, a column for each sun.
 
-    Errors in percent: rms of luminance, its noise, and rms of blue.
+    Errors in percent: rms of luminance, its noise, and rms of blue; in brackets luminance and blue
+    by optics alone.
     """
     suns = sorted({row.sun_zenith_deg for row in rows})
     lines = [
@@ -122,7 +134,8 @@ def page(rows: list[ComparedSky]) -> str:
     for air, observer in dict.fromkeys((row.air, row.observer) for row in rows):
         cells = [
             f"{_percent(row.monte_carlo.rms[0])}/{_percent(row.monte_carlo.noise[0])}/"
-            f"{_percent(row.monte_carlo.rms[1])}"
+            f"{_percent(row.monte_carlo.rms[1])} "
+            f"({'/'.join(map(_percent, row.optics.rms))})"
             for row in rows
             if (row.air, row.observer) == (air, observer)
         ]
@@ -133,7 +146,10 @@ def page(rows: list[ComparedSky]) -> str:
 def _line(row: ComparedSky) -> str:
     """A sky's errors in percent: rms, largest and noise of luminance and blue."""
     parts = [f"{row.air:8} {row.observer:7} {row.sun_zenith_deg:3.0f}°"]
-    for truth, errors in (("Monte Carlo", row.monte_carlo), ("sasktran2", row.sasktran)):
+    truths = (
+        ("Monte Carlo", row.monte_carlo), ("optics alone", row.optics), ("sasktran2", row.sasktran)
+    )  # fmt: skip
+    for truth, errors in truths:
         if errors is not None:
             values = [
                 "/".join(map(_percent, each))
