@@ -38,6 +38,15 @@ def prepare_environment() -> None:
     os.environ.setdefault("QT_XCB_GL_INTEGRATION", "xcb_egl")
 
 
+def compile_quickly() -> None:
+    """Let llvmpipe compile programs for little drawing; to be called before OpenGL is opened.
+
+    Mesa's option "nopt" leaves out LLVM's passes over them. Pictures are the same to the bit.
+    Compiling takes half the time, drawing 10 to 40 % more. Other drivers ignore it.
+    """
+    os.environ.setdefault("GALLIVM_PERF", "nopt")
+
+
 @lru_cache(maxsize=1)
 def begin_probe() -> "str | subprocess.Popen[str]":
     """The renderer on record, or the process of `probe_gl`, at work while others import."""
