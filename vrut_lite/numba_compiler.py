@@ -13,6 +13,7 @@ import importlib
 import os
 import pickle
 import re
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -25,11 +26,21 @@ from vrut_lite.interrupts import interrupts_held
 
 with interrupts_held():
     from numba import njit
-    from numba.core import caching, cgutils, compiler, config, event, sigutils, types
+    from numba.core import (
+        caching,
+        cgutils,
+        compiler,
+        config,
+        environment,
+        event,
+        sigutils,
+        types,
+    )
+    from numba.core.cpu import CPUContext
     from numba.core.dispatcher import Dispatcher
     from numba.core.registry import cpu_target
+    from numba.core.runtime import rtsys
     from numba.extending import intrinsic, register_jitable
-    from numba.np import linalg
 
     from vrut_lite import numba_shortcuts
 
@@ -181,25 +192,58 @@ def _compile(dispatcher: Any, signature: Any) -> Any:
         _nested.depth -= 1
 
 
-def _import_without_blas() -> None:
-    """Import numba's functions on arrays, which would import scipy.linalg for 0.2 s.
+def _load(self: Any, signature: Any, context: Any) -> Any:
+    """A kernel from disk, None if it is not there.
 
-    They only ask whether there is a BLAS. A kernel that multiplies matrices loads it all the same.
+    numba first imports all that it may compile, for 0.35 s; machine code needs the runtime alone.
     """
+    rtsys.initialize(context)
+    with self._guard_against_spurious_io_errors():
+        return self._load_overload(signature, context)
+
+
+def _environment(module: str, constants: Any, name: str) -> Any:
+    """An environment of a kernel from disk: numba would import the module of each inner function.
+
+    Code that runs without Python's objects reads constants of it, and no names of the module.
+    """
+    known = environment.lookup_environment(name)
+    if known is not None:
+        return known
+    loaded = sys.modules.get(module)
+    made = environment.Environment({"__name__": module} if loaded is None else vars(loaded))
+    made.consts[:] = constants
+    made.env_name = name
+    environment.Environment._memo[name] = made
+    return made
+
+
+def _import_all(self: Any) -> None:
+    """Import what numba can compile, without scipy.linalg, which takes 0.2 s.
+
+    Functions on arrays only ask whether there is a BLAS. A kernel that multiplies matrices loads it
+    all the same.
+    """
+    linalg: Any = importlib.import_module("numba.np.linalg")
     asked = linalg.ensure_blas
     linalg.ensure_blas = lambda: None
     try:
         importlib.import_module("numba.np.arraymath")
     finally:
         linalg.ensure_blas = asked
+    _additional(self)
 
 
-with interrupts_held():
-    _import_without_blas()
 # Only functions handed to C as callbacks have a use for this wrapper, and none of ours is: 3 of 40
 # seconds of compiling were spent on it, in numba's own helpers too.
 setattr(compiler.Flags.options["no_cfunc_wrapper"], "_default", True)  # noqa: B010
 numba_shortcuts.install()
+_additional = CPUContext.load_additional_registries
+setattr(CPUContext, "load_additional_registries", _import_all)  # noqa: B010
+setattr(caching.Cache, "load_overload", _load)  # noqa: B010
+# Under numba's name, by which files hold it.
+_environment.__module__, _environment.__qualname__ = environment.__name__, "_rebuild_env"
+setattr(environment, "_rebuild_env", _environment)  # noqa: B010
 _nested = _Nested()
 _compile_or_load = Dispatcher.compile
 setattr(Dispatcher, "compile", _compile)  # noqa: B010
