@@ -3,13 +3,14 @@
 At each use of an operator numba tries up to a hundred typings, describes why they do not fit,
 and compares sets of compiler options name by name. It compiles a function that kernels share
 anew for each set of its callers' options, and optimises the code that unpacks Python's arguments.
-`install` replaces these methods.
+It computes lives of variables after each of eight passes, which three use, and reports each call of
+LLVM to listeners, which nobody adds. `install` replaces these methods.
 """
 
 import importlib
 from typing import Any
 
-from numba.core import callwrapper, codegen, errors, targetconfig
+from numba.core import callwrapper, codegen, errors, ir, postproc, targetconfig, transforms
 from numba.core.target_extension import get_local_target
 from numba.core.utils import order_by_target_specificity
 
@@ -28,12 +29,17 @@ _PLAIN = (
     types.Omitted,
     types.SliceType,
 )
+# Types of an instruction's parts that hold no variable: half of all.
+_WITHOUT_VARIABLES = {str, int, bool, float, type(None), ir.Loc}
 _Config: Any = targetconfig.TargetConfig
+_Lock: Any = importlib.import_module("llvmlite.binding.ffi").lib._lock
+_PostProcessor: Any = postproc.PostProcessor
 _Wrapper: Any = callwrapper.PyCallWrapper
 _Library: Any = codegen.CPUCodeLibrary
 _Overload: Any = templates._OverloadFunctionTemplate
 _all_failures = functions.BaseFunction.get_call_type
 _built_wrapper = _Wrapper.build
+_postprocessed = _PostProcessor.run
 
 
 def install() -> None:
@@ -44,6 +50,10 @@ def install() -> None:
     _Overload._get_impl = _implementation
     _Library._optimize_functions = _optimise_defined
     _Wrapper.build = _wrapper
+    ir.Inst._rec_list_vars = _variables_in
+    _PostProcessor.run = _post_process
+    # Its callbacks report each call of LLVM.
+    _Lock._cblist.clear()
 
 
 def _is_equal(self: Any, other: Any) -> Any:
@@ -129,3 +139,35 @@ def _wrapper(self: Any) -> Any:
     function.attributes.add("noinline")
     function.attributes.add("optnone")
     return function, api
+
+
+def _variables_in(self: Any, value: Any) -> list[Any]:
+    """The variables of an instruction's parts, in their order."""
+    kind = type(value)
+    if kind in _WITHOUT_VARIABLES:
+        return []
+    if isinstance(value, ir.Var):
+        return [value]
+    if isinstance(value, ir.Inst):
+        return list(value.list_vars())
+    if isinstance(value, dict):
+        value = value.values()
+    elif not isinstance(value, list | tuple):
+        return []
+    return [found for each in value for found in _variables_in(self, each)]
+
+
+def _post_process(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+    """Find lives of variables where something asks for them; numba also keeps those of blocks.
+
+    Generators and object mode alone read the latter.
+    """
+    function = self.func_ir
+    if function.is_generator:
+        _postprocessed(self, emit_dels, extend_lifetimes)
+        return
+    function.blocks = transforms.canonicalize_cfg(function.blocks)
+    function.variable_lifetime = postproc.VariableLifetime(function.blocks)
+    function.generator_info = None
+    if emit_dels:
+        self._insert_var_dels(extend_lifetimes=extend_lifetimes)
