@@ -107,7 +107,7 @@ install_packages() {
         printf '%s\n' "$key" >"$root/.venv/installed-for-$1"
     elif [ "$1" = test ]; then
         # Leaves no stamp, so that the next time tries again.
-        say "trying without mitsuba: the tests that compare with it will be skipped"
+        say "trying without mitsuba and ifcopenshell: the tests that need them will be skipped"
         install_editable '[app,test]' '[test]'
     else
         return 1
@@ -119,9 +119,9 @@ install_packages() {
 
 case ${1-} in
 run) extras='[app]' lab_extras= ;;
-test) extras='[app,test,ref]' lab_extras='[test]' ;;
-lint) extras='[app,test,ref,lint]' lab_extras='[test]' ;;
-long) extras='[app,test,ref,usd,film]' lab_extras='[test,radiance,truth]' ;;
+test) extras='[app,test,ref,ifc]' lab_extras='[test]' ;;
+lint) extras='[app,test,ref,ifc,lint]' lab_extras='[test]' ;;
+long) extras='[app,test,ref,ifc,usd,film]' lab_extras='[test,radiance,truth]' ;;
 docs) extras='[app,docs]' lab_extras= ;;
 *)
     say "usage: tools/bootstrap.sh run|test|lint|long|docs"

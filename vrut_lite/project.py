@@ -39,6 +39,7 @@ from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, Remembers, SetTolerance
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.place_time import Place, parse_instant, parse_place
+from vrut_lite.scene.ifc_site import place_of_ifc
 from vrut_lite.scene.settings import SCENE, SceneSettings
 from vrut_lite.text_files import decoded, plain_text
 from vrut_lite.weather.weather_file import read_weather
@@ -346,9 +347,11 @@ def load_project(path: str | Path) -> Project:
         )
     project = _with_paths(project, lambda path: str(file.parent / path))
     project = _with_named_files(project, file.parent, str)
-    if project.weather and not says_place:
+    if says_place:
+        return project
+    if project.weather:
         return with_weather(project, project.weather)
-    return project
+    return with_place_of_scene(project)
 
 
 def with_weather(project: Project, path: str) -> Project:
@@ -356,6 +359,12 @@ def with_weather(project: Project, path: str) -> Project:
     place = read_weather(path).place
     text = f"{place.latitude_deg:g},{place.longitude_deg:g},{place.altitude_m:g}"
     return msgspec.structs.replace(project, weather=path, place=text)
+
+
+def with_place_of_scene(project: Project) -> Project:
+    """The project at the place and north of its scene's file, where that states them (IFC)."""
+    place = place_of_ifc(project.scene)
+    return project if place is None else msgspec.structs.replace(project, **_place_fields(place))
 
 
 def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
@@ -396,12 +405,14 @@ def _with_named_files(project: Project, folder: Path, change: Callable[[Path], s
 def project_of_path(path: str | None) -> Project:
     """The project in a project file; of a scene's file, or none, a project with defaults.
 
+    The place is the scene's own where its file states one.
+
     Raises:
         UserError: a project file cannot be read.
     """
     if path is not None and Path(path).suffix.lower() == PROJECT_SUFFIX:
         return load_project(path)
-    return Project(scene=path or "")
+    return with_place_of_scene(Project(scene=path or ""))
 
 
 def save_project(path: str | Path, project: Project) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from vrut_lite.errors import UserError
 from vrut_lite.messages.placement import Placement
-from vrut_lite.scene import trimesh_scene, usd_scene
+from vrut_lite.scene import ifc_scene, trimesh_scene, usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_points_and_lines import Strokes
@@ -17,7 +17,14 @@ from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-SUFFIXES = (".glb", ".gltf", ".obj", *usd_scene.SUFFIXES, *trimesh_scene.SUFFIXES)
+SUFFIXES = (
+    ".glb",
+    ".gltf",
+    ".obj",
+    *usd_scene.SUFFIXES,
+    *ifc_scene.SUFFIXES,
+    *trimesh_scene.SUFFIXES,
+)
 # Formats that Blender imports or writes.
 _OF_BLENDER = {".abc": "Alembic", ".blend": "a file of Blender", ".fbx": "FBX"}
 _MAY_BE_TEXT = (".gltf", ".stl", ".ply", ".off", ".usd", ".usda")
@@ -113,6 +120,9 @@ def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
         file = SceneFile(placed, [], notices, Placement(), resting_strokes=strokes)
     elif real.suffix.lower() in usd_scene.SUFFIXES:
         file = SceneFile(*_usd(real, budget, notices))
+    elif real.suffix.lower() in ifc_scene.SUFFIXES:
+        placed, says = ifc_scene.read_ifc_scene(real, budget, notices)
+        file = SceneFile(placed, [], notices, says)
     elif real.suffix.lower() in trimesh_scene.SUFFIXES:
         placed, says = trimesh_scene.read_trimesh_scene(real, budget, notices)
         file = SceneFile(placed, [], notices, says)

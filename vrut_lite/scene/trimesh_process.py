@@ -5,14 +5,11 @@ most so much memory, and writes a `MeshFile` to standard output.
 """
 
 import re
-import resource
-import sys
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from io import BytesIO
 from typing import Any
 
-import msgspec
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
@@ -21,6 +18,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from vrut_lite.scene.mesh_file import FileMaterial, MeshFile, MeshPart
 from vrut_lite.scene.ply_polygons import triangulated_ply
+from vrut_lite.scene.process_limits import Damaged, run_reader
 
 # Seconds of CPU for any file and for each of its bytes; the slowest, 3MF, takes 6e-6 a byte.
 _SECONDS, _SECONDS_PER_BYTE = 60, 2e-5
@@ -44,10 +42,6 @@ _LEFT_OUT = {
 }
 
 
-class _Damaged(Exception):
-    """A fault of the file that trimesh would not name."""
-
-
 class _PictureNames(Mapping[str, bytes]):
     """Answers each picture's name with a picture of one pixel that carries it.
 
@@ -69,27 +63,20 @@ class _PictureNames(Mapping[str, bytes]):
 
 def read(suffix: str, data: bytes) -> MeshFile:
     """The content of a file with this suffix."""
-    try:
-        data, pictures = _CHECKS.get(suffix, bytes)(data), _PictureNames()
-        scene = trimesh.load_scene(
-            BytesIO(data), file_type=suffix[1:], resolver=pictures, process=False
-        )
-        file = MeshFile()
-        colours = _colours_of_3mf(data, file) if suffix == ".3mf" else []
-        for number, (name, geometry) in enumerate(scene.geometry.items()):
-            if isinstance(geometry, trimesh.Trimesh):
-                nodes = scene.graph.geometry_nodes.get(name, [])
-                places = np.array([scene.graph[node][0] for node in nodes], np.float64)
-                corner_rgb = colours[number] if number < len(colours) else None
-                file.parts.append(_part(name, geometry, places, corner_rgb))
-        _add_statements(file, suffix, data, scene)
-        return file
-    except ImportError as fault:
-        return MeshFile(fault=str(fault), lacks_library=True)
-    except MemoryError:
-        return MeshFile(fault="memory", lacks_memory=True)
-    except Exception as fault:
-        return MeshFile(fault=" ".join(str(fault).split())[:120] or type(fault).__name__)
+    data, pictures = _CHECKS.get(suffix, bytes)(data), _PictureNames()
+    scene = trimesh.load_scene(
+        BytesIO(data), file_type=suffix[1:], resolver=pictures, process=False
+    )
+    file = MeshFile()
+    colours = _colours_of_3mf(data, file) if suffix == ".3mf" else []
+    for number, (name, geometry) in enumerate(scene.geometry.items()):
+        if isinstance(geometry, trimesh.Trimesh):
+            nodes = scene.graph.geometry_nodes.get(name, [])
+            places = np.array([scene.graph[node][0] for node in nodes], np.float64)
+            corner_rgb = colours[number] if number < len(colours) else None
+            file.parts.append(_part(name, geometry, places, corner_rgb))
+    _add_statements(file, suffix, data, scene)
+    return file
 
 
 def _part(
@@ -215,24 +202,24 @@ def _checked_stl(data: bytes) -> bytes:
     """The file without what follows its triangles."""
     if data[:512].lstrip()[:5].lower() == b"solid" and b"facet" in data[:4096].lower():
         if b"endsolid" not in data.lower():
-            raise _Damaged("its text ends without 'endsolid'")
+            raise Damaged("its text ends without 'endsolid'")
         return data
     if len(data) < 84:
-        raise _Damaged(f"it has {len(data)} bytes, fewer than the head of an STL")
+        raise Damaged(f"it has {len(data)} bytes, fewer than the head of an STL")
     count = int.from_bytes(data[80:84], "little")
     size = 84 + 50 * count
     if size > len(data):
-        raise _Damaged(f"its head counts {count:,} triangles, and it has {len(data):,} bytes")
+        raise Damaged(f"its head counts {count:,} triangles, and it has {len(data):,} bytes")
     return data[:size]
 
 
 def _checked_off(data: bytes) -> bytes:
     head = _OFF_HEAD.match(data)
     if head is None:
-        raise _Damaged("it does not begin with OFF and its counts")
+        raise Damaged("it does not begin with OFF and its counts")
     vertices, faces, lines = int(head[1]), int(head[2]), len(data.splitlines())
     if lines < vertices + faces:
-        raise _Damaged(
+        raise Damaged(
             f"its head counts {vertices:,} vertices, {faces:,} faces; it has {lines:,} lines"
         )
     return data
@@ -241,20 +228,20 @@ def _checked_off(data: bytes) -> bytes:
 def _checked_ply(data: bytes) -> bytes:
     head, end, body = data.partition(b"end_header")
     if data[:3] != b"ply" or not end:
-        raise _Damaged("it does not begin with 'ply' and a head that ends in 'end_header'")
+        raise Damaged("it does not begin with 'ply' and a head that ends in 'end_header'")
     for name, count in _PLY_ELEMENT.findall(head):
         if int(count) > len(body):
             counted = f"{int(count):,} of the element {name.decode()}"
-            raise _Damaged(f"its head counts {counted}, and {len(body):,} bytes follow")
+            raise Damaged(f"its head counts {counted}, and {len(body):,} bytes follow")
     return triangulated_ply(data)
 
 
 def _checked_3mf(data: bytes) -> bytes:
     if not zipfile.is_zipfile(BytesIO(data)):
-        raise _Damaged("it is no ZIP archive, or lacks its end")
+        raise Damaged("it is no ZIP archive, or lacks its end")
     names = zipfile.ZipFile(BytesIO(data)).namelist()
     if not any("3d/3dmodel.model" in name.lower() for name in names):
-        raise _Damaged("its archive has no 3D/3dmodel.model")
+        raise Damaged("its archive has no 3D/3dmodel.model")
     return data
 
 
@@ -266,19 +253,5 @@ _CHECKS: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
-def main() -> None:
-    """Reads standard input under limits of memory and time."""
-    suffix, most_bytes = sys.argv[1], int(sys.argv[2])
-    resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
-    try:
-        data = sys.stdin.buffer.read()
-        seconds = int(_SECONDS + _SECONDS_PER_BYTE * len(data))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-        told = msgspec.msgpack.encode(read(suffix, data))
-    except MemoryError:
-        told = msgspec.msgpack.encode(MeshFile(fault="memory", lacks_memory=True))
-    sys.stdout.buffer.write(told)
-
-
 if __name__ == "__main__":
-    main()
+    run_reader(read, _SECONDS, _SECONDS_PER_BYTE)

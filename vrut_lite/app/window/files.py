@@ -18,7 +18,7 @@ from vrut_lite.app.window.views import Views
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
 from vrut_lite.messages.place import SetPlace
-from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import (
     PROJECT_SUFFIX,
@@ -28,6 +28,7 @@ from vrut_lite.project import (
     save_project,
     weather_inputs,
 )
+from vrut_lite.scene.ifc_site import place_of_ifc
 from vrut_lite.scene.scene_files import SUFFIXES
 from vrut_lite.weather.weather_file import read_weather
 
@@ -49,6 +50,8 @@ class Files:
         self.views: Views
         # The project that was opened or saved last, if no other scene was opened since.
         self.project: Path | None = None
+        # The place that a scene's own file states, until that scene is open.
+        self._place_of: tuple[str, SetPlace] | None = None
         # The open project's file of sensors, which the window keeps for `vrut-lite daylight`.
         self._sensors = ""
         self.title_changed = title_changed
@@ -58,6 +61,8 @@ class Files:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
             self.project, self._sensors = None, ""
+            place = place_of_ifc(path)
+            self._place_of = None if place is None else (path, place)
             self._session.send(LoadScene(path=path))
             return
         try:
@@ -68,6 +73,12 @@ class Files:
             self.project = Path(path)
             self.title_changed()
             self.add_recent(path)
+
+    def scene_opened(self, scene: SceneOpened) -> None:
+        """Go to the place that the scene's own file states, once it has opened."""
+        if self._place_of is not None and self._place_of[0] == scene.path:
+            self._session.send(self._place_of[1])
+        self._place_of = None
 
     def add_recent(self, path: str) -> None:
         """Note an opened file for the list of recent ones."""

@@ -194,6 +194,7 @@ class MainWindow(QMainWindow):
         if scene.opened is None or scene.opened != self._opened:
             self._status.show_notices(news, scene.notices)
             self.files.add_recent(scene.path)
+            self.files.scene_opened(scene)
         self._opened = scene.opened
 
     def _show_title(self) -> None:
