@@ -267,3 +267,68 @@ def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     _write(tmp_path, "collada.py", b"raise ImportError('no collada')")
     with pytest.raises(UserError, match=r"vrut-lite\[formats\].*Blender"):
         load_scene(_write(tmp_path, "a.dae", _collada()))
+
+
+# An L of six corners: a fan about its first corner covers 5 units of area, the L has 3.
+_L = [(2, 2, 0), (1, 2, 0), (1, 1, 0), (0, 1, 0), (0, 0, 0), (2, 0, 0)]
+
+
+def _l_file(kind: str) -> bytes:
+    points = "".join(f"{x} {y} {z}\n" for x, y, z in _L)
+    if kind == "off":
+        return f"OFF # an L\n6 1 0\n{points}6 0 1 2 3 4 5\n".encode()
+    head = f"ply\nformat {kind} 1.0\nelement vertex 6\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    if kind == "ascii":
+        return f"{head}{points}6 0 1 2 3 4 5\n".encode()
+    order = "<" if "little" in kind else ">"
+    body = b"".join(struct.pack(order + "3f", *point) for point in _L)
+    return head.encode() + body + struct.pack(order + "B6i", 6, *range(6))
+
+
+@pytest.mark.parametrize("kind", ["off", "ascii", "binary_little_endian", "binary_big_endian"])
+def test_a_concave_polygon_keeps_its_shape(tmp_path: Path, kind: str) -> None:
+    """A fan about a corner that does not see all others draws too much; an L has its own area."""
+    name = "a.off" if kind == "off" else "a.ply"
+    scene = load_scene(_write(tmp_path, name, _l_file(kind)))
+    assert scene.triangles == 4
+    a, b, c = np.moveaxis(scene.meshes[0].world_triangles(), 1, 0)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    assert area == pytest.approx(3.0)
+
+
+def _nested_3mf(levels: int, loops: bool = False) -> bytes:
+    """A triangle, and objects of two components each above it."""
+    whole = ['<object id="0"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>'
+             '<vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>'
+             "</triangles></mesh></object>"]  # fmt: skip
+    for level in range(1, levels + 1):
+        at = f'transform="1 0 0 0 1 0 0 0 1 {2**level} 0 0"'
+        below = level if loops and level == 1 else level - 1
+        whole.append(
+            f'<object id="{level}"><components><component objectid="{level - 1}"/>'
+            f'<component objectid="{below}" {at}/></components></object>'
+        )
+    text = (
+        '<model unit="meter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">'
+        f"<resources>{''.join(whole)}</resources><build><item objectid='{levels}'/></build></model>"
+    )
+    data = BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        archive.writestr("3D/3dmodel.model", text)
+    return data.getvalue()
+
+
+def test_components_of_components_are_all_placed_or_refused(tmp_path: Path) -> None:
+    """Each level doubles the places; more than the limit, and a loop, end in a sentence at once."""
+    pytest.importorskip("lxml", reason="the package lxml is not installed")
+    scene = load_scene(_write(tmp_path, "a.3mf", _nested_3mf(5)))
+    assert scene.triangles == 32
+    assert not any("left out" in line for line in scene.notices)
+    for data, said in (
+        (_nested_3mf(40), "places 1,099,511,627,776"),
+        (_nested_3mf(3, True), "contain"),
+    ):
+        with pytest.raises(UserError, match=said):
+            load_scene(_write(tmp_path, "b.3mf", data))

@@ -23,6 +23,9 @@ _STOREY = 3.0
 # Land is a sheet: largest height over width, least share of its footprint, least share of its area
 # that faces one way.
 _LOW, _LAND, _ONE_WAY = 0.5, 0.8, 0.98
+# Largest depth of a board for an exhibition, as a share of its shorter side; the lowest houses of
+# one storey have more.
+_BOARD = 0.12
 _SAMPLED_FACES = 20_000
 # Limits that no terrain or town exceeds together: height in m (the tallest building has 830),
 # height over the width of the objects on the ground, and height over the ground's width.
@@ -53,6 +56,12 @@ def stands_on_edge(placed: list[PlacedMesh]) -> bool:
     """
     _, extent = _bounds(placed)
     return bool(extent[2] <= _FLAT * max(extent) and extent[1] >= _STOREY)
+
+
+def is_board(placed: list[PlacedMesh]) -> bool:
+    """Whether it is thin along Z and no land: a board that shows things, rather than a house."""
+    _, extent = _bounds(placed)
+    return bool(extent[2] < _BOARD * min(extent[:2]) and not _is_land(placed, extent))
 
 
 def _is_land(placed: list[PlacedMesh], extent: NDArray[np.float64]) -> bool:

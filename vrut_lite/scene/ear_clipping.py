@@ -18,6 +18,31 @@ _CHUNK = 2**18
 _MOST_TESTS = 2_000_000_000
 
 
+def fans(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Fans of triangles (F, 3) of polygons, as numbers of corners, and the polygon (F,) of each."""
+    starts = np.cumsum(counts) - counts
+    triangles = np.maximum(counts - 2, 0)
+    face = np.repeat(np.arange(len(counts)), triangles)
+    within = np.arange(triangles.sum()) - np.repeat(np.cumsum(triangles) - triangles, triangles)
+    first = starts[face]
+    return np.stack([first, first + within + 1, first + within + 2], axis=1), face
+
+
+def polygon_triangles(
+    points: FloatArray, counts: NDArray[np.int64], indices: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Triangles (F, 3) of polygons that have `counts` corners each, `indices` one after another.
+
+    Raises:
+        ValueError: an index is outside the points (V, 3).
+    """
+    if len(indices) and not (indices.min() >= 0 and indices.max() < len(points)):
+        raise ValueError(f"a face names vertex {indices.max():,} of {len(points):,}")
+    corners, face = fans(counts)
+    continues = np.diff(face, prepend=-1) == 0
+    return indices[ear_clipped(corners, continues, lambda ring: points[indices[ring]])]
+
+
 def ear_clipped(
     corners: NDArray[Any],
     continues: BoolArray,

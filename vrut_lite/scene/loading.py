@@ -20,6 +20,7 @@ from vrut_lite.scene.axes_and_units import (
     ground_top,
     guess_metres_per_unit,
     guess_up,
+    is_board,
     stands_on_edge,
 )
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
@@ -240,7 +241,9 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
 def _may_lie(file: SceneFile) -> bool:
     """Whether the file says +Y and has its floor across Z; large ones are not asked."""
     triangles = sum(len(place.mesh.faces) for place in file.placed)
-    return file.says.up == "y" and triangles <= _MOST_TRIED and guess_up(file.placed) == "z"
+    if file.says.up != "y" or triangles > _MOST_TRIED:
+        return False
+    return guess_up(file.placed) == "z" and not is_board(file.placed)
 
 
 def _joined(

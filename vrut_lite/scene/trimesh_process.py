@@ -17,7 +17,8 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from vrut_lite.scene.mesh_file import FileMaterial, MeshFile, MeshPart
-from vrut_lite.scene.ply_polygons import triangulated_ply
+from vrut_lite.scene.placed import MAX_PLACES
+from vrut_lite.scene.ply_polygons import triangulated_off, triangulated_ply
 from vrut_lite.scene.process_limits import Damaged, run_reader
 
 # Seconds of CPU for any file and for each of its bytes; the slowest, 3MF, takes 6e-6 a byte.
@@ -34,6 +35,8 @@ _UNITS_OF_3MF = {
     "foot": 0.3048,
     "meter": 1.0,
 }
+# Most levels of components in components of a 3MF.
+_DEEPEST = 100
 _LEFT_OUT = {
     b"<instance_camera": "camera of the COLLADA",
     b"<instance_light": "lamp of the COLLADA",
@@ -135,6 +138,9 @@ def _add_statements(file: MeshFile, suffix: str, data: bytes, scene: Any) -> Non
     if suffix == ".3mf":
         # Its build platform is the plane of x and y.
         unit = next((g.metadata.get("units") for g in scene.geometry.values()), None)
+        missing = _places_of_3mf(_model_of_3mf(data)) - len(scene.graph.nodes_geometry)
+        if missing > 0:
+            file.told.append(("place of a 3MF's component", "left out", missing))
         file.up, file.metres_per_unit = "z", _UNITS_OF_3MF.get(str(unit), 0.001)
     elif suffix == ".dae":
         # Also of UTF-16.
@@ -152,17 +158,22 @@ def _add_statements(file: MeshFile, suffix: str, data: bytes, scene: Any) -> Non
         file.left_out.append("colours of the STL")
 
 
+def _model_of_3mf(data: bytes) -> Any:
+    """The root of the archive's model."""
+    from lxml import etree
+
+    archive = zipfile.ZipFile(BytesIO(data))
+    name = next(name for name in archive.namelist() if "3d/3dmodel.model" in name.lower())
+    return etree.fromstring(archive.read(name), etree.XMLParser(resolve_entities=False))
+
+
 def _colours_of_3mf(data: bytes, file: MeshFile) -> list[NDArray[np.uint8] | None]:
     """Colours (F, 3, 3) of the corners of each mesh's triangles, which trimesh leaves out.
 
     3MF core specification 1.3, section 5 (base materials), and materials extension 1.2, section 3
     (colour groups).
     """
-    from lxml import etree
-
-    archive = zipfile.ZipFile(BytesIO(data))
-    name = next(name for name in archive.namelist() if "3d/3dmodel.model" in name.lower())
-    root = etree.fromstring(archive.read(name), etree.XMLParser(resolve_entities=False))
+    root = _model_of_3mf(data)
     groups: dict[str, NDArray[np.uint8]] = {}
     for kind, item, key in (
         ("basematerials", "base", "displaycolor"),
@@ -222,7 +233,7 @@ def _checked_off(data: bytes) -> bytes:
         raise Damaged(
             f"its head counts {vertices:,} vertices, {faces:,} faces; it has {lines:,} lines"
         )
-    return data
+    return triangulated_off(data)
 
 
 def _checked_ply(data: bytes) -> bytes:
@@ -242,7 +253,31 @@ def _checked_3mf(data: bytes) -> bytes:
     names = zipfile.ZipFile(BytesIO(data)).namelist()
     if not any("3d/3dmodel.model" in name.lower() for name in names):
         raise Damaged("its archive has no 3D/3dmodel.model")
+    if (places := _places_of_3mf(_model_of_3mf(data))) > MAX_PLACES:
+        raise Damaged(f"it places {places:,} meshes, above the limit of {MAX_PLACES:,}")
     return data
+
+
+def _places_of_3mf(root: Any) -> int:
+    """How many meshes its build places, those of components of components too."""
+    parts = {
+        one.get("id"): (
+            sum(1 for _ in one.iterfind("{*}mesh")),
+            [part.get("objectid") for part in one.iterfind("{*}components/{*}component")],
+        )
+        for one in root.iter("{*}object")
+    }
+    found: dict[str, int] = {}
+
+    def count(name: str, above: frozenset[str]) -> int:
+        if name in above or len(above) > _DEEPEST:
+            raise Damaged("its components contain themselves, or are too deep")
+        if name not in found:
+            meshes, components = parts.get(name, (0, []))
+            found[name] = meshes + sum(count(one, above | {name}) for one in components)
+        return found[name]
+
+    return sum(count(item.get("objectid"), frozenset()) for item in root.iter("{*}item"))
 
 
 _CHECKS: dict[str, Callable[[bytes], bytes]] = {

@@ -21,7 +21,7 @@ from vrut_lite.messages.placement import (
     UpAxis,
 )
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.ear_clipping import ear_clipped
+from vrut_lite.scene.ear_clipping import ear_clipped, fans
 from vrut_lite.scene.file_checks import MAX_FILE_BYTES
 from vrut_lite.scene.import_warnings import Notices
 from vrut_lite.scene.materials import SurfaceMaterial, default_material
@@ -302,13 +302,3 @@ def _is_shown(prim: Any) -> bool:
     if seen.ComputePurpose() not in (UsdGeom.Tokens.default_, UsdGeom.Tokens.render):
         return False
     return bool(seen.ComputeVisibility() != UsdGeom.Tokens.invisible)
-
-
-def fans(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Fans of triangles (F, 3) of polygons, as numbers of corners, and the polygon (F,) of each."""
-    starts = np.cumsum(counts) - counts
-    triangles = np.maximum(counts - 2, 0)
-    face = np.repeat(np.arange(len(counts)), triangles)
-    within = np.arange(triangles.sum()) - np.repeat(np.cumsum(triangles) - triangles, triangles)
-    first = starts[face]
-    return np.stack([first, first + within + 1, first + within + 2], axis=1), face
