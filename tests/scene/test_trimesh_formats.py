@@ -332,3 +332,22 @@ def test_components_of_components_are_all_placed_or_refused(tmp_path: Path) -> N
     ):
         with pytest.raises(UserError, match=said):
             load_scene(_write(tmp_path, "b.3mf", data))
+
+
+def test_numbers_of_an_offs_comments_are_no_vertices(tmp_path: Path) -> None:
+    """A comment after each vertex, as of a cube of Geomview, does not count; points of four
+    dimensions are named."""
+    lines = "".join(f"{x} {y} {z}\t# {n}  \n" for n, (x, y, z) in enumerate(_L))
+    scene = load_scene(_write(tmp_path, "a.off", f"OFF\n6 1 0\n\n{lines}\n3 0 1 2\n".encode()))
+    np.testing.assert_allclose([scene.lower_m, scene.upper_m], [[1, 1, 0], [2, 2, 0]])
+    with pytest.raises(UserError, match="more than three dimensions"):
+        load_scene(_write(tmp_path, "b.off", b"4OFF\n3 1 0\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"))
+
+
+def test_3mf_that_lies_across_y_has_a_hint(tmp_path: Path) -> None:
+    """Ten of fourteen plates of printers in Cura are written with +Y up, against the standard."""
+    pytest.importorskip("lxml", reason="the package lxml is not installed")
+    for extents, hinted in (((200, 5, 200), True), ((200, 200, 5), False)):
+        data = trimesh.creation.box(extents).export(file_type="3mf")
+        scene = load_scene(_write(tmp_path, "a.3mf", data))
+        assert any("across Y (else --up y" in line for line in scene.notices) == hinted

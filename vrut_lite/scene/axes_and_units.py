@@ -49,6 +49,13 @@ def guess_up(placed: list[PlacedMesh]) -> UpAxis:
     return "z" if (has_floor and areas[1] > 0.0) or _is_land(placed, extent) else "y"
 
 
+def has_floor_across_y(placed: list[PlacedMesh]) -> bool:
+    """Whether the largest level area is across Y, as of a file that wrongly states +Z."""
+    lower, extent = _bounds(placed)
+    areas, _ = _level_areas(placed, lower, extent)
+    return bool(areas[0] >= max(_FLOOR * extent[0] * extent[2], _LARGER * areas[1]) > 0.0)
+
+
 def stands_on_edge(placed: list[PlacedMesh]) -> bool:
     """Whether the scene is flat along Z: a wall, or land of a program whose axis is Z.
 

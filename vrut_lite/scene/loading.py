@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from vrut_lite.errors import UserError
 from vrut_lite.messages.glazing import Glazing
 from vrut_lite.messages.lamps import SceneLamps
-from vrut_lite.messages.placement import PlacedFile, Placement
+from vrut_lite.messages.placement import PlacedFile, Placement, UpAxis
 from vrut_lite.messages.points_and_lines import PointsAndLines
 from vrut_lite.scene.axes_and_units import (
     ground_top,
     guess_metres_per_unit,
     guess_up,
+    has_floor_across_y,
     is_board,
     stands_on_edge,
 )
@@ -224,10 +225,10 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
             )
         elif stands_on_edge(file.placed):
             lines.append("flat and upright (else --up z, or Up in the Scene panel)")
-    elif asked.up is None and _may_lie(file):
+    elif asked.up is None and (other := _other_axis(file)) is not None:
         lines.append(
-            "upright by the file's own axis, and its largest level area is across Z (else --up z, "
-            "or Up in the Scene panel)"
+            f"upright by the file's own axis, and its largest level area is across "
+            f"{other.upper()} (else --up {other}, or Up in the Scene panel)"
         )
     unit = filled.metres_per_unit
     if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
@@ -238,12 +239,16 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
     return lines
 
 
-def _may_lie(file: SceneFile) -> bool:
-    """Whether the file says +Y and has its floor across Z; large ones are not asked."""
+def _other_axis(file: SceneFile) -> UpAxis | None:
+    """The axis that has a floor where the file states the other; large files are not asked."""
     triangles = sum(len(place.mesh.faces) for place in file.placed)
-    if file.says.up != "y" or triangles > _MOST_TRIED:
-        return False
-    return guess_up(file.placed) == "z" and not is_board(file.placed)
+    if triangles > _MOST_TRIED:
+        return None
+    if file.is_for_printing:
+        return "y" if has_floor_across_y(file.placed) else None
+    if file.says.up == "y" and guess_up(file.placed) == "z" and not is_board(file.placed):
+        return "z"
+    return None
 
 
 def _joined(

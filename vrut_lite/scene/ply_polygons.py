@@ -99,24 +99,25 @@ def triangulated_ply(data: bytes) -> bytes:
 
 
 def triangulated_off(data: bytes) -> bytes:
-    """The OFF with each polygon cut into triangles; one of triangles alone stays as it is.
+    """The OFF without comments, and with each polygon cut into triangles.
+
+    trimesh takes numbers of comments for vertices.
 
     Raises:
-        ValueError: a face names no vertex.
+        ValueError: it has no counts, or a face names no vertex.
     """
     text = re.sub(rb"#[^\n]*", b"", data)
-    head = re.match(rb"\s*\w*OFF\b", text)
-    if head is None:
-        return data
-    lines = [line for line in text[head.end() :].splitlines() if line.strip()]
+    head, body = re.split(rb"OFF\b", text, maxsplit=1)
+    lines = [line for line in body.splitlines() if line.strip()]
+    if not lines or len(lines[0].split()) < 2:
+        raise ValueError("it has no counts of vertices and faces")
     vertices, faces = (int(word) for word in lines[0].split()[:2])
-    end = 1 + vertices + faces
-    triangles = _text_triangles(lines[1 : 1 + vertices], [0, 1, 2], lines[1 + vertices : end])
-    if triangles is None:
-        return data
-    rows = [b"3 %d %d %d" % tuple(one) for one in triangles.tolist()]
-    counts = b"%d %d 0" % (vertices, len(rows))
-    return b"\n".join([head[0], counts, *lines[1 : 1 + vertices], *rows, b""])
+    points, polygons = lines[1 : 1 + vertices], lines[1 + vertices : 1 + vertices + faces]
+    triangles = _text_triangles(points, [0, 1, 2], polygons)
+    if triangles is not None:
+        polygons = [b"3 %d %d %d" % tuple(one) for one in triangles.tolist()]
+    counts = b"%d %d 0" % (vertices, len(polygons))
+    return b"\n".join([head.strip() + b"OFF", counts, *points, *polygons, b""])
 
 
 def _text_triangles(

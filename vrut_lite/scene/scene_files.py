@@ -37,7 +37,8 @@ class SceneFile:
     """Content of one file, in its own axes and units; `says` is the placement that it states.
 
     `placed` are its meshes, `resting_cameras` its cameras at rest, `resting_strokes` the points and
-    lines of a file that is no glTF.
+    lines of a file that is no glTF. `is_for_printing` holds for 3MF, whose things lie
+    flat on a printer's plate.
     """
 
     placed: list[PlacedMesh]
@@ -46,6 +47,7 @@ class SceneFile:
     says: Placement
     gltf: GltfScene | None = None
     resting_strokes: list[Strokes] = field(default_factory=list)
+    is_for_printing: bool = False
 
     @property
     def duration_s(self) -> float:
@@ -125,7 +127,8 @@ def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
         file = SceneFile(placed, [], notices, says)
     elif real.suffix.lower() in trimesh_scene.SUFFIXES:
         placed, says = trimesh_scene.read_trimesh_scene(real, budget, notices)
-        file = SceneFile(placed, [], notices, says)
+        is_for_printing = real.suffix.lower() == ".3mf"
+        file = SceneFile(placed, [], notices, says, is_for_printing=is_for_printing)
     else:
         gltf = GltfScene(read_gltf_file(real, budget, notices, variant))
         file = SceneFile(gltf.posed(None), gltf.cameras(None), notices, _GLTF, gltf)

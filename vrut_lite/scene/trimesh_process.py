@@ -226,6 +226,8 @@ def _checked_stl(data: bytes) -> bytes:
 
 def _checked_off(data: bytes) -> bytes:
     head = _OFF_HEAD.match(data)
+    if re.match(rb"\s*[A-Z]*[4n]+OFF\b", data):
+        raise Damaged("its points have more than three dimensions")
     if head is None:
         raise Damaged("it does not begin with OFF and its counts")
     vertices, faces, lines = int(head[1]), int(head[2]), len(data.splitlines())
