@@ -111,8 +111,11 @@ SIDES = ["10 1 0", "10 2 0", "10 3 0", "10 4 0"]
 def test_eulumdats_symmetries_are_those_of_an_ies_file(
     symmetry: int, stored: dict[int, str], around: list[str]
 ) -> None:
-    """The same luminaire, written with all its planes: candela are for 1000 lm of 2000."""
-    planes = dict(zip((0, 90, 180, 270), around, strict=True))
+    """The same luminaire, written with all its planes: candela are for 1000 lm of 2000.
+
+    C90 is along the luminaire, as an IES file's angle 0; C0 is across it.
+    """
+    planes = dict(zip((0, 90, 180, 270), [*around[1:], around[0]], strict=True))
     assert candela(ldt(symmetry, stored)) == pytest.approx(2.0 * candela(ies(planes)), abs=1e-4)
 
 

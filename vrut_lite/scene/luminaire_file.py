@@ -32,8 +32,8 @@ _DIRECT_RATIOS = 10
 def read_luminaire(data: bytes) -> Photometry:
     """The photometry of an IES or EULUMDAT file.
 
-    Of an EULUMDAT file's sets of lamps, which are alternatives, the first one shines; plane C0 is
-    the angle 0 of an IES file.
+    Of an EULUMDAT file's sets of lamps, which are alternatives, the first one shines; plane C90
+    is the angle 0 of an IES file.
 
     Raises:
         SceneFileError: it is neither, or its numbers do not hold.
@@ -67,7 +67,17 @@ def read_luminaire(data: bytes) -> Photometry:
     gamma, c, intensity = _parts(lines[body:], int(symmetry), int(planes), int(angles))
     candela = intensity * factor * flux_lm / 1000.0
     check_candela(candela, _KIND)
-    return Photometry.of(table_of_planes(gamma, c, candela))
+    return Photometry.of(_turned(table_of_planes(gamma, c, candela)))
+
+
+def _turned(table: FloatArray) -> FloatArray:
+    """Candela (V, H) counted from C90, which lies along a luminaire's length, as an IES's angle 0.
+
+    C0 is across the lamps' axis (CIE 121-1996; EN 13032-1), the plane of 0 and 180 degrees along it
+    (IESNA LM-63-95); both count in one sense.
+    """
+    once = np.roll(table[:, :-1], -(table.shape[1] - 1) // 4, axis=1)
+    return np.append(once, once[:, :1], axis=1)
 
 
 def _number(line: str) -> float:
