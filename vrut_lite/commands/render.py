@@ -130,7 +130,8 @@ def render(
 ) -> None:
     """Render SCENE to a picture, or to many of a day.
 
-    SCENE is glTF, GLB, OBJ, USD, COLLADA, STL, PLY, OFF, 3MF, or a project .toml.
+    SCENE is glTF, GLB, OBJ, USD, IFC, COLLADA, STL, PLY, OFF, 3MF, or a project
+    .toml.
 
     PNG is exposed and tone-mapped; EXR holds linear sRGB radiance in W m^-2 sr^-1. Automatic
     exposure meters each picture by itself; --exposure EV100 holds it for all of a day.

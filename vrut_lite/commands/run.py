@@ -38,7 +38,7 @@ _FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
     help="Only the host and the default sun and sky; the last session is left alone.",
 )
 def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
-    """Open SCENE (glTF, OBJ, USD, COLLADA, STL, PLY, OFF, 3MF, or a project .toml) in a window.
+    """Open SCENE (glTF, OBJ, USD, IFC, COLLADA, STL, PLY, OFF, 3MF, or a .toml) in a window.
 
     Without SCENE, the session of the last closed window.
 

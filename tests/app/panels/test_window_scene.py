@@ -4,8 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from ifc_files import house_ifc
 from window_driver import SCENES, choose
 
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.project import Project
 
@@ -42,6 +44,39 @@ def test_axis_and_unit_are_shown_and_changed(shared_headless_window, lying):
     assert not panel.camera.isEnabled()
     assert panel.camera.isHidden()
     assert panel.variant.isHidden()
+
+
+def test_a_hint_at_another_axis_has_its_click_and_undo_takes_it_back(
+    shared_headless_window, tmp_path
+):
+    """Flat land on edge: one click beside the notice lays it down, Ctrl+Z sets it up again."""
+    driver = shared_headless_window.activated()
+    land = tmp_path / "land.obj"
+    land.write_text("v 0 0 0\nv 40 0 0\nv 40 30 0\nv 0 30 0\nf 1 2 3 4\n")
+    driver.open(Project(scene=str(land)))
+    status = driver.window.statusBar()
+    driver.until(lambda: "flat and upright" in driver.window.news.text())
+    assert status.remedy.text() == "Up: Z"
+    assert driver.session.last(SceneOpened).upper_m[1] == pytest.approx(30.0)
+    status.remedy.click()
+    driver.until(lambda: driver.session.last(SceneOpened).upper_m[1] == pytest.approx(0.0))
+    assert driver.panel("module scene").up.currentData() == "z"
+    assert status.remedy.isHidden()
+    driver.window.undo()
+    driver.until(lambda: driver.session.last(SceneOpened).upper_m[1] == pytest.approx(30.0))
+    driver.window.redo()
+    driver.until(lambda: driver.session.last(SceneOpened).upper_m[1] == pytest.approx(0.0))
+
+
+def test_an_ifc_brings_its_place_to_the_window(shared_headless_window, tmp_path):
+    """Opened like any scene, the house stands where its site says, once it is there."""
+    pytest.importorskip("ifcopenshell", reason="the package ifcopenshell is not installed")
+    driver = shared_headless_window
+    (tmp_path / "house.ifc").write_bytes(house_ifc())
+    driver.window.files.open_path(str(tmp_path / "house.ifc"))
+    driver.until(lambda: driver.session.last(SceneOpened).path.endswith("house.ifc"))
+    driver.until(lambda: driver.session.last(SetPlace).altitude_m == 520.0)
+    assert driver.session.last(SetPlace).latitude_deg == pytest.approx(48.14, abs=0.01)
 
 
 def test_the_first_scene_has_nothing_to_note(shared_headless_window):

@@ -10,9 +10,13 @@ from itertools import count
 from time import perf_counter
 from typing import NamedTuple
 
+import msgspec
+
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Input, SetSetting
+from vrut_lite.messages.placement import Placement
+from vrut_lite.messages.scene import LoadScene
 from vrut_lite.project import PROJECT_PARTS
 
 GESTURE_S = 0.6
@@ -162,6 +166,8 @@ def title_of(message: Input) -> str:
             return f"{message.slot} by {message.module}"
         case EnableModule():
             return f"{message.module} {'on' if message.enabled else 'off'}"
+        case LoadScene():
+            return "axis and unit of the scene"
     part = PROJECT_PARTS.get(type(message))
     return part.title.format(message) if part and part.title else type(message).__name__
 
@@ -170,7 +176,7 @@ def inverse_of(message: Input, kernel: Kernel) -> Input | None:
     """The input that restores the present state; called before the kernel acts on the message.
 
     None for an input that changes nothing, that will be refused, or of a kind without undo:
-    views, scenes, and inputs that the user does not make.
+    views, scenes but for their axis and unit, and inputs that the user does not make.
     """
     try:
         message.check()
@@ -193,8 +199,19 @@ def _inverse(message: Input, kernel: Kernel) -> Input | None:
         case EnableModule():
             running = kernel.check_module(message.module).running
             return EnableModule(module=message.module, enabled=running)
+        case LoadScene():
+            return _placed_otherwise(message, kernel)
     part = PROJECT_PARTS.get(type(message))
     return part.present(kernel) if part and part.title else None
+
+
+def _placed_otherwise(message: LoadScene, kernel: Kernel) -> Input | None:
+    """The open scene as it stands, if the message opens it again with an axis or a unit."""
+    present = PROJECT_PARTS[LoadScene].present(kernel)
+    if not isinstance(present, LoadScene) or message.placement == Placement():
+        return None
+    same = msgspec.structs.replace(message, placement=present.placement) == present
+    return present if same else None
 
 
 def _as_kept(message: Input, kernel: Kernel) -> Input:

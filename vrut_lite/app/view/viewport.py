@@ -42,7 +42,7 @@ from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
 
-_INVITATION = "Drop a scene (glTF, OBJ, USD, COLLADA, STL) here, or open one with Ctrl+O"
+_INVITATION = "Drop a scene (glTF, OBJ, USD, IFC, STL) here, or open one with Ctrl+O"
 _SETTLED_MS = 60
 _BEHIND = "#101012"
 _SMALLEST_PX = 16

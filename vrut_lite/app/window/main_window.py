@@ -1,8 +1,10 @@
 """The window: the picture, the docks around it, the menus, and the status line."""
 
+import re
 from pathlib import Path
 from typing import Literal
 
+import msgspec
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
@@ -48,6 +50,9 @@ from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.sun import SunMoved
 
 TITLE = "vrut_lite"
+
+# The axis that a notice on axes names (`vrut_lite.scene.loading`).
+_NAMED_AXIS = re.compile(r"else --up ([yz])\b")
 
 
 class MainWindow(QMainWindow):
@@ -193,9 +198,21 @@ class MainWindow(QMainWindow):
         # An animated scene posts `SceneOpened` in each pose.
         if scene.opened is None or scene.opened != self._opened:
             self._status.show_notices(news, scene.notices)
+            self._offer_axis(scene)
             self.files.add_recent(scene.path)
             self.files.scene_opened(scene)
         self._opened = scene.opened
+
+    def _offer_axis(self, scene: SceneOpened) -> None:
+        """Offer the vertical axis that a notice names: one click instead of the Scene panel."""
+        named = next(filter(None, map(_NAMED_AXIS.search, scene.notices)), None)
+        if named is None or scene.opened is None:
+            return
+        placement = msgspec.structs.replace(scene.opened.placement, up=named[1])
+        turned = msgspec.structs.replace(scene.opened, placement=placement)
+        title = f"Up: {named[1].upper()}"
+        tip = f"Let the scene stand along +{named[1].upper()}"
+        self._status.offer(title, tip, lambda: self.session.send(turned))
 
     def _show_title(self) -> None:
         """The project, the scene, the application, as far as there are such."""

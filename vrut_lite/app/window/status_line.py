@@ -1,9 +1,9 @@
 """The status line: the latest message, and facts of the picture."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar
+from PySide6.QtWidgets import QLabel, QPushButton, QSizePolicy, QStatusBar
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.engine import Shown
@@ -27,6 +27,12 @@ class StatusLine(QStatusBar):
         self.work = faint_label()
         self.work.setContentsMargins(0, 0, _APART_PX, 0)
         self.work.hide()
+        # What the latest message offers to do.
+        self.remedy = QPushButton()
+        self.remedy.hide()
+        self.remedy.clicked.connect(self._take_remedy)
+        self._remedy: Callable[[], None] | None = None
+        self.addWidget(self.remedy)
         self.addWidget(self.news, 1)
         self.addPermanentWidget(self.work)
         self.addPermanentWidget(self.facts)
@@ -53,6 +59,19 @@ class StatusLine(QStatusBar):
         if notices:
             self._fades.stop()
 
+    def offer(self, title: str, tip: str, remedy: Callable[[], None]) -> None:
+        """Offer a remedy beside the latest message; the next one takes it away."""
+        self._remedy = remedy
+        self.remedy.setText(title)
+        self.remedy.setToolTip(tip)
+        self.remedy.setAccessibleName(tip)
+        self.remedy.show()
+
+    def _take_remedy(self) -> None:
+        if self._remedy is not None:
+            self._remedy()
+        self.remedy.hide()
+
     def show_work(self, line: str) -> None:
         """Show what goes on beside the picture; nothing does if the line is empty."""
         self.work.setText(line)
@@ -67,6 +86,7 @@ class StatusLine(QStatusBar):
         )
 
     def _tell(self, line: str, colour: str) -> None:
+        self.remedy.hide()
         self.news.setText(line)
         self.news.setToolTip(line)
         self.news.setStyleSheet(f"color: {colour}; padding-left: 6px;")
