@@ -38,7 +38,7 @@ def _volume(scene: LoadedScene, name: str) -> float:
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
 
 
-@pytest.mark.parametrize("schema", ["IFC2X3", "IFC4", "IFC4X3_ADD2"])
+@pytest.mark.parametrize("schema", ["IFC2X3", "IFC4", "IFC4_ADD2", "IFC4X3", "IFC4X3_ADD2"])
 def test_a_wall_has_its_hole_its_colour_and_its_storey(tmp_path: Path, schema: str) -> None:
     """Millimetres along Z become metres along Y; the opening is cut and neither it nor the space is
     drawn; a colour is sRGB."""
@@ -110,6 +110,19 @@ def test_units_of_shapes_and_of_the_sites_height(tmp_path: Path, unit: str, scal
     _need_library()
     scene = load_scene(_write(tmp_path, data))
     np.testing.assert_allclose(scene.upper_m, [4, 3, 0], atol=1e-6)
+
+
+def test_a_unit_that_is_not_stated_is_guessed_as_an_objs(tmp_path: Path) -> None:
+    """3,000 units high is in centimetres; a notice says so."""
+    _need_library()
+    scene = load_scene(
+        _write(
+            tmp_path,
+            house_ifc().replace(b"(#6),#2)", b"(#6),$)").replace(b".LENGTHUNIT.", b".USERDEFINED."),
+        )
+    )
+    assert scene.placement.metres_per_unit == 0.01
+    assert any("taken to be in centimetres" in line for line in scene.notices)
 
 
 def test_the_sites_place_and_true_north_are_the_scenes(tmp_path: Path) -> None:
@@ -194,6 +207,8 @@ def test_ifc_zip_is_unpacked(tmp_path: Path) -> None:
         (b"PK\3\4 no archive", "archive is damaged"),
         (house_ifc()[:-20], "ends without END-ISO-10303-21"),
         (house_ifc("IFC9"), "schema is IFC9"),
+        (house_ifc("IFC4X1"), "schema is IFC4X1"),
+        (house_ifc().decode().encode("utf-16"), "text in UTF-16"),
         (house_ifc().replace(b"FILE_SCHEMA", b"FILE_SCHEME"), "names no FILE_SCHEMA"),
         (house_ifc("IFC4")[:400] + b"ENDSEC;\nEND-ISO-10303-21;\n", "no triangles"),
     ],

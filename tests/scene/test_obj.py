@@ -155,6 +155,16 @@ def test_obj_of_any_program_has_both_its_materials(
     assert colours["grün"][::2] == [0.0, 0.0]
 
 
+def test_a_library_in_quotes_is_found(tmp_path: Path) -> None:
+    """Programs quote a name that has a space."""
+    (tmp_path / "a b.mtl").write_text("newmtl red\nKd 1 0 0\n")
+    text = 'mtllib "a b.mtl"\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n'
+    (tmp_path / "a.obj").write_text(text)
+    scene = load_scene(tmp_path / "a.obj")
+    assert scene.meshes[0].mesh.material.name == "red"
+    assert scene.notices == ()
+
+
 def test_obj_counts_vertices_from_1_in_its_refusal(write_obj: WriteScene) -> None:
     """As the file that the user looks at does."""
     with pytest.raises(UserError, match="a face refers to vertex 9, and it has 4"):

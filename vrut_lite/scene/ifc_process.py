@@ -7,7 +7,7 @@ so much memory, and writes a `MeshFile` to standard output. Openings are cut by 
 import math
 import re
 from collections import Counter
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,9 @@ from vrut_lite.scene.process_limits import Damaged, run_reader
 # Seconds of CPU for any file and for each of its bytes; 5e-7 to 4e-6 a byte were measured.
 _SECONDS, _SECONDS_PER_BYTE = 120, 1e-4
 # Booleans of convex bodies exactly, all else by Open CASCADE: four times as fast as it alone.
-_KERNEL = "hybrid-cgal-simple-opencascade"
-_SCHEMAS = ("IFC2X3", "IFC4", "IFC4X3")
+_KERNEL: Final = "hybrid-cgal-simple-opencascade"
+# Schemas with their corrections, and how ifcopenshell names each.
+_SCHEMAS = {"IFC2X3": "IFC2X3", "IFC4": "IFC4", "IFC4X3": "IFC4X3_ADD2"}
 _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
 # Things without a surface of their own.
 _NOT_DRAWN = ("IfcSpace", "IfcOpeningElement", "IfcVirtualElement", "IfcAnnotation", "IfcGrid")
@@ -52,7 +53,7 @@ def read(suffix: str, data: bytes) -> MeshFile:
     import ifcopenshell
     import ifcopenshell.geom
 
-    _check(data)
+    data = _checked(data)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -74,15 +75,18 @@ def read(suffix: str, data: bytes) -> MeshFile:
     return reader.file()
 
 
-def _check(data: bytes) -> None:
+def _checked(data: bytes) -> bytes:
+    """The text under a schema that ifcopenshell knows: it refuses IFC4X3 and IFC4_ADD2."""
     if b"END-ISO-10303-21" not in data[-4096:]:
         raise Damaged("its text ends without END-ISO-10303-21")
     found = _SCHEMA.search(data[:65536])
     if found is None:
         raise Damaged("its head names no FILE_SCHEMA")
     schema = found[1].decode("latin-1").upper()
-    if not schema.startswith(_SCHEMAS):
+    known = _SCHEMAS.get(schema.partition("_")[0])
+    if known is None:
         raise Damaged(f"its schema is {schema[:40]}, and {', '.join(_SCHEMAS)} are read")
+    return data[: found.start(1)] + known.encode() + data[found.end(1) :]
 
 
 class _Reader:

@@ -25,7 +25,7 @@ _READER = MeshReader("vrut_lite.scene.ifc_process", "IFC", 2**29, "ifc")
 def read_ifc_scene(
     path: Path, budget: SceneBudget, notices: Notices
 ) -> tuple[list[PlacedMesh], Placement]:
-    """Meshes in metres, +Z up.
+    """Meshes, +Z up, in metres unless the file states no unit.
 
     Raises:
         SceneFileError: ifcopenshell is missing, or the file is damaged or does not fit the budget.
@@ -46,4 +46,5 @@ def read_ifc_scene(
             "the scene's place, where none is named",
         )
     file = read_apart(_READER, ".ifc", text, budget)
-    return placed_parts(file, folder, notices), Placement(up="z", metres_per_unit=1.0)
+    unit = 1.0 if b".LENGTHUNIT." in text else None
+    return placed_parts(file, folder, notices), Placement(up="z", metres_per_unit=unit)

@@ -194,7 +194,7 @@ def _read_statement(kind: bytes, rest: bytes, reading: _Reading, vertices: int) 
         reading.use_material(decoded(rest).strip())
     elif kind == b"mtllib" and rest.strip():
         reading.budget.take(len(rest) + _NAME_BYTES, "the names of its material libraries")
-        reading.libraries.append(rest.strip())
+        reading.libraries.append(rest.strip().strip(b'"'))
     elif kind in _STROKES:
         reading.strokes.read(kind, rest, vertices, reading.group)
     elif kind in _UNREAD:

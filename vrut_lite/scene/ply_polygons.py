@@ -29,7 +29,7 @@ class _Element(NamedTuple):
     """An element of a PLY's head: its properties' types and names; where its count stands."""
 
     name: bytes
-    count: int
+    rows: int
     properties: list[tuple[bytes, bytes]]
     count_span: tuple[int, int]
 
@@ -66,28 +66,28 @@ def triangulated_ply(data: bytes) -> bytes:
     body = data[head_bytes:]
     if order is None:
         lines = [line for line in body.splitlines() if line.strip()]
-        end = vertex.count + face.count
+        end = vertex.rows + face.rows
         triangles = _text_triangles(
-            lines[: vertex.count], [names.index(axis) for axis in _AXES], lines[vertex.count : end]
+            lines[: vertex.rows], [names.index(axis) for axis in _AXES], lines[vertex.rows : end]
         )
         if triangles is None:
             return data
         rows = [b"3 %d %d %d" % tuple(one) for one in triangles.tolist()]
-        cut = b"\n".join([*lines[: vertex.count], *rows, *lines[end:], b""])
+        cut = b"\n".join([*lines[: vertex.rows], *rows, *lines[end:], b""])
     else:
         rows_of = np.dtype(
             [(name.decode(), order + _TYPES[kind]) for kind, name in vertex.properties]
         )
-        start = vertex.count * rows_of.itemsize
+        start = vertex.rows * rows_of.itemsize
         if start > len(body):
-            raise ValueError(f"it ends before its {vertex.count:,} vertices do")
-        rows_of_vertices = np.frombuffer(body, rows_of, vertex.count)
+            raise ValueError(f"it ends before its {vertex.rows:,} vertices do")
+        rows_of_vertices = np.frombuffer(body, rows_of, vertex.rows)
         points = np.stack([rows_of_vertices[axis.decode()] for axis in _AXES], axis=1)
         size_type, index_type = (
             np.dtype(order + _TYPES[word]) for word in face.properties[0][0].split()[1:]
         )
         triangles, end = _binary_triangles(
-            body, start, face.count, size_type, index_type, points.astype(np.float64)
+            body, start, face.rows, size_type, index_type, points.astype(np.float64)
         )
         if triangles is None:
             return data

@@ -27,7 +27,7 @@ SUFFIXES = (
 )
 # Formats that Blender imports or writes.
 _OF_BLENDER = {".abc": "Alembic", ".blend": "a file of Blender", ".fbx": "FBX"}
-_MAY_BE_TEXT = (".gltf", ".stl", ".ply", ".off", ".usd", ".usda")
+_MAY_BE_TEXT = (".gltf", ".ifc", ".stl", ".ply", ".off", ".usd", ".usda")
 # Placement of a glTF file by its standard.
 _GLTF = Placement(up="y", metres_per_unit=1.0)
 

@@ -7,6 +7,8 @@ from zoneinfo import ZoneInfo
 import numpy as np
 import pytest
 from dynamic_skylight.sun.events import sun_events
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from vrut_lite.app.engine.day import Day, day_of
 from vrut_lite.app.engine.moon_day import moon_of
@@ -52,6 +54,29 @@ def test_marks_are_those_of_the_almanac(second, place, altitude_m):
         assert (name in found.marks) == (expected is not None), name
         if expected is not None:
             assert abs((found.marks[name] - expected).total_seconds()) < 0.1, name
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    latitude_deg=st.one_of(st.floats(-90.0, 90.0), st.floats(65.5, 68.5), st.floats(-68.5, -65.5)),
+    longitude_deg=st.floats(-180.0, 180.0),
+    number=st.integers(0, 364),
+    altitude_m=st.sampled_from([0.0, 4000.0]),
+)
+def test_any_day_has_one_sunrise_in_bar_and_scripts(
+    second, latitude_deg, longitude_deg, number, altitude_m
+):
+    """Also about the polar circles, where the sun grazes the horizon, and at the poles."""
+    day = date(2026, 1, 1) + timedelta(number)
+    found = day_at(second, latitude_deg, longitude_deg, "UTC", day, altitude_m).marks
+    events = sun_events(
+        day, latitude_deg, longitude_deg, time_zone=ZoneInfo("UTC"), altitude_m=altitude_m
+    )
+    for name in ("sunrise", "sunset"):
+        expected = getattr(events, name)
+        assert (name in found) == (expected is not None)
+        if expected is not None:
+            assert abs((found[name] - expected).total_seconds()) < 0.1
 
 
 def test_a_day_on_which_clocks_change_is_as_long_as_it_is(second):
