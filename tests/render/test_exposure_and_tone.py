@@ -6,11 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vrut_lite.geometry import colour
-from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.display import display_picture, dither
-from vrut_lite.pictures.night_eye import as_sharp_as_seen, seen_by_eye
+from vrut_lite.pictures.exposure import ev100_of
+from vrut_lite.pictures.night_eye import adapted_cd, as_sharp_as_seen, seen_by_eye
 
 
 @pytest.mark.parametrize("luminance_cd_m2", [500.0, 4000.0, 30000.0])
@@ -191,8 +192,8 @@ def test_every_curve_shows_something_for_any_radiance(rgb):
 
 
 def test_by_night_the_eye_sees_no_colour_and_by_day_all():
-    """Below 5.6e-3 cd/m² rods alone see, above 5.6 cones (Ward Larson et al. 1997); to rods blue
-    is brighter than red of the same luminance (Purkinje)."""
+    """Below 2e-3 cd/m² of daylight rods alone see, above 5 cones (CIE 191:2010); to rods blue is
+    brighter than red of the same luminance (Purkinje)."""
     red, blue = np.array([1.0, 0.1, 0.1]), np.array([0.1, 0.1, 1.0])
     red, blue = red / colour.luminance(red), blue / colour.luminance(blue)
     night = seen_by_eye(np.array([red, blue]) * 1e-3 / LUMENS_PER_WATT)
@@ -203,6 +204,41 @@ def test_by_night_the_eye_sees_no_colour_and_by_day_all():
     np.testing.assert_allclose(seen_by_eye(day), day, rtol=1e-12)
     white = seen_by_eye(np.full(3, 1e-3 / LUMENS_PER_WATT))
     assert colour.luminance(white) * LUMENS_PER_WATT == pytest.approx(1e-3, rel=0.01)
+
+
+def mesopic_coefficient(luminance_cd_m2, scotopic_over_photopic):
+    """CIE 191:2010's m by its own iteration, damped."""
+    peak, m = 683.0 / 1699.0, 0.5
+    for _ in range(200):
+        scotopic = scotopic_over_photopic * luminance_cd_m2
+        mesopic = (m * luminance_cd_m2 + (1 - m) * scotopic * peak) / (m + (1 - m) * peak)
+        m = 0.5 * m + 0.5 * np.clip(0.7670 + 0.3334 * np.log10(mesopic), 0.0, 1.0)
+    return m
+
+
+@pytest.mark.parametrize(("ratio", "tolerance"), [(2.47, 0.015), (1.41, 0.075)])
+def test_rods_and_cones_share_as_in_cie_191(ratio, tolerance):
+    """Of a red that rods do not see the part m is left, as it is for daylight and for lamps."""
+    red = SRGB_FROM_XYZ @ [1.0, 0.2, 0.0]
+    red /= colour.luminance(red)
+    for cd_m2 in np.geomspace(1e-3, 8.0, 30):
+        light = red * cd_m2 / LUMENS_PER_WATT
+        cones = seen_by_eye(light) / light
+        np.testing.assert_allclose(cones, mesopic_coefficient(cd_m2, ratio), atol=tolerance)
+
+
+def test_a_lamp_lit_room_keeps_the_lamps_colour():
+    """At 1 cd/m² m is 0.77: a warm lamp's wall stays orange, a white one's grey to 6 %."""
+    warm = np.array([1.0, 0.45, 0.13])
+    room = np.array([warm / colour.luminance(warm), np.ones(3)])[None] / LUMENS_PER_WATT
+    field_cd = adapted_cd(ev100_of(SetExposure(), room), "eye")
+    assert field_cd == pytest.approx(1.0, rel=0.01)
+    lamp, white = seen_by_eye(room, field_cd)[0]
+    assert lamp[0] > 1.5 * lamp[1] > 2.0 * lamp[2]
+    assert np.ptp(white) < 0.06 * white.mean()
+    # A dark corner of the room is not seen by rods alone: the eye is adapted to the room.
+    corner = seen_by_eye(room * 0.002, field_cd)[0, 0]
+    np.testing.assert_allclose(corner / corner.sum(), lamp / lamp.sum(), rtol=1e-6)
 
 
 def moonlit(luminance_cd_m2):

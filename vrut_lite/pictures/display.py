@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.glare import with_glare
-from vrut_lite.pictures.night_eye import as_sharp_as_seen, rods_share, seen_by_eye
+from vrut_lite.pictures.night_eye import adapted_cd, as_sharp_as_seen, seen_by_eye
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
@@ -36,9 +36,9 @@ def display_picture(
         ev100 = exposure.automatic_ev100(metered, night_look=wish.night_look)
     if wish.glare > 0.0 and pixel_rad > 0.0:
         radiance = with_glare(radiance, wish.glare, pixel_rad)
-    rods = rods_share(ev100, wish.night_look)
-    if rods > 0.0:
-        radiance = seen_by_eye(as_sharp_as_seen(radiance, pixel_rad), rods)
+    field_cd = adapted_cd(ev100, wish.night_look)
+    if field_cd is not None:
+        radiance = seen_by_eye(as_sharp_as_seen(radiance, pixel_rad, field_cd), field_cd)
     balanced = radiance @ white_balance_matrix(wish.white_temperature_k, wish.white_duv).T
     encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), wish.tone_map)
     if bits == 16:

@@ -111,6 +111,14 @@ def automatic_ev100(
     return metered + min(darkness, most_ev)
 
 
+def metered_cd(ev100: float, night_look: NightLook) -> float:
+    """Mean luminance (cd m^-2) of a picture that is automatically exposed so, uncorrected."""
+    share, most_ev = _DARKNESS_KEPT[night_look]
+    darker = max(0.0, _FULL_ADAPTATION_EV100 - ev100) / (1.0 - share)
+    metered = ev100 - min(share * darker, most_ev)
+    return float(MIDDLE_GREY * _SATURATION * 2.0**metered)
+
+
 def _correction_ev(card: float, highlight: float) -> float:
     """Stops by which a picture is shown brighter than metered.
 

@@ -61,8 +61,8 @@ class TonePass:
         self, radiance: Any, display: Any, ev100: float, wish: SetExposure, pixel_rad: float
     ) -> None:
         """Turn a texture of radiance into a framebuffer for display, with luma as its alpha."""
-        rods = night_eye.rods_share(ev100, wish.night_look)
-        key = wish.tone_map, rods > 0.0
+        field_cd = night_eye.adapted_cd(ev100, wish.night_look)
+        key = wish.tone_map, field_cd is not None
         if key not in self._screens:
             self._screens[key] = self._screen(*key)
         screen = self._screens[key]
@@ -71,7 +71,8 @@ class TonePass:
         screen.set("from_radiance", from_radiance(ev100, wish).T.ravel())
         blur, reach = night_eye.blur_px(pixel_rad)
         screen.set("blur", blur)
-        screen.set("rods", rods)
+        if field_cd is not None:
+            screen.set("field", field_cd / LUMENS_PER_WATT)
         if "reach" in screen.program:
             screen.program["reach"].value = reach
         self._context.disable(
@@ -89,7 +90,8 @@ class TonePass:
         screen.set("exponential_rate", float(tone_map.EXPONENTIAL_RATE))
         screen.set("luminance_weights", LUMINANCE_WEIGHTS)
         screen.set("xyz_from_srgb", night_eye.XYZ_FROM_SRGB.T.ravel())
-        screen.set("rods_rgb", night_eye.RODS_RGB)
+        screen.set("rods_grey", night_eye.RODS_GREY_RGB)
+        screen.set("rods_blue", night_eye.RODS_BLUE_RGB)
         screen.set("rods_alone", night_eye.RODS_ALONE_CD / LUMENS_PER_WATT)
         screen.set("acuity", night_eye.ACUITY)
         screen.set("least_cycles", night_eye.LEAST_CYCLES)

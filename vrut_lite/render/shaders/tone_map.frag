@@ -12,9 +12,10 @@ uniform float curve[8];      // AgX's sigmoid and contrast, one polynomial
 uniform vec3 luminance_weights;
 #ifdef EYE
 uniform mat3 xyz_from_srgb;
-uniform vec3 rods_rgb;
-uniform float rods;                  // the part that they take in the picture
-uniform float rods_alone;            // CIE Y in W m^-2 sr^-1
+uniform vec3 rods_grey;              // of a scotopic luminance of 1, beside cones
+uniform vec3 rods_blue;              // and where rods see alone
+uniform float field;                 // the eye's adaptation; CIE Y in W m^-2 sr^-1, as the next two
+uniform float rods_alone;
 uniform float cones_alone;
 uniform vec4 acuity;
 uniform float least_cycles;
@@ -59,7 +60,7 @@ vec3 as_sharp_as_seen(ivec2 p) {
         for (int j = -1; j <= 1; ++j)
             light += dot(texelFetch(radiance, clamp(p + ivec2(j, i), ivec2(0), last), 0).rgb,
                          luminance_weights);
-    float decades = log(max(light / 9.0 * lumens_per_watt, 1e-20)) / log(10.0);
+    float decades = log(max(max(light / 9.0, field) * lumens_per_watt, 1e-20)) / log(10.0);
     float cycles = acuity.x * atan(acuity.y * decades + acuity.z) + acuity.w;
     float deviation = blur / max(cycles, least_cycles);
     if (deviation < sharp_px) return own;
@@ -78,8 +79,10 @@ vec3 as_sharp_as_seen(ivec2 p) {
 vec3 seen_by_eye(vec3 rgb) {
     vec3 xyz = max(xyz_from_srgb * rgb, 1e-20);
     float scotopic = xyz.y * max(1.33 * (1.0 + (xyz.y + xyz.z) / xyz.x) - 1.68, 0.0);
-    float cones = clamp(log(xyz.y / rods_alone) / log(cones_alone / rods_alone), 0.0, 1.0);
-    return mix(rgb, scotopic * rods_rgb, rods * (1.0 - cones));
+    float adapted = log(max(xyz.y, field) / rods_alone);
+    float seen_by_rods = 1.0 - clamp(adapted / log(cones_alone / rods_alone), 0.0, 1.0);
+    vec3 grey = mix(rods_grey, rods_blue, seen_by_rods);
+    return mix(rgb, scotopic * grey, seen_by_rods);
 }
 #endif
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure
-from vrut_lite.pictures.night_eye import rods_share
+from vrut_lite.pictures.night_eye import adapted_cd
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.picture_passes import ONE_SAMPLE, FrameInputs, PicturePasses
@@ -79,7 +79,7 @@ class MovingPictures:
         pixel_rad: float,
     ) -> NDArray[np.uint32]:
         """The bytes (h, w) of red, green, blue and luma, row 0 at the bottom."""
-        if rods_share(ev100, wish.night_look) > 0.0:
+        if adapted_cd(ev100, wish.night_look) is not None:
             self._passes.tone.draw(targets.radiance, targets.toned, ev100, wish, pixel_rad)
             return targets.read_toned()
         return tone_mapped(radiance, ev100, wish)
