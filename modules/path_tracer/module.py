@@ -42,7 +42,8 @@ _MOST_A_PASS = 16
 class PathTracer(Module):
     """Traces what the scene manager shows, in passes that double.
 
-    The counters count "picture begun" and "sample".
+    The counters count "picture begun", "sample" and "scene guided": sun and sky apart, where paths
+    are guided to openings.
     """
 
     manifest = Manifest(
@@ -194,6 +195,8 @@ class PathTracer(Module):
         self._total = share if self._total is None else self._total + share
         self._samples = first + count
         self.counters.did("sample", count)
+        if first == 0:
+            self.counters.did("scene guided", self._tracer.guided)
         mean = (self._total / self._samples).astype(np.float32)
         self.link.post(
             PathTracedPicture(

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from path_tracer.camera import sensor
 from path_tracer.eye_rays import Cut, cut_of, past_unseen, sees
+from path_tracer.guided_path import guided_path
 from path_tracer.lamps import lamp_emitters
 from path_tracer.library import load_mitsuba
+from path_tracer.openings import WORTH_PATHS, learn, survey
 from path_tracer.settings import PathTracerSettings
 from path_tracer.shapes import glowing_shapes, matter
 from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
@@ -44,6 +46,8 @@ class Tracer:
         self._subject = subject
         self._settings = settings
         self._scenes: list[_Addend] | None = None
+        # Number of scenes (sun, sky) whose paths are guided to openings, once something is traced.
+        self.guided = 0
 
     def trace(
         self,
@@ -69,8 +73,9 @@ class Tracer:
                 return None
             if self._scenes is None:
                 self._scenes = _scenes(mitsuba, self._subject, self._settings)
+                self.guided = sum(addend.is_guided for addend in self._scenes)
             samples = min(at_once, first + count - start)
-            for scene, integrator, number, sign in self._scenes:
+            for scene, integrator, _, number, sign in self._scenes:
                 seed = _SEEDS_A_SAMPLE * start + number
                 batch = mitsuba.render(scene, integrator=integrator, spp=samples, seed=seed)
                 total += sign * samples * np.asarray(batch, dtype=np.float64)
@@ -86,6 +91,7 @@ class _Addend(NamedTuple):
 
     scene: Any
     integrator: Any
+    is_guided: bool
     number: int
     sign: float = 1.0
 
@@ -154,8 +160,8 @@ def _scene(
     backs: list[Any],
     cut: Cut | None,
     farthest: float,
-) -> tuple[Any, Any]:
-    """A scene as mitsuba has it, and what integrates it."""
+) -> tuple[Any, Any, bool]:
+    """A scene as mitsuba has it, what integrates it, and whether its paths are guided."""
     bounces = settings.max_bounces
     integrator: dict[str, Any] = {
         # The latter seeks light through what lets it straight on, which costs.
@@ -167,11 +173,29 @@ def _scene(
     scene = mitsuba.load_dict(
         {"type": "scene", "integrator": integrator, "camera": camera, **content}
     )
+    guided = _guided(mitsuba, scene, integrator, settings.spp * int(np.prod(subject.state.size_px)))
+    inner = guided or scene.integrator()
     if mitsuba.variant().startswith("scalar") or not backs or not sees(mitsuba, scene, backs):
         backs = []
     if not backs and cut is None:
-        return scene, scene.integrator()
-    return scene, past_unseen(mitsuba, scene.integrator(), backs, cut)
+        return scene, inner, guided is not None
+    return scene, past_unseen(mitsuba, inner, backs, cut), guided is not None
+
+
+def _guided(mitsuba: Any, scene: Any, integrator: dict[str, Any], paths: int) -> Any:
+    """An integrator guided to the openings of a scene, for a picture of so many paths.
+
+    None if there are no openings, or if so few paths do not repay the learning.
+    """
+    is_scalar = mitsuba.variant().startswith("scalar")
+    if is_scalar or paths < WORTH_PATHS or 0 <= integrator["max_depth"] <= 1:
+        return None
+    found = survey(mitsuba, scene)
+    if not found.has_openings:
+        return None
+    passes = integrator["type"] == "volpath"
+    table = learn(mitsuba, scene, found, passes, paths)
+    return guided_path(mitsuba, table, passes, integrator["max_depth"], integrator["rr_depth"])
 
 
 def _lets_light_on(subject: Subject) -> bool:
