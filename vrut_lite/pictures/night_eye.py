@@ -3,8 +3,8 @@
 How far rods and cones share follows CIE 191:2010: its adaptation coefficient m is linear in the
 logarithm of the mesopic luminance, 1 from 5 cd m^-2 up and 0 from 0.005 down, and the luminance is
 that by m V + (1 - m) V'. For daylight (a scotopic over photopic ratio of 2.47) m is linear in the
-logarithm of the photopic luminance too, within 0.014; for incandescent lamps (1.4) within 0.075. Ward
-Larson, Rushmeier and Piatko (1997, IEEE Trans. Vis. Comp. Graph. 3, 291) give the scotopic
+logarithm of the photopic luminance too, within 0.014; for incandescent lamps (1.4) within 0.075.
+Ward Larson, Rushmeier and Piatko (1997, IEEE Trans. Vis. Comp. Graph. 3, 291) give the scotopic
 luminance from XYZ; it is divided by that of daylight's white, so that white stays as bright.
 
 A pixel's adaptation is that of its own light (Uchida 2017: local light decides), but not darker

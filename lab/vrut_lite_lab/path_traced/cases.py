@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from light_transport.hour.illumination import Illumination
 
@@ -72,14 +73,15 @@ class Case:
 
 
 def states(
-    scene: str, sky: str, hours: tuple[str, ...] = HOURS
+    scene: str, sky: str, hours: tuple[str, ...] = HOURS, size: tuple[int, int] = SIZE
 ) -> Iterator[tuple[Case, SceneState]]:
     """The state to draw at each hour, from one kernel."""
     cases = [Case(scene, sky, hour) for hour in hours]
     host = EngineHost("path-tracer", cases[0].project)
     try:
         for case in cases:
-            host.inject(*daylight_inputs(case.project), *view_inputs(case.project))
+            project = msgspec.structs.replace(case.project, size=size)
+            host.inject(*daylight_inputs(project), *view_inputs(project))
             host.settle()
             yield case, host.state
     finally:
