@@ -17,7 +17,7 @@ _MOST_PASSED = 64
 
 
 class Vertex(NamedTuple):
-    """What `Scattering` found at the end of a ray, and the ray that goes on.
+    """What `GuidedScattering` found at the end of a ray, and the ray that goes on.
 
     `emitted` is the radiance towards the ray's origin, weighed by `emitted_weight` against emitter
     sampling; `direct` the reflected radiance of sampled emitters; `weight` the factor of the
@@ -39,7 +39,7 @@ class Vertex(NamedTuple):
     eta: Any
 
 
-class Scattering:
+class GuidedScattering:
     """One step of a path. `table` None: by the BSDF alone."""
 
     def __init__(self, mi: Any, scene: Any, table: DirectionTable | None, passes: bool):
@@ -181,7 +181,7 @@ def _guided_path(mi: Any) -> Any:
         def sample(
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> Any:
-            scattering = Scattering(mi, scene, self.table, self.passes)
+            scattering = GuidedScattering(mi, scene, self.table, self.passes)
 
             def goes_on(going: Any, *rest: Any) -> Any:
                 return going

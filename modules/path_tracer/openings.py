@@ -20,7 +20,7 @@ from path_tracer.direction_table import (
     direction_bin,
     grid_row,
 )
-from path_tracer.guided_path import Scattering
+from path_tracer.guided_path import GuidedScattering
 
 # Share of scattered rays that end in the sky, below which a scene is lit through openings: a room
 # with windows 0.02 to 0.05, a street 0.4, open land 0.6.
@@ -111,7 +111,7 @@ def learn(mi: Any, scene: Any, found: Survey, passes: bool, picture_paths: int) 
     table = DirectionTable(mi, grid, rows, light, _SHARE)
     for number in range(_PASSES):
         sampler = _sampler(mi, paths, _SEED + 1 + number)
-        scattering = Scattering(mi, scene, table, passes)
+        scattering = GuidedScattering(mi, scene, table, passes)
         ray = _eye_rays(mi, scene, sampler)
         place, pdf = dr.zeros(mi.Interaction3f, paths), dr.full(mi.Float, 1.0, paths)
         is_delta, going = dr.full(mi.Bool, True, paths), dr.full(mi.Bool, True, paths)

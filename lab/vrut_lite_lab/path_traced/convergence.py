@@ -3,9 +3,9 @@
     python -m vrut_lite_lab.path_traced.convergence [SCENE [HOUR]]
 
 Needs mitsuba's llvm variant. The error of n samples a pixel is sqrt(V / n), V the mean over pixels
-of a sample's variance over the squared luminance. V is of three batches of independent samples; the
-luminance that it is divided by is that of all batches without grain, for a noisy one would count its
-own bright pixels as right. CPU seconds are the least of the batches'; building and learning apart.
+of a sample's variance over the squared luminance. V is of three batches of independent samples; it
+is divided by the luminance of all batches without grain, for a noisy one would count its own bright
+pixels as right. CPU seconds are the least of the batches'; building and learning apart.
 """
 
 import sys
