@@ -49,7 +49,7 @@ def main() -> None:
     hour = sys.argv[2] if len(sys.argv) > 2 else "12:30"
     _, state = next(states(scene, "bruneton_sky", (hour,), _SIZE))
     guided = batches(state)
-    tracer._guided = lambda *_: None  # type: ignore[assignment]
+    tracer._guided = lambda *_: None
     plain = batches(state)
     mean = np.concatenate([guided[0], plain[0]]).mean(axis=0)
     truth = luminance(without_grain(mean))
