@@ -1,7 +1,7 @@
 # shellcheck shell=sh
 # System libraries that pip cannot bring: OpenGL without a screen, what Qt loads, X11's part of
-# Qt, and what mitsuba's wheel loads. To be sourced; `say` is the caller's. For what is lacking,
-# each rung is tried when the one above fails:
+# Qt, what mitsuba's wheel loads, and the compiler of its fast variant. To be sourced; `say` is the
+# caller's. For what is lacking, each rung is tried when the one above fails:
 #
 #   1. the system has the libraries;
 #   2. apt-get installs them, as root or through a sudo that asks no password;
@@ -19,11 +19,13 @@ x11_packages='libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-image0 libxcb-
 x11_libraries='libxcb-cursor.so.0 libxcb-icccm.so.4 libxcb-keysyms.so.1 libxcb-image.so.0 libxcb-render-util.so.0 libxcb-shape.so.0 libxcb-xkb.so.1 libxkbcommon-x11.so.0'
 mitsuba_packages='libatomic1'
 mitsuba_libraries='libatomic.so.1'
+llvm_packages='libllvm19'
+llvm_libraries='libLLVM.so.19.1'
 
 # groups_for PURPOSE: Qt's platform plugin for X11 is loaded on a screen, and tried by a test.
 groups_for() {
     case $1 in
-    test | long) echo 'gl qt x11 mitsuba' ;;
+    test | long) echo 'gl qt x11 mitsuba llvm' ;;
     *) if [ -n "${DISPLAY:-}" ]; then echo 'gl qt x11'; else echo 'gl qt'; fi ;;
     esac
 }
@@ -42,6 +44,7 @@ goes_without() {
     qt) echo windows ;;
     x11) echo 'windows on a screen' ;;
     mitsuba) echo 'the path tracer' ;;
+    llvm) echo "the path tracer's compiled variant" ;;
     esac
 }
 
