@@ -9,4 +9,5 @@ LIBRARIES = {
         "libxkbcommon-x11.so.0",
     ),
     "mitsuba": ("libatomic.so.1",),
+    "llvm": ("libLLVM.so.19.1",),
 }  # fmt: skip

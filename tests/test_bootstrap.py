@@ -98,7 +98,7 @@ def machine(tmp_path):
     return made
 
 
-OTHERS = ("qt", "x11", "mitsuba")
+OTHERS = ("qt", "x11", "mitsuba", "llvm")
 
 
 def test_libraries_that_are_there_are_left_alone(machine):
@@ -133,11 +133,12 @@ def test_root_installs_without_recommendations(machine):
     [
         ("run", "", ["libegl1", "libglib2.0-0"]),
         ("run", ":0", ["libegl1", "libglib2.0-0", "libxcb-cursor0"]),
-        ("test", "", ["libegl1", "libglib2.0-0", "libxcb-cursor0", "libatomic1"]),
+        ("test", "", ["libegl1", "libglib2.0-0", "libxcb-cursor0", "libatomic1", "libllvm19"]),
     ],
 )
 def test_each_purpose_installs_what_it_loads(machine, purpose, display, groups):
-    """PySide6's wheels lack what Qt loads, mitsuba's lacks libatomic; X11 serves screens alone."""
+    """PySide6's wheels lack what Qt loads, mitsuba's lacks libatomic and a compiler; X11 serves
+    screens alone."""
     machine.has("apt-get", APT_GET)
     machine.user(0)
     machine.provide(purpose, DISPLAY=display)
@@ -207,7 +208,7 @@ def test_all_that_is_lacking_goes_into_one_private_folder(machine):
     machine.has("dpkg", DPKG)
     machine.provide()
     (simulate,) = [call for call in machine.calls("apt-get") if "--simulate" in call]
-    for package in ("libglib2.0-0", "libxcb-cursor0", "libatomic1"):
+    for package in ("libglib2.0-0", "libxcb-cursor0", "libatomic1", "libllvm19"):
         assert package in simulate.split()
 
 
@@ -245,7 +246,7 @@ def test_a_private_folder_that_lacks_a_library_is_fetched_anew(machine):
     machine.has("dpkg", DPKG)
     machine.provide()
     machine.has_libraries("qt", "x11")
-    assert "fetching libegl1 libgl1 libatomic1" in machine.provide()
+    assert "fetching libegl1 libgl1 libatomic1 libllvm19" in machine.provide()
 
 
 def test_the_systems_gl_wins_over_the_private_one(machine):
@@ -286,11 +287,12 @@ def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
         failing = {"offline": OFFLINE, "no download": "case $* in *download*|*--yes*) exit 1; esac"}
         machine.has("apt-get", failing.get(broken, "case $* in *--yes*) exit 1; esac") + APT_GET)
         machine.has("dpkg", DPKG + ("exit 2" if broken == "broken package" else ""))
-    *_, gl, qt, x11, mitsuba = machine.provide().splitlines()
+    *_, gl, qt, x11, mitsuba, llvm = machine.provide().splitlines()
     assert gl.startswith("going on without GL: missing are the system's packages libegl1 libgl1")
     assert qt.startswith("going on without windows: missing are the system's packages libglib2.0-0")
     assert x11.startswith("going on without windows on a screen: missing")
     assert mitsuba.endswith("the system's packages libatomic1, or their like")
+    assert llvm.endswith("the system's packages libllvm19, or their like")
     assert not (machine.root / ".system/env").exists()
 
 
@@ -320,7 +322,7 @@ def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
     """The stamp holds everything that an installation depends on."""
     with_venv(machine)
     assert machine.shell("tools/bootstrap.sh", "test").returncode == 0
-    assert installations(machine) == ["[app,test,ref]"]
+    assert installations(machine) == ["[app,test,ref,ifc]"]
     done = machine.shell("tools/bootstrap.sh", "test")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert installations(machine) == []
@@ -328,7 +330,7 @@ def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
         with (machine.root / changed).open("a") as file:
             file.write("# changed\n")
         machine.shell("tools/bootstrap.sh", "test")
-        assert installations(machine) == ["[app,test,ref]"]
+        assert installations(machine) == ["[app,test,ref,ifc]"]
 
 
 def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
@@ -337,14 +339,14 @@ def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
     machine.shell("tools/bootstrap.sh", "run")
     assert installations(machine) == ["[app]"]
     machine.shell("tools/bootstrap.sh", "test")
-    assert installations(machine) == ["[app,test,ref]"]
+    assert installations(machine) == ["[app,test,ref,ifc]"]
     shutil.rmtree(machine.root / ".venv")
     with_venv(machine)
     machine.shell("tools/bootstrap.sh", "test")
     machine.shell("tools/bootstrap.sh", "run")
     assert installations(machine) == []
     machine.shell("tools/bootstrap.sh", "lint")
-    assert installations(machine) == ["[app,test,ref,lint]"]
+    assert installations(machine) == ["[app,test,ref,ifc,lint]"]
     machine.shell("tools/bootstrap.sh", "test")
     assert installations(machine) == []
 
@@ -356,7 +358,7 @@ def test_without_mitsuba_the_tests_still_run_and_it_is_tried_again(machine):
         done = machine.shell("tools/bootstrap.sh", "test")
         assert done.returncode == 0
         assert "without mitsuba" in done.stderr
-        assert installations(machine) == ["[app,test,ref]", "[app,test]"]
+        assert installations(machine) == ["[app,test,ref,ifc]", "[app,test]"]
 
 
 def test_uv_installs_from_the_index_that_pip_is_told(machine):
