@@ -4,6 +4,8 @@ import sys
 
 import msgspec
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from vrut_lite import cli
 from vrut_lite.app.engine.history import inverse_of
@@ -208,3 +210,46 @@ def test_a_project_of_any_editor_is_read(tmp_path, encoding):
     path = tmp_path / "house.toml"
     path.write_bytes('scene = "Häuser.obj"\r\nplace = "50,14"\r\n'.encode(encoding))
     assert load_project(path).scene.endswith("Häuser.obj")
+
+
+HOSTILE = [
+    "nan", "-inf", "1e999", "-1", "0", "99999999999999999999", "0x10", "true", '""', "[]", "{}",
+    "[[1]]", "2026-02-30", "2026-06-21", "12:00:00", "2026-06-21T12:00:00Z", '"\\u0000"', '"\\n"',
+    '"../../x"', "[1.0, nan, 3.0]", "[1, 2, 3, 4]", "'", '"""', "{a = 1}", "=", "",
+]  # fmt: skip
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    line=st.integers(0, 80),
+    value=st.one_of(st.none(), st.sampled_from(HOSTILE)),
+    at=st.floats(0.0, 1.0),
+    cut=st.integers(0, 40),
+    put=st.binary(max_size=6),
+)
+def test_a_damaged_project_is_read_or_refused_in_a_sentence(
+    project, house, kernel, line, value, at, cut, put
+):
+    """Values of another kind, and bytes lost or changed anywhere: no error but one sentence, when
+    the file is read and when its inputs are made."""
+    path = house.with_name("damaged.toml")
+    save_project(path, project)
+    lines = path.read_text().split("\n")
+    line %= len(lines)
+    if value is not None:
+        lines[line] = lines[line].split("=")[0] + "= " + value
+        data = "\n".join(lines).encode()
+    else:
+        data = path.read_bytes()
+        start = int(at * len(data))
+        data = data[:start] + put + data[start + cut :]
+    path.write_bytes(data)
+    refusal = ""
+    try:
+        found = load_project(path)
+        setting_inputs(found, kernel)
+        daylight_inputs(found)
+        view_inputs(found)
+    except UserError as error:
+        refusal = str(error)
+    assert "\n" not in refusal
