@@ -163,6 +163,40 @@ def test_a_place_south_and_west_and_one_without_north() -> None:
     assert turned.north_offset_rad == pytest.approx(-math.pi / 2)
 
 
+@pytest.mark.parametrize(
+    ("system", "scale"),
+    [
+        ("'EPSG:32760','EPSG:32760 - WGS 84 / UTM zone 60S','WGS 84',$,$,$,#1", 1000.0),
+        ("'EPSG:32760',$,$,$,$,$,$", 1000.0),
+        ("'EPSG:32760',$,$,$,$,$,$", 1.0),
+        ("'WGS84_UTM-60S',$,$,$,$,$,#98", 1.0),
+        ("'local',$,'WGS84',$,'UTM','60S',#98", 1.0),
+    ],
+)
+def test_a_place_on_a_map_of_utm_is_the_scenes(system: str, scale: float) -> None:
+    """Without a site's latitude; by EPSG's code or a zone in words, in the map's unit, the
+    project's, or metres where the project's cannot be meant. Grid north is not true north there:
+    the numbers are those of Snyder's series (tests/scene/test_utm.py)."""
+    origin = ",".join(f"{scale * metres:.6f}" for metres in (729013.3488, 9063992.6847, 1.3))
+    said = f"#97=IFCPROJECTEDCRS({system});\n#98=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n"
+    said += f"#99=IFCMAPCONVERSION(#6,#97,{origin},0.5,0.8660254,$);\nENDSEC;\nEND"
+    data = house_ifc(site_place="$,$").replace(b"#5,#3);", b"#5,$);")
+    place = stated_place(data.replace(b"ENDSEC;\nEND", said.encode()))
+    assert place is not None
+    assert (place.latitude_deg, place.longitude_deg) == pytest.approx((-8.462200, 179.080147))
+    assert place.altitude_m == pytest.approx(1.3)
+    assert math.degrees(place.north_offset_rad) == pytest.approx(-60.3062, abs=1e-3)
+
+
+@pytest.mark.parametrize("system", ["'EPSG:2056'", "'UTM'", "'EPSG:32799'", "'UTM zone 320N'", "$"])
+def test_a_map_that_is_not_known_gives_no_place(system: str) -> None:
+    """A guess would be a place elsewhere on Earth."""
+    said = f"#97=IFCPROJECTEDCRS({system},$,$,$,$,$,$);\n"
+    said += "#99=IFCMAPCONVERSION(#6,#97,7.3E8,5.3E9,0.,1.,0.,$);\nENDSEC;\nEND"
+    data = house_ifc(site_place="$,$").replace(b"ENDSEC;\nEND", said.encode())
+    assert stated_place(data) is None
+
+
 def test_a_site_that_stands_at_its_elevation_is_not_raised_twice() -> None:
     """Where the site's placement holds its elevation, height 0 is the sea's level."""
     raised = house_ifc().replace(

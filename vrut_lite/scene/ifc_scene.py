@@ -37,7 +37,10 @@ def read_ifc_scene(
         raise SceneFileError(f"its IFC is damaged ({fault}); export it again") from fault
     place = stated_place(text)
     if place is None:
-        notices.tell("site without latitude and longitude", "no place is taken from the file")
+        notices.tell(
+            "site without latitude and longitude, nor a map in UTM",
+            "no place is taken from the file",
+        )
     else:
         north_deg = round(math.degrees(place.north_offset_rad), 2) % 360.0
         notices.tell(

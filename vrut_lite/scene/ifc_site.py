@@ -1,7 +1,8 @@
 """Place and true north of an IFC file, read from its text (ISO 10303-21) without a library.
 
 IfcSite states latitude, longitude and elevation (IFC 4.3, 5.4.3.58), and the representation context
-true north (8.19.3.11). They become the scene's place before its geometry is read.
+true north (8.19.3.11); else IfcMapConversion states them in a map, IfcProjectedCRS (8.18.3), of
+which UTM is read. They become the scene's place before its geometry is read.
 """
 
 import math
@@ -15,6 +16,7 @@ from typing import Any
 from vrut_lite.errors import UserError
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.scene.file_checks import MAX_FILE_BYTES
+from vrut_lite.scene.utm import MapPlace, place_of_utm
 
 SUFFIXES = (".ifc", ".ifczip")
 # A text, a number or a word, or a sign of ISO 10303-21.
@@ -26,6 +28,12 @@ _KIND = re.compile(
     rb"=\s*(IFC(?:SITE|GEOMETRICREPRESENTATIONCONTEXT|MAPCONVERSION|UNITASSIGNMENT))\s*(?=\()"
 )
 _DEEPEST = 32
+_MAP = b"IFCMAPCONVERSION"
+_UTM = re.compile(rb"(?<![A-Z])UTM\D{0,12}?(\d{1,2})(?!\d) ?(?:(N|S)(?![A-Z]))?", re.IGNORECASE)
+_ZONE = re.compile(rb"(\d{1,2}) ?(N|S)?", re.IGNORECASE)
+_EPSG = re.compile(rb"EPSG\W{0,3}(\d{4,5})\b", re.IGNORECASE)
+# EPSG's codes of UTM less the zone, in the south if true: WGS 84, ETRS89, NAD83, GDA94, GDA2020.
+_UTM_CODES = {32600: False, 32700: True, 25800: False, 26900: False, 28300: True, 7800: True}
 
 
 def ifc_text(data: bytes, count: Callable[[int], None] = lambda size: None) -> bytes:
@@ -65,29 +73,72 @@ def place_of_ifc(path: str | Path) -> SetPlace | None:
 
 
 def stated_place(text: bytes) -> SetPlace | None:
-    """The place of the first site that has one, with the altitude of the file's height 0.
+    """The place of the first site that has one, else of a map, with the altitude of height 0.
 
     The direction of true north is (0, 1) where it is not stated; then that of a map's grid holds.
     """
     step = _Step(text)
     for site in step.of_kind(b"IFCSITE"):
-        try:
-            latitude_deg, longitude_deg = _degrees(site[9]), _degrees(site[10])
-            if latitude_deg is None or longitude_deg is None:
-                continue
-            elevation = site[11] if isinstance(site[11], float) else 0.0
-            height = elevation - step.height_of(site[5])
-            place = SetPlace(
-                latitude_deg=latitude_deg,
-                longitude_deg=longitude_deg,
-                altitude_m=round(height * step.metres_per_unit(), 3),
-                north_offset_rad=step.north_offset_rad(),
-            )
+        place = _checked(_place_of_site, step, site)
+        if place is not None:
+            return place
+    return next(
+        filter(None, (_checked(_place_of_map, step, one) for one in step.of_kind(_MAP))), None
+    )
+
+
+def _checked(
+    make: Callable[["_Step", list[Any]], SetPlace | None], step: "_Step", instance: list[Any]
+) -> SetPlace | None:
+    """The place of an instance, in bounds; None where it states none or is damaged."""
+    try:
+        place = make(step, instance)
+        if place is not None:
             place.check()
-        except (AttributeError, IndexError, TypeError, ValueError, UserError):
-            continue
-        return place
-    return None
+    except (AttributeError, IndexError, TypeError, ValueError, OverflowError, UserError):
+        return None
+    return place
+
+
+def _place_of_site(step: "_Step", site: list[Any]) -> SetPlace | None:
+    latitude_deg, longitude_deg = _degrees(site[9]), _degrees(site[10])
+    if latitude_deg is None or longitude_deg is None:
+        return None
+    elevation = site[11] if isinstance(site[11], float) else 0.0
+    height = elevation - step.height_of(site[5])
+    return SetPlace(
+        latitude_deg=latitude_deg,
+        longitude_deg=longitude_deg,
+        altitude_m=round(height * step.metres_per_unit(), 3),
+        north_offset_rad=step.north_offset_rad(),
+    )
+
+
+def _place_of_map(step: "_Step", conversion: list[Any]) -> SetPlace:
+    on_map, metres = step.map_place(conversion)
+    height = conversion[4] if isinstance(conversion[4], float) else 0.0
+    return SetPlace(
+        latitude_deg=on_map.latitude_deg,
+        longitude_deg=on_map.longitude_deg,
+        altitude_m=round(height * metres, 3),
+        north_offset_rad=step.north_offset_rad(),
+    )
+
+
+def _utm_zone(system: list[Any]) -> tuple[int, bool]:
+    """Zone of UTM, and whether it is of the south, of an IfcProjectedCRS; ValueError for others."""
+    words = [word if isinstance(word, bytes) else b"" for word in system]
+    code = next(filter(None, map(_EPSG.search, words)), None)
+    number = 0 if code is None else int(code[1])
+    if (first := number // 100 * 100) in _UTM_CODES:
+        return number - first, _UTM_CODES[first]
+    found = next(filter(None, map(_UTM.search, words)), None)
+    if found is None and len(words) > 5 and words[4].strip(b"' ").upper() == b"UTM":
+        # MapProjection 'UTM' beside MapZone '32N'.
+        found = _ZONE.fullmatch(words[5].strip(b"' "))
+    if found is None:
+        raise ValueError("the map is no UTM")
+    return int(found[1]), (found[2] or b"N").upper() == b"S"
 
 
 def _degrees(parts: Any) -> float | None:
@@ -159,11 +210,37 @@ class _Step:
             _, direction = self.instance(context[5] if len(context) > 5 else None)
             if direction and isinstance(direction[0], list) and len(direction[0]) > 1:
                 return _offset(direction[0][0], direction[0][1])
-        for conversion in self.of_kind(b"IFCMAPCONVERSION"):
+        for conversion in self.of_kind(_MAP):
             east, north = (*conversion[5:7], None, None)[:2]
             if isinstance(east, float) and isinstance(north, float):
-                return _offset(north, east)
+                return _offset(north, east) + self._convergence_rad(conversion)
         return 0.0
+
+    def map_place(self, conversion: list[Any]) -> tuple[MapPlace, float]:
+        """Where an IfcMapConversion has the origin, and the length of the map's unit (m).
+
+        Some programs write metres though the project's unit, which holds without one of the map's,
+        is another.
+
+        Raises:
+            ValueError: the map is no UTM, or the origin lies outside its zone.
+        """
+        _, system = self.instance(conversion[1])
+        zone, south = _utm_zone(system)
+        unit = system[6] if len(system) > 6 else None
+        metres = self.metres_per_unit() if unit is None else self._metres(unit)
+        easting, northing = conversion[2:4]
+        try:
+            return place_of_utm(easting * metres, northing * metres, zone, south), metres
+        except ValueError:
+            return place_of_utm(easting, northing, zone, south), 1.0
+
+    def _convergence_rad(self, conversion: list[Any]) -> float:
+        """How far the map's grid north points clockwise of true north; 0 where it is unknown."""
+        try:
+            return self.map_place(conversion)[0].convergence_rad
+        except (IndexError, TypeError, ValueError):
+            return 0.0
 
     def _arguments(self, start: int) -> list[Any]:
         """The arguments in the bracket that begins at `start`; an empty list if it never ends."""
