@@ -119,6 +119,29 @@ def test_a_glb_that_lies_on_its_side_has_a_hint(tmp_path: Path) -> None:
         assert len(hints) == count
 
 
+@pytest.mark.parametrize(("depth_m", "count"), [(0.6, 0), (0.9, 1)])
+def test_a_board_that_shows_things_has_no_hint(tmp_path: Path, depth_m: float, count: int) -> None:
+    """A board of 6 x 8 m with balls in rows before it, as of Khronos's ClearCoatTest, is upright
+    though its largest area is across Z; what is deeper than 0.12 of its shorter side may be a
+    house. Land as thin keeps its hint."""
+
+    def hints(*meshes: trimesh.Trimesh) -> list[str]:
+        joined = trimesh.util.concatenate(list(meshes))
+        (tmp_path / "a.glb").write_bytes(joined.export(file_type="glb"))
+        return [line for line in load_scene(tmp_path / "a.glb").notices if "level area" in line]
+
+    board = _box((6, 8, 0.05), (0, 0, 0))
+    balls = [trimesh.creation.icosphere(1, 0.2) for _ in range(6)]
+    for n, ball in enumerate(balls):
+        ball.apply_translation([1 + 2 * (n % 3), 2 + 4 * (n // 3), depth_m - 0.2])
+    assert len(hints(board, *balls)) == count
+    x, y = np.meshgrid(np.linspace(0.0, 6.0, 21), np.linspace(0.0, 8.0, 21))
+    hills = np.stack([x, y, depth_m * np.sin(x) * np.sin(0.5 * y)], axis=-1).reshape(-1, 3)
+    first = (21 * np.arange(20)[:, None] + np.arange(20)).ravel()
+    faces = np.concatenate([first[:, None] + [0, 1, 21], first[:, None] + [1, 22, 21]])
+    assert len(hints(trimesh.Trimesh(0.3 * hills * [1, 1, 1], faces, process=False))) == 1
+
+
 @pytest.mark.parametrize(("units", "name"), [(100, "centimetres"), (1000, "millimetres")])
 def test_a_house_that_is_too_high_in_metres(tmp_path: Path, units: float, name: str) -> None:
     """A house of 600 or 6,000 units is one of 6 m, and its Z-up twin too; a unit said outright
