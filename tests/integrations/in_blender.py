@@ -154,6 +154,18 @@ told["moved"] = [is_there(scene) for scene in bpy.data.scenes]
 (Path(folder) / "else").mkdir()
 bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "else" / "copy.blend"))
 told["saved elsewhere"] = [is_there(scene) for scene in bpy.data.scenes]
+# A file lies where the folder for skies would be.
+blocked = Path(folder) / "else" / "blocked.skies"
+blocked.write_text("")
+scene = bpy.data.scenes["Scene"]
+bpy.ops.wm.save_as_mainfile(filepath=str(blocked.with_suffix(".blend")))
+told["saved without a folder"] = scene.vrut_lite.said
+scene.vrut_lite.hour = 9.0
+told["no folder"] = scene.vrut_lite.said
+blocked.unlink()
+bpy.data.worlds.remove(scene.world)
+scene.vrut_lite.hour = 10.0
+told["without a world"] = is_there(scene)
 told["enabled"] = lights()
 bpy.ops.preferences.addon_disable(module=ADDON)
 told["disabled"] = lights()

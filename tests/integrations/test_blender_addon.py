@@ -92,8 +92,9 @@ def test_blender_has_our_light(tmp_path):
     """A plane in Cycles gets our irradiance within 1 % by day, below stratus and by the moon, and
     within 6 % where stars and the moon's disc are in the map; a day is keyed, saved and opened
     again, one hour follows it; a second scene has its own light; a file that is saved for the
-    first time, moved, or saved elsewhere has its panoramas beside it; the add-on disabled leaves
-    the file as it was.
+    first time, moved, or saved elsewhere has its panoramas beside it, or a sentence where no
+    folder can be made; a world that was removed is made anew; the add-on disabled leaves the file
+    as it was.
 
     BLENDER_PYTHON names a Python that has the package bpy, which needs an older numpy than ours.
     """
@@ -130,4 +131,7 @@ def test_blender_has_our_light(tmp_path):
     for name, folder in (("moved", "scene"), ("saved elsewhere", "copy")):
         files = [f"//{folder}.skies/{scene}.exr" for scene in ("Other", "Scene")]
         assert told[name] == [[file, True] for file in files]
+    assert "could not be saved beside the file" in told["saved without a folder"]
+    assert "cannot make the folder" in told["no folder"]
+    assert told["without a world"] == ["//blocked.skies/Scene.exr", True]
     assert told["disabled"] == told["enabled"]

@@ -8,8 +8,14 @@ from . import blend_world, panel
 @bpy.app.handlers.persistent
 def _before_save(path):
     # Without a path Blender saves its start-up file.
-    if path:
+    if not path:
+        return
+    try:
         blend_world.take_along(path)
+    except OSError as error:
+        why = f"the skies could not be saved beside the file ({error.strerror}): save it elsewhere"
+        for scene in bpy.data.scenes:
+            scene.vrut_lite.said, scene.vrut_lite.failed = why, True
 
 
 def register():

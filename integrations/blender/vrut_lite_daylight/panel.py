@@ -117,8 +117,8 @@ class Daylight(bpy.types.PropertyGroup):
 def update(scene):
     """Show the sky of the panel's hour, or why there is none."""
     daylight = scene.vrut_lite
-    path = _folder() / f"{_file_name(scene)}.exr"
     try:
+        path = _folder() / f"{_file_name(scene)}.exr"
         CHILD.ask(_program(), _hour(daylight, daylight.hour).words(path))
     except NoDaylight as error:
         daylight.said, daylight.failed = str(error), True
@@ -154,12 +154,20 @@ def _program():
 
 
 def _folder():
-    """Beside the blend file; before it is saved, for this run of Blender only."""
+    """Beside the blend file; before it is saved, for this run of Blender only.
+
+    NoDaylight where it cannot be made.
+    """
     if bpy.data.filepath:
         folder = Path(bpy.data.filepath).with_suffix(".skies")
     else:
         folder = Path(bpy.app.tempdir or tempfile.gettempdir()) / "vrut_lite"
-    folder.mkdir(exist_ok=True)
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise NoDaylight(
+            f"cannot make the folder {folder} for skies ({error.strerror}): save the file elsewhere"
+        ) from error
     return folder
 
 
@@ -196,9 +204,9 @@ class VRUT_LITE_OT_key_day(bpy.types.Operator):
         scene, daylight = context.scene, context.scene.vrut_lite
         frames = range(scene.frame_start, scene.frame_end + 1)
         steps = max(len(frames) - 1, 1)
-        folder, name = _folder(), _file_name(scene)
-        paths = [folder / f"{name}_{frame:04d}.exr" for frame in frames]
         try:
+            folder, name = _folder(), _file_name(scene)
+            paths = [folder / f"{name}_{frame:04d}.exr" for frame in frames]
             for k, path in enumerate(paths):
                 hour = daylight.from_hour + (daylight.to_hour - daylight.from_hour) * k / steps
                 CHILD.ask(_program(), _hour(daylight, hour).words(path))
