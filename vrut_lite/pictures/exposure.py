@@ -101,22 +101,35 @@ def automatic_ev100(
     kept = values[: max(1, int(values.size * (1.0 - _BRIGHTEST_SHARE)))]
     mean_stops = _mean_stops(np.log2(np.maximum(kept, darkest)))
     metered = mean_stops + float(np.log2(LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
-    kept_share, most_ev = _DARKNESS_KEPT[night_look]
-    darkness = kept_share * max(0.0, _FULL_ADAPTATION_EV100 - metered)
-    if white > 0.0 and darkness == 0.0:
+    if white > 0.0 and metered >= _FULL_ADAPTATION_EV100:
         highlight = max(float(np.quantile(values, _HIGHLIGHT_QUANTILE)), darkest)
         metered -= float(np.interp(metered, _CORRECTED_EV100, (0.0, 1.0))) * _correction_ev(
             float(np.log2(white)) - mean_stops, float(np.log2(highlight)) - mean_stops
         )
-    return metered + min(darkness, most_ev)
+    return _darkened(metered, night_look)
+
+
+def uncorrected_ev100(mean_cd: float, night_look: NightLook) -> float:
+    """Automatic EV100 of a picture of this mean luminance (cd m^-2), uncorrected."""
+    metered = float(np.log2(mean_cd / (_SATURATION * MIDDLE_GREY)))
+    return _darkened(max(metered, _DARKEST_EV100), night_look)
 
 
 def metered_cd(ev100: float, night_look: NightLook) -> float:
-    """Mean luminance (cd m^-2) of a picture that is automatically exposed so, uncorrected."""
+    """Mean luminance (cd m^-2) of a picture that is automatically exposed so, uncorrected.
+
+    The inverse of `uncorrected_ev100`.
+    """
     share, most_ev = _DARKNESS_KEPT[night_look]
     darker = max(0.0, _FULL_ADAPTATION_EV100 - ev100) / (1.0 - share)
     metered = ev100 - min(share * darker, most_ev)
     return float(MIDDLE_GREY * _SATURATION * 2.0**metered)
+
+
+def _darkened(metered: float, night_look: NightLook) -> float:
+    """EV100 at which a picture of a metered EV100 is shown: dusk is darker than noon."""
+    kept_share, most_ev = _DARKNESS_KEPT[night_look]
+    return metered + min(kept_share * max(0.0, _FULL_ADAPTATION_EV100 - metered), most_ev)
 
 
 def _correction_ev(card: float, highlight: float) -> float:

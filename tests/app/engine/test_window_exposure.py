@@ -5,6 +5,7 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
+from light_messages import clear_sky_light, light_messages
 from window_driver import NOON, PATIENCE_MS, SCENES, SUNDIAL_AT_NOON, HeadlessStage
 
 from vrut_lite.app.engine.adaptation import Adaptation
@@ -151,6 +152,36 @@ def test_a_drag_into_another_light_is_neither_white_nor_black(window, stops):
         window.hear(SetClock(instant=NOON))
         window.draw(0.1)
     assert abs(window.draw() - window.metered) < 0.6
+
+
+@pytest.mark.parametrize("stops", [-22, -14, 14])
+def test_a_leap_within_a_drag_is_foretold_by_the_skys_light(window, stops):
+    """Into night as into day: no picture errs by more than three stops and those of the corrections
+    that wait for the picture itself, though by night some of the darkness is kept."""
+
+    def shine():
+        sky = np.full((6, 4, 4, 3), window.radiance, np.float32)
+        window.change(sky_light=clear_sky_light(*light_messages(sky)))
+
+    if stops > 0:
+        window.radiance *= 2.0**-stops
+        shine()
+        window.adaptation.meter_anew()
+        window.draw(2.0)
+    else:
+        shine()
+        window.draw()
+    window.hear(SetClock(instant=NOON))
+    window.draw()
+    window.hear(SetClock(instant=NOON))
+    window.draw(0.1)
+    window.radiance *= 2.0**stops
+    shine()
+    window.hear(SetClock(instant=NOON))
+    for _ in range(10):
+        assert abs(window.draw() - window.metered) < 3.5
+        window.hear(SetClock(instant=NOON))
+        window.draw(0.1)
 
 
 def test_settings_hold_the_exposure(window):

@@ -7,7 +7,7 @@ so that dusk darkens. In a drag it never lets the picture err by more than three
 seconds of the engine's clock.
 """
 
-from math import exp, log2
+from math import exp
 
 import msgspec
 import numpy as np
@@ -29,7 +29,7 @@ from vrut_lite.messages.light_map import SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.tolerance import SetTolerance
-from vrut_lite.pictures.exposure import automatic_ev100
+from vrut_lite.pictures.exposure import automatic_ev100, metered_cd, uncorrected_ev100
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.scene.scene_state import SceneState
 
@@ -182,11 +182,15 @@ class Adaptation:
             self._adapt(wanted_ev100 - self._ev100, step_s)
 
     def _expected_ev100(self, state: SceneState) -> float:
-        """EV100 expected of a state: the last picture's, moved by the ratio of their light."""
-        level = _level(state)
+        """EV100 expected of a state, whose picture is as much brighter than the last as its light.
+
+        By night less than in proportion: the picture keeps some of the darkness.
+        """
+        level, look = _level(state), state.exposure.night_look
         if level <= 0.0 or self._seen_level <= 0.0:
             return self._seen_ev100
-        return self._seen_ev100 + log2(level / self._seen_level)
+        mean_cd = metered_cd(self._seen_ev100, look) * level / self._seen_level
+        return uncorrected_ev100(mean_cd, look)
 
     def _follow(self, now_s: float) -> None:
         if not self._follows and self._ev100 is not None:
