@@ -98,7 +98,7 @@ def machine(tmp_path):
     return made
 
 
-OTHERS = ("qt", "x11", "mitsuba", "llvm")
+OTHERS = ("qt", "x11", "mitsuba")
 
 
 def test_libraries_that_are_there_are_left_alone(machine):
@@ -133,7 +133,8 @@ def test_root_installs_without_recommendations(machine):
     [
         ("run", "", ["libegl1", "libglib2.0-0"]),
         ("run", ":0", ["libegl1", "libglib2.0-0", "libxcb-cursor0"]),
-        ("test", "", ["libegl1", "libglib2.0-0", "libxcb-cursor0", "libatomic1", "libllvm19"]),
+        ("test", "", ["libegl1", "libglib2.0-0", "libxcb-cursor0", "libatomic1"]),
+        ("long", "", ["libegl1", "libglib2.0-0", "libxcb-cursor0", "libatomic1", "libllvm19"]),
     ],
 )
 def test_each_purpose_installs_what_it_loads(machine, purpose, display, groups):
@@ -208,7 +209,7 @@ def test_all_that_is_lacking_goes_into_one_private_folder(machine):
     machine.has("dpkg", DPKG)
     machine.provide()
     (simulate,) = [call for call in machine.calls("apt-get") if "--simulate" in call]
-    for package in ("libglib2.0-0", "libxcb-cursor0", "libatomic1", "libllvm19"):
+    for package in ("libglib2.0-0", "libxcb-cursor0", "libatomic1"):
         assert package in simulate.split()
 
 
@@ -246,7 +247,7 @@ def test_a_private_folder_that_lacks_a_library_is_fetched_anew(machine):
     machine.has("dpkg", DPKG)
     machine.provide()
     machine.has_libraries("qt", "x11")
-    assert "fetching libegl1 libgl1 libatomic1 libllvm19" in machine.provide()
+    assert "fetching libegl1 libgl1 libatomic1" in machine.provide()
 
 
 def test_the_systems_gl_wins_over_the_private_one(machine):
@@ -287,12 +288,11 @@ def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
         failing = {"offline": OFFLINE, "no download": "case $* in *download*|*--yes*) exit 1; esac"}
         machine.has("apt-get", failing.get(broken, "case $* in *--yes*) exit 1; esac") + APT_GET)
         machine.has("dpkg", DPKG + ("exit 2" if broken == "broken package" else ""))
-    *_, gl, qt, x11, mitsuba, llvm = machine.provide().splitlines()
+    *_, gl, qt, x11, mitsuba = machine.provide().splitlines()
     assert gl.startswith("going on without GL: missing are the system's packages libegl1 libgl1")
     assert qt.startswith("going on without windows: missing are the system's packages libglib2.0-0")
     assert x11.startswith("going on without windows on a screen: missing")
     assert mitsuba.endswith("the system's packages libatomic1, or their like")
-    assert llvm.endswith("the system's packages libllvm19, or their like")
     assert not (machine.root / ".system/env").exists()
 
 

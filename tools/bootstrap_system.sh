@@ -25,7 +25,8 @@ llvm_libraries='libLLVM.so.19.1'
 # groups_for PURPOSE: Qt's platform plugin for X11 is loaded on a screen, and tried by a test.
 groups_for() {
     case $1 in
-    test | long) echo 'gl qt x11 mitsuba llvm' ;;
+    test) echo 'gl qt x11 mitsuba' ;;
+    long) echo 'gl qt x11 mitsuba llvm' ;;
     *) if [ -n "${DISPLAY:-}" ]; then echo 'gl qt x11'; else echo 'gl qt'; fi ;;
     esac
 }
