@@ -252,10 +252,8 @@ def test_the_picture_of_dusk_is_that_of_exact_rays() -> None:
     assert luminance(shown) == pytest.approx(luminance(exact), rel=0.03)
 
 
-@pytest.mark.parametrize("altitude_m", [0.0, 8000.0, 4e5, 4e7])
-@pytest.mark.parametrize(
-    ("elevation_deg", "most"), [(20.0, 0.015), (3.0, 0.015), (-4.0, 0.015), (-9.0, 0.03)]
-)
+@pytest.mark.parametrize("altitude_m", [0.0, 8000.0, 4e5])
+@pytest.mark.parametrize(("elevation_deg", "most"), [(3.0, 0.015), (-4.0, 0.015), (-9.0, 0.03)])
 def test_a_table_of_twilight_has_bins_enough(
     altitude_m: float, elevation_deg: float, most: float
 ) -> None:
