@@ -17,12 +17,12 @@ _MOST_PASSED = 64
 
 
 class Vertex(NamedTuple):
-    """What `GuidedScattering` found at the end of a ray, and the ray that goes on.
+    """A surface that `GuidedScattering` met at the end of a ray, and the next ray.
 
     `emitted` is the radiance towards the ray's origin, weighed by `emitted_weight` against emitter
     sampling; `direct` the reflected radiance of sampled emitters; `weight` the factor of the
     radiance along the next ray, of density `pdf` unless `is_delta`. `place` is where emitters were
-    last sampled, `is_null` tells that the ray goes straight on.
+    last sampled, `is_null`: the ray goes straight on.
     """
 
     interaction: Any

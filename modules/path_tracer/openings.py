@@ -115,7 +115,7 @@ def learn(mi: Any, scene: Any, found: Survey, passes: bool, picture_paths: int) 
         ray = _eye_rays(mi, scene, sampler)
         place, pdf = dr.zeros(mi.Interaction3f, paths), dr.full(mi.Float, 1.0, paths)
         is_delta, going = dr.full(mi.Bool, True, paths), dr.full(mi.Bool, True, paths)
-        # One kernel for all surfaces: none of what it begins with is a constant of its code.
+        # One kernel for all surfaces: its initial values must not become constants of its code.
         sampler.schedule_state()
         dr.make_opaque(ray, place, pdf, is_delta, going)
         path = []

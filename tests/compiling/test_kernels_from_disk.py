@@ -1,4 +1,4 @@
-"""Kernels from disk: a start that compiles none imports none of what compiling needs."""
+"""A start whose kernels are all on disk does not import the compiler."""
 
 import os
 import subprocess
@@ -21,7 +21,7 @@ print([name for name in names if name in sys.modules], file=sys.stderr)
 
 
 def run(cache: Path) -> tuple[str, list[str]]:
-    """What `TREE` prints, and the lines on its error stream."""
+    """Standard output of `TREE`, and the lines on its error stream."""
     folders = {"NUMBA_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)}
     done = subprocess.run(
         [sys.executable, "-c", TREE],

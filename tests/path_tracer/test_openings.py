@@ -1,4 +1,4 @@
-"""Paths guided to openings: the same light with less noise, and nothing where there are none."""
+"""Guided paths bring the same light with less noise; scenes without openings are not guided."""
 
 from dataclasses import replace
 

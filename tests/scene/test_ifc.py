@@ -248,7 +248,7 @@ def test_ifc_zip_is_unpacked(tmp_path: Path) -> None:
     ],
 )
 def test_broken_files_end_in_one_sentence(tmp_path: Path, data: bytes, said: str) -> None:
-    """What is wrong is named, without a traceback."""
+    """The sentence names the fault, without a traceback."""
     _need_library()
     with pytest.raises(UserError, match=said) as fault:
         load_scene(_write(tmp_path, data))

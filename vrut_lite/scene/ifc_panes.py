@@ -51,7 +51,7 @@ def pane_triangles(
         thick, short, long = np.sort(np.ptp(corners, axis=0))
         if thick > min(_THICK_M, _THIN * short):
             continue
-        # Of a closed plate, half the surface is one of its faces.
+        # One face is half the surface of a closed plate.
         area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
         sides = 1 if not are_closed(vertices, triangles[here]) else 2
         rims = 0.0 if sides == 1 else thick * (short + long)

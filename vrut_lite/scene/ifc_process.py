@@ -24,7 +24,7 @@ _KERNEL: Final = "hybrid-cgal-simple-opencascade"
 # Schemas with their corrections, and how ifcopenshell names each.
 _SCHEMAS = {"IFC2X3": "IFC2X3", "IFC4": "IFC4", "IFC4X3": "IFC4X3_ADD2"}
 _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
-# Things without a surface of their own.
+# Classes without a visible surface.
 _NOT_DRAWN = ("IfcSpace", "IfcOpeningElement", "IfcVirtualElement", "IfcAnnotation", "IfcGrid")
 _NAMES_OF_GLASS = re.compile(
     r"gla[sz]|verglas|scheib|verre|vitr|vidri|vidro|vetr|szyb|szk[lł]|skl[oe]|стекл|玻璃|ガラス",
@@ -124,7 +124,7 @@ class _Reader:
         self._places[key][1].append(self._name(element))
 
     def file(self) -> MeshFile:
-        """The content, with what is left out or guessed."""
+        """The content, with counts of omissions and guesses."""
         parts = []
         for key, meshes in self._parts.items():
             places, names = self._places[key]
@@ -147,7 +147,7 @@ class _Reader:
         return any(one.RepresentationIdentifier == "Body" for one in shape.Representations)
 
     def _is_window(self, element: Any) -> bool:
-        """Whether what has no style may be a pane: of a window, or a plate of a curtain wall."""
+        """Whether unstyled geometry may be a pane: of a window, or a plate of a curtain wall."""
         if element.is_a("IfcWindow"):
             return True
         if not element.is_a("IfcPlate"):
@@ -157,7 +157,7 @@ class _Reader:
         return in_wall or getattr(element, "PredefinedType", None) == "CURTAIN_PANEL"
 
     def _name(self, element: Any) -> str:
-        """`Storey/Name`; the storey is that of the element or of what it is part of."""
+        """`Storey/Name`; the storey is that of the element or of its whole."""
         at = element
         for _ in range(32):
             if at.id() in self._storey or at.id() not in self._parent:

@@ -165,7 +165,7 @@ class _Step:
         return map(self._arguments, self._starts.get(kind, ()))
 
     def instance(self, reference: Any) -> tuple[bytes, list[Any]]:
-        """Kind and arguments of what a reference names; no arguments if it names nothing."""
+        """Kind and arguments of the referenced instance; no arguments if it does not exist."""
         if not isinstance(reference, tuple):
             return b"", []
         found = re.search(rb"#%d\s*=\s*(\w+)\s*(?=\()" % reference[0], self._text)

@@ -1,4 +1,4 @@
-"""Runs a library that knows no limit of memory or time in a process of its own."""
+"""Runs a library without limits of memory and time in a separate process."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""What a process that reads one scene file does around its library: limits, and faults in words."""
+"""Limits and error messages of a process that reads one scene file."""
 
 import os
 import resource
@@ -9,7 +9,7 @@ import msgspec
 
 from vrut_lite.scene.mesh_file import MeshFile
 
-# What C++ says where memory for objects, or for a thread's stack, ends.
+# C++'s messages when memory for objects, or for a thread's stack, ends.
 _LACKS_MEMORY = ("bad_alloc", "Resource temporarily unavailable")
 
 

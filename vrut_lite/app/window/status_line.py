@@ -27,7 +27,7 @@ class StatusLine(QStatusBar):
         self.work = faint_label()
         self.work.setContentsMargins(0, 0, _APART_PX, 0)
         self.work.hide()
-        # What the latest message offers to do.
+        # Action that the latest message offers.
         self.remedy = QPushButton()
         self.remedy.hide()
         self.remedy.clicked.connect(self._take_remedy)
