@@ -28,10 +28,12 @@ def fans(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64
     return np.stack([first, first + within + 1, first + within + 2], axis=1), face
 
 
-def polygon_triangles(
+def polygon_corners(
     points: FloatArray, counts: NDArray[np.int64], indices: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """Triangles (F, 3) of polygons that have `counts` corners each, `indices` one after another.
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Triangles (F, 3) of polygons, as numbers of corners, and the polygon (F,) of each.
+
+    The polygons have `counts` corners each, which name the points `indices`, one after another.
 
     Raises:
         ValueError: an index is outside the points (V, 3).
@@ -40,7 +42,7 @@ def polygon_triangles(
         raise ValueError(f"a face names vertex {indices.max():,} of {len(points):,}")
     corners, face = fans(counts)
     continues = np.diff(face, prepend=-1) == 0
-    return indices[ear_clipped(corners, continues, lambda ring: points[indices[ring]])]
+    return ear_clipped(corners, continues, lambda ring: points[indices[ring]]), face
 
 
 def ear_clipped(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from vrut_lite.errors import UserError
 from vrut_lite.messages.placement import Placement
-from vrut_lite.scene import ifc_scene, trimesh_scene, usd_scene
+from vrut_lite.scene import ifc_scene, mesh_scene, usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_points_and_lines import Strokes
@@ -23,7 +23,7 @@ SUFFIXES = (
     ".obj",
     *usd_scene.SUFFIXES,
     *ifc_scene.SUFFIXES,
-    *trimesh_scene.SUFFIXES,
+    *mesh_scene.SUFFIXES,
 )
 # Formats that Blender imports or writes.
 _OF_BLENDER = {".abc": "Alembic", ".blend": "a file of Blender", ".fbx": "FBX"}
@@ -125,8 +125,8 @@ def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
     elif real.suffix.lower() in ifc_scene.SUFFIXES:
         placed, says = ifc_scene.read_ifc_scene(real, budget, notices)
         file = SceneFile(placed, [], notices, says)
-    elif real.suffix.lower() in trimesh_scene.SUFFIXES:
-        placed, says = trimesh_scene.read_trimesh_scene(real, budget, notices)
+    elif real.suffix.lower() in mesh_scene.SUFFIXES:
+        placed, says = mesh_scene.read_mesh_scene(real, budget, notices)
         is_for_printing = real.suffix.lower() == ".3mf"
         file = SceneFile(placed, [], notices, says, is_for_printing=is_for_printing)
     else:

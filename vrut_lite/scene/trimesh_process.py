@@ -1,4 +1,4 @@
-"""Reads STL, PLY, OFF, 3MF and COLLADA with trimesh, which knows no limit, in its own process.
+"""Reads STL, 3MF and COLLADA with trimesh, which knows no limit, in its own process.
 
 `python -m vrut_lite.scene.trimesh_process SUFFIX BYTES` reads a file from standard input, takes at
 most so much memory, and writes a `MeshFile` to standard output.
@@ -18,13 +18,10 @@ from PIL.PngImagePlugin import PngInfo
 
 from vrut_lite.scene.mesh_file import FileMaterial, MeshFile, MeshPart
 from vrut_lite.scene.placed import MAX_PLACES
-from vrut_lite.scene.ply_polygons import triangulated_off, triangulated_ply
 from vrut_lite.scene.process_limits import Damaged, run_reader
 
 # Seconds of CPU for any file and for each of its bytes; the slowest, 3MF, takes 6e-6 a byte.
 _SECONDS, _SECONDS_PER_BYTE = 60, 2e-5
-_OFF_HEAD = re.compile(rb"\s*(?:#[^\n]*\n\s*)*(?:ST)?C?N?OFF\b\s*(?:#[^\n]*\n\s*)*(\d+)\s+(\d+)")
-_PLY_ELEMENT = re.compile(rb"^element +(\w+) +(\d+)\s*$", re.MULTILINE)
 _UP_AXIS = re.compile(rb"<up_axis>\s*([XYZ])_UP")
 _UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']+)")
 # Metres in each unit of the 3MF core specification, section 3.4.
@@ -117,11 +114,7 @@ def _part(
 
 def _material(source: Any) -> FileMaterial | None:
     if not isinstance(source, trimesh.visual.material.PBRMaterial):
-        # A PLY has no more than a picture.
-        picture = getattr(source.image, "info", {}).get("name")
-        if picture is None:
-            return None
-        return FileMaterial("picture", (1.0, 1.0, 1.0, 1.0), 1.0, (0.0, 0.0, 0.0), picture)
+        return None
     rgba = [1.0] * 4 if source.baseColorFactor is None else list(source.baseColorFactor / 255.0)
     emission = [0.0] * 3 if source.emissiveFactor is None else list(source.emissiveFactor)
     return FileMaterial(
@@ -149,9 +142,6 @@ def _add_statements(file: MeshFile, suffix: str, data: bytes, scene: Any) -> Non
         file.up = "y" if up is None else up[1].decode().lower()
         file.metres_per_unit = 1.0 if unit is None else float(unit[1].replace(b",", b"."))
         file.left_out += [name for tag, name in _LEFT_OUT.items() if tag in data]
-    elif suffix == ".off":
-        if data.lstrip().startswith(b"COFF"):
-            file.left_out.append("vertex colours of the OFF")
     elif suffix == ".stl" and any(
         np.any(g.face_attributes.get("stl", 0)) for g in scene.geometry.values()
     ):
@@ -224,31 +214,6 @@ def _checked_stl(data: bytes) -> bytes:
     return data[:size]
 
 
-def _checked_off(data: bytes) -> bytes:
-    head = _OFF_HEAD.match(data)
-    if re.match(rb"\s*[A-Z]*[4n]+OFF\b", data):
-        raise Damaged("its points have more than three dimensions")
-    if head is None:
-        raise Damaged("it does not begin with OFF and its counts")
-    vertices, faces, lines = int(head[1]), int(head[2]), len(data.splitlines())
-    if lines < vertices + faces:
-        raise Damaged(
-            f"its head counts {vertices:,} vertices, {faces:,} faces; it has {lines:,} lines"
-        )
-    return triangulated_off(data)
-
-
-def _checked_ply(data: bytes) -> bytes:
-    head, end, body = data.partition(b"end_header")
-    if data[:3] != b"ply" or not end:
-        raise Damaged("it does not begin with 'ply' and a head that ends in 'end_header'")
-    for name, count in _PLY_ELEMENT.findall(head):
-        if int(count) > len(body):
-            counted = f"{int(count):,} of the element {name.decode()}"
-            raise Damaged(f"its head counts {counted}, and {len(body):,} bytes follow")
-    return triangulated_ply(data)
-
-
 def _checked_3mf(data: bytes) -> bytes:
     if not zipfile.is_zipfile(BytesIO(data)):
         raise Damaged("it is no ZIP archive, or lacks its end")
@@ -284,8 +249,6 @@ def _places_of_3mf(root: Any) -> int:
 
 _CHECKS: dict[str, Callable[[bytes], bytes]] = {
     ".stl": _checked_stl,
-    ".ply": _checked_ply,
-    ".off": _checked_off,
     ".3mf": _checked_3mf,
 }
 

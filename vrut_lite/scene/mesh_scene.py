@@ -1,7 +1,8 @@
-"""STL, PLY, OFF, 3MF and COLLADA as placed meshes, through trimesh.
+"""STL, PLY, OFF, 3MF and COLLADA as placed meshes.
 
-trimesh runs in a process of its own under the scene's memory limit. Colours of vertices and faces
-are sRGB, as programs show them; those of COLLADA's materials are linear, as an MTL's Kd.
+They are read in a process of their own under the scene's memory limit: PLY and OFF by our readers,
+the others by trimesh. Colours of vertices and faces are sRGB, as programs show them; those of
+COLLADA's materials are linear, as an MTL's Kd.
 """
 
 from pathlib import Path
@@ -21,14 +22,24 @@ from vrut_lite.scene.mesh_parts import placed_parts
 from vrut_lite.scene.mesh_process import MeshReader, read_apart
 from vrut_lite.scene.placed import PlacedMesh
 
-SUFFIXES = (".stl", ".ply", ".off", ".3mf", ".dae")
-_NAMES = {".stl": "STL", ".ply": "PLY", ".off": "OFF", ".3mf": "3MF", ".dae": "COLLADA"}
-# Address space of Python, numpy and trimesh before they read (281 MiB measured).
+# Address space of Python, numpy and trimesh before they read (281 MiB measured; with numba, which
+# cuts concave polygons, 400).
 _LIBRARY_BYTES = 2**29
-_MODULE = "vrut_lite.scene.trimesh_process"
+_OURS, _TRIMESH = "vrut_lite.scene.polygon_process", "vrut_lite.scene.trimesh_process"
+_READERS = {
+    suffix: MeshReader(module, kind, _LIBRARY_BYTES, "formats")
+    for suffix, kind, module in (
+        (".stl", "STL", _TRIMESH),
+        (".ply", "PLY", _OURS),
+        (".off", "OFF", _OURS),
+        (".3mf", "3MF", _TRIMESH),
+        (".dae", "COLLADA", _TRIMESH),
+    )
+}
+SUFFIXES = tuple(_READERS)
 
 
-def read_trimesh_scene(
+def read_mesh_scene(
     path: Path, budget: SceneBudget, notices: Notices
 ) -> tuple[list[PlacedMesh], Placement]:
     """Meshes in the file's axes and units, and what it states of these.
@@ -38,8 +49,7 @@ def read_trimesh_scene(
     """
     folder = SceneFolder(path.parent, budget)
     suffix = path.suffix.lower()
-    reader = MeshReader(_MODULE, _NAMES[suffix], _LIBRARY_BYTES, "formats")
-    file = read_apart(reader, suffix, folder.read(path), budget)
+    file = read_apart(_READERS[suffix], suffix, folder.read(path), budget)
     placed = placed_parts(file, folder, notices)
     if file.up == "x":
         notices.tell("up axis X", "taken to stand along +Y (else --up z)")

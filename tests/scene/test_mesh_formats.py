@@ -2,8 +2,10 @@
 
 import struct
 import zipfile
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from scene_files import png_bytes
 
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import srgb_decode
-from vrut_lite.scene import trimesh_process
+from vrut_lite.scene import polygon_process, trimesh_process
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.process_limits import answered
@@ -214,7 +216,7 @@ def test_pictures_of_collada_lie_in_the_scenes_folder(tmp_path: Path) -> None:
         (
             "a.off",
             b"OFF\n353535235358 4 4\n0 0 0\n",
-            "353,535,235,358 vertices, 4 faces; it has 3 lines",
+            "353,535,235,358 vertices, 4 faces; lines after it: 1",
         ),
         ("a.off", b"{}", "does not begin with OFF"),
         ("a.3mf", b"PK\3\4" + bytes(60), "no ZIP archive"),
@@ -236,11 +238,12 @@ def test_broken_files_end_in_one_sentence(
 def test_mangled_files_have_a_fault_or_content(kind: str) -> None:
     """Files with bytes cut, changed or put in are read, or refused in one sentence."""
     whole, suffix = _bytes(kind), "." + kind.removesuffix("_ascii")
+    process = polygon_process if kind in ("ply", "off") else trimesh_process
 
     @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
     @given(st.integers(0, len(whole)), st.integers(0, 40), st.binary(max_size=12))
     def mangled(at: int, gone: int, put: bytes) -> None:
-        told = answered(trimesh_process.read, suffix, whole[:at] + put + whole[at + gone :])
+        told = answered(process.read, suffix, whole[:at] + put + whole[at + gone :])
         assert told.fault or isinstance(told.parts, list)
 
     mangled()
@@ -351,3 +354,183 @@ def test_3mf_that_lies_across_y_has_a_hint(tmp_path: Path) -> None:
         data = trimesh.creation.box(extents).export(file_type="3mf")
         scene = load_scene(_write(tmp_path, "a.3mf", data))
         assert any("across Y (else --up y" in line for line in scene.notices) == hinted
+
+
+_FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_CODES = {"uchar": "B", "short": "h", "int": "i", "uint": "I", "float": "f", "double": "d"}
+
+
+def _ply(
+    form: str, elements: Sequence[tuple[str, list[str], Sequence[Sequence[object]]]], more: str = ""
+) -> bytes:
+    """A PLY of elements: name, properties as in its head without the first word, rows."""
+    head = f"ply\nformat {form} 1.0\n{more}"
+    words, binary = [], b""
+    for name, properties, rows in elements:
+        head += f"element {name} {len(rows)}\n"
+        head += "".join(f"property {one}\n" for one in properties)
+        for row in rows:
+            line: list[str] = []
+            for one, value in zip(properties, row, strict=True):
+                kinds = one.split()[:-1]
+                if kinds[0] == "list":
+                    assert isinstance(value, list | tuple)
+                    line += [str(len(value)), *map(str, value)]
+                    binary += struct.pack(
+                        f"{_FORMATS[form]}{_CODES[kinds[1]]}{len(value)}{_CODES[kinds[2]]}"
+                        if form != "ascii"
+                        else f"={_CODES[kinds[1]]}{len(value)}{_CODES[kinds[2]]}",
+                        len(value),
+                        *value,
+                    )
+                else:
+                    line.append(str(value))
+                    binary += struct.pack((_FORMATS[form] or "=") + _CODES[kinds[0]], value)
+            words.append(" ".join(line))
+    head += "end_header\n"
+    return head.encode() + ("\n".join([*words, ""]).encode() if form == "ascii" else binary)
+
+
+_XYZ = ["float x", "float y", "float z"]
+_SQUARE = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
+_CORNERS = "list uchar int vertex_indices"
+_VERTICES = ("vertex", _XYZ, _SQUARE)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.data())
+def test_ply_of_any_elements_and_properties(data: st.DataObject) -> None:
+    """Unknown elements and properties, lists among them, are passed over in text and binary: the
+    mesh is that of the positions and corners alone."""
+    form = data.draw(st.sampled_from(sorted(_FORMATS)))
+    lists = st.lists(st.integers(0, 9), max_size=3)
+
+    def with_more(properties: list[str], rows: list[list[Any]], name: str) -> tuple[Any, ...]:
+        for number in range(data.draw(st.integers(0, 2))):
+            at = data.draw(st.integers(0, len(properties)))
+            is_list = data.draw(st.booleans())
+            kind = data.draw(st.sampled_from(sorted(_CODES)))
+            size = data.draw(st.sampled_from(["uchar", "int", "short"]))
+            properties = [*properties]
+            properties.insert(
+                at, f"list {size} {kind} m{number}" if is_list else f"{kind} m{number}"
+            )
+            rows = [[*row] for row in rows]
+            for row in rows:
+                row.insert(at, data.draw(lists if is_list else st.integers(0, 9)))
+        return name, properties, rows
+
+    faces = data.draw(
+        st.lists(st.lists(st.integers(0, 3), min_size=3, max_size=3, unique=True), min_size=1)
+    )
+    other = ("edge", ["int vertex1", "list uchar short more"], [[1, [2, 3]], [2, []]])
+    elements = [
+        with_more([*_XYZ], [*_SQUARE], "vertex"),
+        with_more([_CORNERS], [[face] for face in faces], "face"),
+    ]
+    elements.insert(data.draw(st.integers(0, 2)), other)
+    (part,) = polygon_process.read(".ply", _ply(form, elements)).parts
+    vertices = np.frombuffer(part.vertices).reshape(-1, 3)
+    np.testing.assert_array_equal(vertices, _SQUARE)
+    triangles = np.frombuffer(part.triangles, np.int64).reshape(-1, 3)
+    np.testing.assert_array_equal(triangles, faces)
+
+
+@pytest.mark.parametrize("form", sorted(_FORMATS))
+def test_ply_has_pictures_by_its_corners(tmp_path: Path, form: str) -> None:
+    """MeshLab states coordinates at each corner of a face, and each face's picture by number; the
+    picture is the colour, and colours beside it are left out."""
+    for name, rgb in (("a b.png", 1), ("c.png", 2)):
+        _write(tmp_path, name, png_bytes((rgb, 1)))
+    faces = [
+        [[0, 1, 2], [0.0, 0.0, 0.5, 0.0, 0.5, 0.25], 0, 9, 9, 9],
+        [[0, 2, 3], [0.0, 0.0, 0.5, 0.25, 0.0, 0.25], 1, 9, 9, 9],
+    ]
+    properties = [_CORNERS, "list uchar float texcoord", "int texnumber"]
+    properties += ["uchar red", "uchar green", "uchar blue"]
+    pictures = "comment TextureFile a b.png\ncomment TextureFile c.png\n"
+    data = _ply(form, [_VERTICES, ("face", properties, faces)], pictures)
+    scene = load_scene(_write(tmp_path, "a.ply", data))
+    assert scene.triangles == 2
+    pictures_shown = [place.mesh.material.baseColorTexture for place in scene.meshes]
+    assert [picture.size[0] for picture in pictures_shown if picture is not None] == [1, 2]
+    assert scene.notices == ("colours of the PLY beside its picture: left out",)
+    file = polygon_process.read(".ply", data)
+    uv = np.concatenate([np.frombuffer(part.uv).reshape(-1, 2) for part in file.parts])
+    points = np.concatenate([np.frombuffer(part.vertices).reshape(-1, 3) for part in file.parts])
+    np.testing.assert_allclose(uv, points[:, [0, 2]] * [0.5, 0.25])
+
+
+@pytest.mark.parametrize(
+    ("kind", "colour"), [("uchar", (255, 0, 128)), ("float", (1.0, 0.0, 128 / 255))]
+)
+def test_ply_colours_of_faces(tmp_path: Path, kind: str, colour: tuple[float, ...]) -> None:
+    """A face's own colour holds for all its corners; fractions of 1 are as good as bytes."""
+    properties = [_CORNERS, *(f"{kind} {name}" for name in ("red", "green", "blue"))]
+    rows = [[[0, 1, 2, 3], *colour], [[0, 1, 2], 0, 0, 0]]
+    data = _ply("ascii", [_VERTICES, ("face", properties, rows)])
+    shown = _corner_colours(load_scene(_write(tmp_path, "a.ply", data)))
+    expected = srgb_decode(np.array([255, 0, 128]) / 255.0)
+    assert len(shown) == 9
+    np.testing.assert_allclose(shown[:6], np.tile(expected, (6, 1)), atol=1e-6)
+    np.testing.assert_array_equal(shown[6:], 0.0)
+
+
+def test_ply_of_strips(tmp_path: Path) -> None:
+    """Scans of Stanford's are strips of triangles that -1 ends; all faces look one way."""
+    strips = ("tristrips", ["list int int vertex_indices"], [[[0, 1, 3, 2, -1, 0, 1, 2]]])
+    data = _ply("binary_big_endian", [_VERTICES, strips])
+    scene = load_scene(_write(tmp_path, "a.ply", data))
+    assert scene.triangles == 3
+    a, b, c = np.moveaxis(scene.meshes[0].world_triangles(), 1, 0)
+    assert (np.cross(b - a, c - a)[:, 1] < 0).all()
+
+
+@pytest.mark.parametrize(
+    ("head", "tail", "colours"),
+    [
+        ("COFF", "", [(255, 0, 0, 255), (0, 0, 128, 255), (0, 255, 0, 255)]),
+        ("STCNOFF", "", [(0, 1, 0, 1.0, 0, 0, 1, 0, 0), (0, 1, 0, 0, 0, 0.502, 1, 0, 0)]),
+        ("OFF", " 255 0 128", []),
+        ("OFF", " 1.0 0.0 0.502 1.0", []),
+    ],
+)
+def test_off_colours(tmp_path: Path, head: str, tail: str, colours: list[tuple]) -> None:
+    """Colours of vertices (with normals and coordinates beside them) and of faces are read, as
+    whole numbers to 255 or as fractions."""
+    colours = [*colours, *colours[-1:]][:3] or [()] * 3
+    lines = [" ".join(map(str, (*p, *c))) for p, c in zip(_SQUARE[:3], colours, strict=True)]
+    text = "\n".join([head, "3 1 0", *lines, f"3 0 1 2{tail}", ""])
+    scene = load_scene(_write(tmp_path, "a.off", text.encode()))
+    shown = _corner_colours(scene)
+    first = (255, 0, 128) if tail else (255, 0, 0)
+    np.testing.assert_allclose(shown[0], srgb_decode(np.array(first) / 255.0), atol=1e-6)
+    last = {"COFF": (0, 255, 0), "STCNOFF": (0, 0, 128), "OFF": (255, 0, 128)}[head]
+    np.testing.assert_allclose(shown[2], srgb_decode(np.array(last) / 255.0), atol=1e-6)
+    assert scene.notices == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "fault"),
+    [
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n0\n",
+            "half",
+        ),
+        ("a.ply", b"ply\nformat zip 1.0\nend_header\n", "neither ascii nor binary"),
+        ("a.ply", _ply("ascii", [("vertex", _XYZ[:2], [[0, 0]])]), "no x, y and z"),
+        ("a.ply", _ply("ascii", [_VERTICES, ("face", [_CORNERS], [[[0, 1, 9]]])]), "vertex 9 of 4"),
+        (
+            "a.ply",
+            _ply("ascii", [_VERTICES, ("face", [_CORNERS], [[[0, 1, 2]]])])[:-4],
+            "ends before row 1 of 1",
+        ),
+        ("a.off", b"OFF BINARY\n\0\0\0\4", "binary OFF"),
+        ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n", "fewer than three"),
+        ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n", "fewer corners"),
+    ],
+)
+def test_broken_ply_and_off_name_the_place(name: str, data: bytes, fault: str) -> None:
+    """What cannot be right in a head, a row or a face is named."""
+    assert fault in answered(polygon_process.read, Path(name).suffix, data).fault
