@@ -31,6 +31,7 @@ def driver(shared_headless_window):
     inspector = window.panel("messages")
     inspector.filter.clear()
     window.click(inspector.clear)
+    window.settled()
     return window
 
 
@@ -92,6 +93,7 @@ def test_while_it_pauses_or_hides_nothing_is_watched(driver, inspector):
     driver.click(inspector.pause)
     driver.settled()
     driver.click(inspector.clear)
+    driver.settled()
     assert types(inspector) == []
     set_clock(driver, 4)
     driver.settled()
@@ -103,6 +105,21 @@ def test_while_it_pauses_or_hides_nothing_is_watched(driver, inspector):
     driver.window.docks["messages"].hide()
     driver.settled()
     assert not driver.asked(lambda stage: inspector._watch.watching)
+
+
+def test_what_was_seen_before_a_pause_or_a_clear_is_not_shown_after_it(driver, inspector):
+    """Rows on their way when the user pauses are shown at once; those at a clear are gone."""
+    set_clock(driver, 8)
+    driver.click(inspector.pause)
+    driver.until(lambda: "SetClock" in types(inspector))
+    driver.click(inspector.pause)
+    driver.settled()
+    set_clock(driver, 9)
+    driver.click(inspector.clear)
+    driver.settled()
+    set_clock(driver, 10)
+    driver.until(lambda: "AmbientChanged" in types(inspector))
+    assert types(inspector).count("SetClock") == 1
 
 
 def test_what_caused_a_message_is_drawn_from_its_input_on(driver, inspector):

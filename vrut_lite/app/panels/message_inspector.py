@@ -36,6 +36,7 @@ class MessageInspector(QWidget):
         self._watch: MessageWatch | None = None
         self._live: list[MessageRow] = []
         self._asking = False
+        self._clears = 0
         self._make_parts()
         self._lay_out()
         self._looking = make_timer(self, _LOOK_MS, self._look)
@@ -110,6 +111,8 @@ class MessageInspector(QWidget):
             self._looking.start()
         else:
             self._looking.stop()
+            # What was seen before the switch is shown now, not after the next one.
+            self._ask_for_rows()
 
     def _switch(self, stage: Stage, watching: bool) -> None:
         """On the engine's thread."""
@@ -118,13 +121,19 @@ class MessageInspector(QWidget):
         self._watch.watching = watching
 
     def _look(self) -> None:
-        watch = self._watch
-        if watch is not None and not self._asking:
-            self._asking = True
-            self._session.ask(lambda stage: watch.take(), self._take)
+        if not self._asking:
+            self._ask_for_rows()
 
-    def _take(self, rows: list[MessageRow]) -> None:
+    def _ask_for_rows(self) -> None:
+        watch, clears = self._watch, self._clears
+        if watch is not None:
+            self._asking = True
+            self._session.ask(lambda stage: watch.take(), lambda rows: self._take(rows, clears))
+
+    def _take(self, rows: list[MessageRow], clears: int) -> None:
         self._asking = False
+        if clears != self._clears:
+            return
         if rows and self.journal.is_open:
             self._live.extend(rows)
         elif rows:
@@ -133,6 +142,10 @@ class MessageInspector(QWidget):
     # --- showing -----------------------------------------------------------------------------
 
     def _clear(self) -> None:
+        """Empty the list; rows on their way do not come back."""
+        self._clears += 1
+        if (watch := self._watch) is not None:
+            self._session.ask(lambda stage: watch.take())
         self._live.clear()
         self.table.messages.replace([])
         self._show_message(0)
