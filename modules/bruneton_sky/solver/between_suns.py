@@ -32,7 +32,9 @@ def sun_bend(rayleigh: SingleArray, mie: SingleArray, mu_s: FloatArray) -> Singl
     second[:, 1:-1] = light[:, 2:] - 2.0 * light[:, 1:-1] + light[:, :-2]
     bend, both = np.zeros_like(light), light[:, 1:] + light[:, :-1]
     between = 0.5 * (second[:, 1:] + second[:, :-1]) * low[1:]
-    np.divide(between, both, out=bend[:, :-1], where=both > 0.0)
+    # Light that is next to none beside its neighbours' bends by the limit, 4.
+    with np.errstate(over="ignore"):
+        np.divide(between, both, out=bend[:, :-1], where=both > 0.0)
     # Exact halfway for light that falls by a constant factor from node to node: 1 / cosh there.
     return np.asarray(4.0 - 4.0 / np.sqrt(1.0 + 0.5 * np.maximum(bend, -_MOST_BENT)), np.float32)
 
