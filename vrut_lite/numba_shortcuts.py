@@ -2,7 +2,7 @@
 
 At each use of an operator numba tries up to a hundred typings, describes why they do not fit,
 and compares sets of compiler options name by name. It compiles a function that kernels share
-anew for each set of its callers' options, and optimises the code that unpacks Python's arguments.
+once for each set of its callers' options, and optimises the code that unpacks Python's arguments.
 It computes lives of variables after each of eight passes, which three use, and reports each call of
 LLVM to listeners, which nobody adds. `install` replaces these methods.
 """

@@ -32,8 +32,8 @@ def polarised_cube(
     """Q and U (2, 6, size, size, 3) of the sky, linear sRGB in W m^-2 sr^-1.
 
     By the axes of `geometry.polarisation.map_axis`, in world axes; 0 below the horizon. Against
-    a ray for each texel they err by at most 0.5 % of the radiance, 0.7 % in twilight. A draft has
-    not all polarised orders and is solved again, once.
+    a ray for each texel they err by at most 0.5 % of the radiance, 0.7 % in twilight. A draft
+    lacks polarised orders; it is solved again with them, once.
 
     Args:
         field: the solved atmosphere.

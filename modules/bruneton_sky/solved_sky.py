@@ -160,7 +160,7 @@ class SolvedSky:
         the view is: U is that of views clockwise from the sun, seen from above; on the other side
         it has the other sign. The ground's light is not part of it. Q^2 + U^2 is at most I^2.
 
-        A sky that was solved with few or no polarised orders is solved again at the first call.
+        The first call solves a sky with few or no polarised orders again, with all of them.
         """
         radiance = self.radiance(altitude_m, mu, mu_s, nu)
         starts = [part.ravel() for part in _rays(altitude_m, mu, mu_s, nu)]

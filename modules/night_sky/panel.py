@@ -76,7 +76,7 @@ class MoonPanel(QWidget):
         if clock is None or place is None or not self.isVisible():
             return
         of, since, until = self._looked_up
-        # What was looked up holds from its instant to the first of its events.
+        # Rise and set stay valid from the instant of the look-up to the first of them.
         if of == place and since <= clock.instant < until:
             return
         found = next_rise_and_set(_watch(clock.instant, place))

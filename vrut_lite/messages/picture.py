@@ -36,7 +36,7 @@ class SetExposure(Input, frozen=True, kw_only=True):
     `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown
     white; 6504 K leaves colours as they are. By night the picture looks as an eye sees it, or as a
     long exposure with its colours (`pictures/night_eye.py`). `glare` 1 shows the light that an eye
-    scatters around what is bright (`pictures/glare.py`), 0 none.
+    scatters around bright sources (`pictures/glare.py`), 0 none.
     """
 
     revises: ClassVar[bool] = False

@@ -1,13 +1,13 @@
-"""Glare: light that an eye scatters around what is bright, in pictures for display.
+"""Glare: light that an eye scatters around bright sources, in pictures for display.
 
 CIE 146:2002, the general equation of disability glare: a source of illuminance E (lx) at the eye
-veils what lies an angle theta (0.1 to 100 degrees) beside it by the luminance
+adds, at an angle theta of 0.1 to 100 degrees from it, the veiling luminance
 
     E (10 / theta^3 + (5 / theta^2 + 0.1 p / theta) (1 + (age / 62.5)^4) + 0.0025 p),
 
 here at an age of 25 years with brown eyes (pigmentation p = 0.5). Light within 0.1 degrees stays
-where it is. A pixel loses what it scatters to others in the picture, so that light is kept and an
-even picture does not change; what lies outside the picture scatters nothing into it. Angles are
+where it is. A pixel loses the light that it scatters to others in the picture, so that light is
+kept and an even picture does not change; light from outside the picture is left out. Angles are
 those of the picture's middle.
 """
 

@@ -7,8 +7,8 @@ logarithm of the photopic luminance too, within 0.014; for incandescent lamps (1
 Ward Larson, Rushmeier and Piatko (1997, IEEE Trans. Vis. Comp. Graph. 3, 291) give the scotopic
 luminance from XYZ; it is divided by that of daylight's white, so that white stays as bright.
 
-A pixel's adaptation is that of its own light (Uchida 2017: local light decides), but not darker
-than the picture's: eyes adapt to a lamp in an instant and to the dark corner beside it in minutes.
+A pixel's adaptation luminance is its own (Uchida 2017: adaptation is local), at least the
+picture's: eyes adapt to a lamp in an instant and to the dark corner beside it in minutes.
 
 Rods add to the achromatic signal, as Ward Larson and others have it: colours fade towards grey.
 Where rods see alone their grey is bluish as in paintings of moonlit scenes, x = y = 0.25 (Jensen et

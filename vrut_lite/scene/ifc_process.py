@@ -32,8 +32,8 @@ _NAMES_OF_GLASS = re.compile(
 )
 # Least transparency of a style that is glass: below it lie rounding and nets.
 _CLEAR = 0.05
-# What glass without a stated transparency leaves of light: with both faces' reflection 0.8 passes,
-# as of clear double glazing.
+# Transmittance of glass without a stated transparency, one pass; with both faces' reflection 0.8,
+# that of clear double glazing.
 _GLASS_RGBA = (0.87, 0.87, 0.87, 1.0)
 _GREY = 0.5
 # Distance (m) from the origin beyond which a file has coordinates of a map.

@@ -32,7 +32,7 @@ class MeshReader(NamedTuple):
 
 
 def read_apart(reader: MeshReader, suffix: str, data: bytes, budget: SceneBudget) -> MeshFile:
-    """The content of a file, read by another process under what is left of the memory limit.
+    """Returns a file's content, read by another process under the rest of the memory limit.
 
     Raises:
         SceneFileError: a package is missing, or the file is damaged or takes too much.

@@ -73,7 +73,7 @@ class _Columns(NamedTuple):
 
 
 class _Body(Protocol):
-    """What follows the head; places in it are counted in its own units."""
+    """The part of a file after its head; places in it are counted in its own units."""
 
     units: int
 

@@ -69,7 +69,7 @@ class PolarisedNodes(NamedTuple):
         return self.operator.project(following)
 
     def fed(self, polarised: Lanes) -> tuple[Lanes, tuple[NDArray[np.int64], Lanes]]:
-        """What Q and U add to radiance: for molecules, before they scatter it, at degree 2
+        """Radiance added by Q and U: for molecules, before they scatter it, at degree 2
         (altitudes, 3, suns * 4); for particles, after they have, places (n,) and (altitudes, n,
         suns * 4)."""
         e = polarised[:, 0]

@@ -1,4 +1,4 @@
-"""Light at the points of a finished still, by rays of their own which end on the map's patches.
+"""Final gather: light at a still's visible points, by rays that end on the map's patches.
 
 In reading order: `view_light` has the steps, `point_light` traces what falls on points,
 `view_reflections` what coats and metals mirror there, `view_smoothing` removes noise.

@@ -1,4 +1,4 @@
-"""Light at points that are no texels, by rays of their own, which end on the map's patches.
+"""Traces light at points off the texel grid, by rays that end on the map's patches.
 
 A still's points first have a few rays each, whose noise is smoothed over neighbours. All rays are
 traced where a point has few neighbours, as in corners and on thin things, or where few rays bring

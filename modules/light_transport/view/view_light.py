@@ -1,4 +1,4 @@
-"""Light for the pixels of a finished still, by rays of their own (a final gather).
+"""Computes light for the pixels of a finished still by their own rays (final gather).
 
 A ledge darkens a strip of wall that is narrower than a map's texel. Points that pixels see have
 their own rays, which end on the map's patches.

@@ -1,8 +1,8 @@
-"""Means over neighbouring points of a still, within what noise and room allow.
+"""Averages light over neighbouring points of a still, as far as noise and free space allow.
 
 Noise is smoothed over _REACH points to each side, then over as many that lie farther apart
-(Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly where there
-is room, and a difference larger than the noise is none.
+(Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly in
+open space; neighbours that differ by more than the noise are left out.
 """
 
 from typing import NamedTuple

@@ -111,7 +111,7 @@ class MessageInspector(QWidget):
             self._looking.start()
         else:
             self._looking.stop()
-            # What was seen before the switch is shown now, not after the next one.
+            # Messages seen before the switch are shown now, not after the next switch.
             self._ask_for_rows()
 
     def _switch(self, stage: Stage, watching: bool) -> None:
