@@ -321,3 +321,17 @@ def test_by_starlight_the_eye_makes_out_less_than_by_day():
     assert np.ptp(by_stars) < 0.05 * by_stars.mean()
     assert by_stars.mean() == pytest.approx(2e-5 / LUMENS_PER_WATT, rel=0.02)
     np.testing.assert_array_equal(as_sharp_as_seen(bars, 0.0), bars)
+
+
+def test_a_star_is_round_however_much_the_picture_magnifies():
+    """Seen through a telescope, where the eye's blur is wider than any sum, a star is a disc that
+    falls off from its middle, not a square."""
+    star = np.full((41, 41, 3), 1e-6 / LUMENS_PER_WATT)
+    star[20, 20] = 3e-4 / LUMENS_PER_WATT
+    seen = as_sharp_as_seen(star, np.radians(1.0 / 400.0))[..., 1]
+    rows, columns = np.mgrid[-20:21, -20:21]
+    apart = np.hypot(rows, columns)
+    shown = (seen > 1.02 * seen[0, 0]) & (apart > 0.0)
+    assert 3.0 < apart[shown].max() <= apart[~shown & (apart > 0.0)].min() + 1.0
+    ring = [seen[(apart > r - 0.5) & (apart <= r + 0.5)].mean() for r in (1, 3, 5)]
+    assert ring[0] > 1.2 * ring[1] > 1.2 * ring[2]

@@ -16,7 +16,8 @@ al. 2000, "Night Rendering"); between, the hue goes over with 1 - m, which is ou
 
 Acuity falls with luminance: Ward Larson and others fit Shlaer's data (1937), here the frequency at
 which a Gaussian around each pixel halves the contrast. Its width follows the mean light of the
-pixel and its neighbours. The twin is in shaders/tone_map.frag.
+pixel and its neighbours, up to three pixels: a picture of a narrow view magnifies, as a telescope
+does. The twin is in shaders/tone_map.frag.
 """
 
 import math
@@ -89,13 +90,14 @@ def as_sharp_as_seen(
     a, b, c, d = ACUITY
     decades = np.log10(np.maximum(mean * LUMENS_PER_WATT, max(field_cd, _DARK)))
     deviation = per_cycle / np.maximum(a * np.arctan(b * decades + c) + d, LEAST_CYCLES)
+    deviation = np.minimum(deviation, reach / DEVIATIONS)
     near = np.ceil(DEVIATIONS * deviation)
     padded = np.pad(rgb, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
     total, weights = np.zeros_like(rgb), np.zeros((rows, columns, 1))
     for i in range(-reach, reach + 1):
         for j in range(-reach, reach + 1):
             weight = np.exp(-0.5 * (i * i + j * j) / np.maximum(deviation, 1e-3) ** 2)[..., None]
-            weight = np.where((max(abs(i), abs(j)) <= near)[..., None], weight, 0.0)
+            weight = np.where((i * i + j * j <= near * near)[..., None], weight, 0.0)
             y, x = reach + i, reach + j
             total += weight * padded[y : y + rows, x : x + columns]
             weights += weight

@@ -62,13 +62,14 @@ vec3 as_sharp_as_seen(ivec2 p) {
                          luminance_weights);
     float decades = log(max(max(light / 9.0, field) * lumens_per_watt, 1e-20)) / log(10.0);
     float cycles = acuity.x * atan(acuity.y * decades + acuity.z) + acuity.w;
-    float deviation = blur / max(cycles, least_cycles);
+    float deviation = min(blur / max(cycles, least_cycles), float(reach) / deviations);
     if (deviation < sharp_px) return own;
     int near = min(reach, int(ceil(deviations * deviation)));
     vec3 total = vec3(0.0);
     float weights = 0.0;
     for (int i = -near; i <= near; ++i)
         for (int j = -near; j <= near; ++j) {
+            if (i * i + j * j > near * near) continue;
             float weight = exp(-0.5 * float(i * i + j * j) / (deviation * deviation));
             total += weight * texelFetch(radiance, clamp(p + ivec2(j, i), ivec2(0), last), 0).rgb;
             weights += weight;
