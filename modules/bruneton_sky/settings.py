@@ -27,6 +27,7 @@ from vrut_lite.atmosphere.ground_reflectance import GREY, GroundReflectance
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
 from vrut_lite.messages.haze import DEFAULT_HAZE, AerosolType, SetHaze
+from vrut_lite.sky.device_choice import DeviceSetting
 from vrut_lite.sky.effective_defaults import Preset
 
 PresetName = Literal[
@@ -178,9 +179,12 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         ),
     ] = MOST_ORDERS
     cube_device: Annotated[
-        Literal["cpu", "gpu"],
-        setting("What computes the sky's cube map and air; the GPU where there is one"),
-    ] = "cpu"
+        DeviceSetting,
+        setting(
+            "What computes the sky's cube map and air: auto, by a trial of the renderer; the CPU; "
+            "or the GPU where there is one"
+        ),
+    ] = "auto"
 
     def left_open(self, haze: SetHaze) -> dict[str, object]:
         """Effective values of the unset settings, by name; unset fog is no fog."""

@@ -8,9 +8,9 @@ from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
 from vrut_lite.atmosphere.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
 from vrut_lite.kernel.settings import setting
+from vrut_lite.sky.device_choice import DeviceSetting
 from vrut_lite.sky.effective_defaults import Preset
 
-Device = Literal["cpu", "gpu"]
 SkyLevel = Literal["equal-haze", "published"]
 
 
@@ -78,5 +78,9 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
         ),
     ] = "ephemeris"
     cube_device: Annotated[
-        Device, setting("What computes the sky's cube map; the GPU where there is one, by day")
-    ] = "cpu"
+        DeviceSetting,
+        setting(
+            "What computes the sky's cube map: auto, by a trial of the renderer; the CPU; or the "
+            "GPU where there is one, by day"
+        ),
+    ] = "auto"

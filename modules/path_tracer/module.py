@@ -17,7 +17,6 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.array import Array
-from vrut_lite.errors import UserError
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
@@ -117,19 +116,9 @@ class PathTracer(Module):
 
     @handles(BackgroundChanged)
     def on_background(self, message: BackgroundChanged) -> None:
-        """Another sky.
-
-        Raises:
-            UserError: a picture is wanted, and the sky never left the GPU.
-        """
-        if not isinstance(message.cube, GpuTexture):
-            self._see(self._state.with_light(background=message))
-        elif self._wanted:
-            self._end()
-            raise UserError(
-                f"the path tracer cannot read a sky that stays on the GPU: set cube_device of "
-                f"{message.source} to cpu"
-            )
+        """Another sky; one on the GPU is followed by the array that this module demands."""
+        on_gpu = isinstance(message.cube, GpuTexture)
+        self._see(self._state.with_light(background=None if on_gpu else message))
 
     @handles(KeyLightChanged)
     def on_key_light(self, message: KeyLightChanged) -> None:
@@ -144,7 +133,8 @@ class PathTracer(Module):
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
         """Another sky, or other layers before it."""
-        self._see(replace(self._state, sky_light=message))
+        if not isinstance(message.background.cube, GpuTexture):
+            self._see(replace(self._state, sky_light=message))
 
     def settings_changed(self, name: str) -> None:
         """Restart the picture with the new settings."""

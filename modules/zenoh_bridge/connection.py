@@ -243,7 +243,8 @@ class Connection:
         merged = self._wants.wanted(name) if name in self._shared else None
         if merged is None:
             return Demand(consumer=NAME, message=name, size=0)
-        return msgspec.structs.replace(merged, consumer=NAME)
+        # A texture cannot leave its GPU.
+        return msgspec.structs.replace(merged, consumer=NAME, encoding=merged.encoding or "float16")
 
     # --- into the kernel -------------------------------------------------------------
 

@@ -57,6 +57,15 @@ def test_gpu_and_cpu_agree(compute, field, altitude_m, sun_deg):
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("sun_deg", [NOON, LOW, SET])
+def test_a_cards_float_cube_is_the_processors(compute, field, sun_deg):
+    """In the format of "auto" on a card: within 1e-4, each texel over the larger of its value and
+    a hundredth of the brightest."""
+    gpu, cpu, _ = both(compute, seen(field, 2.0, sun_deg), 128, format="rgba32f")
+    assert (np.abs(gpu - cpu) / np.maximum(cpu, 1e-2 * cpu.max())).max() < 1e-4
+
+
+@pytest.mark.gl
 @pytest.mark.parametrize("size", [7, 20, 33])
 def test_sizes_that_are_no_multiple_of_a_work_group(compute, field, size):
     """The texels at the edges are written too."""

@@ -56,6 +56,7 @@ from vrut_lite.messages.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.messages.points_and_lines import PointsAndLines
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.messages.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.messages.section import SectionChanged
@@ -189,6 +190,7 @@ SOUND = [
     PictureClicked(
         position_m=(1.0, 0.0, -2.0), normal=UP, material="brick", radiance_rgb=(9.0, 8.0, 7.0)
     ),
+    RendererTried(renderer="a card", trial_ns=0.2),
     SetExposure(),
     LookAlong(direction=UP),
     SetTolerance(tolerance=0.1),

@@ -26,6 +26,7 @@ from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.recording.recorder import Recorder
@@ -107,6 +108,27 @@ def sky_on_gpu():
     return inputs
 
 
+def sky_on_card():
+    """A session with a card, by the setting "auto": both skies are GPU jobs, answered here."""
+    kernel, jobs, inputs = kernel_of("sky_on_card"), [], []
+    kernel.tap(lambda message, _: jobs.append(message) if isinstance(message, GpuJob) else None)
+
+    def give(*messages):
+        for message in messages:
+            inputs.append(message)
+            kernel.inject(message)
+            kernel.pump_until_idle()
+
+    give(*START)
+    give(RendererTried(renderer="a card", trial_ns=0.1), Demand(consumer="gpu", message="GpuJob"))
+    give(done(jobs[0]), clock(2))
+    give(done(jobs[1]), clock(9), clock(0))  # Twilight is the CPU's.
+    give(done(jobs[2]), setting("cube_device", "cpu"), setting("cube_device", "auto"))
+    give(done(jobs[3]), RendererTried(renderer="llvmpipe", trial_ns=90.0, is_software=True))
+    kernel.close()
+    return inputs
+
+
 def done(job):
     """The answer of the runner of GPU jobs."""
     texture = GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
@@ -174,6 +196,7 @@ SCRIPTS = {
         *demands(),
     ],
     "sky_on_gpu": sky_on_gpu(),
+    "sky_on_card": sky_on_card(),
     "slots_switched": [
         *START,
         ChooseSlot(slot="sky", module="bruneton_sky"),

@@ -131,6 +131,16 @@ def test_the_gpus_sky_is_shown_when_it_is_done():
     assert on_gpu == [False, True, True, False, False, False, True]
 
 
+def test_a_session_with_a_card_replays_without_one():
+    """With "auto" the recorded trial chooses: textures by their recipes on a card, arrays of the
+    CPU by twilight, where set so, and on a software renderer."""
+    entries = Journal(journal_scripts.journal_path("sky_on_card")).entries()
+    cubes = [e.message["cube"] for e in entries if e.type_name == "BackgroundChanged"]
+    on_card = ["recipe" in cube for cube in cubes]
+    assert on_card == [False, True, True, False, True, False, True, False]
+    assert {cube["format"] for cube in cubes if "recipe" in cube} == {"rgba32f"}
+
+
 def test_the_failing_module_fails_over():
     """The journal shows what it is for: three faults, a suspension, another sun."""
     entries = list(Journal(journal_scripts.journal_path("module_failing")).entries())

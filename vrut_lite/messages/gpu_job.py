@@ -19,6 +19,7 @@ from vrut_lite.messages.limits import LARGEST_EDGE
 __all__ = ["GpuJob", "GpuTexture"]
 
 Number = float | int
+TexelFormat = Literal["rgba16f", "rgba32f"]
 UniformValue = Number | tuple[Number, ...]
 # Work groups along one axis that every OpenGL 4.3 can start.
 _MOST_GROUPS = 65535
@@ -42,7 +43,7 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     uniforms: dict[str, UniformValue]
     output: Literal["cube", "2d", "3d"]
     size: int | tuple[int, int, int]
-    format: Literal["rgba16f", "rgba32f"] = "rgba16f"
+    format: TexelFormat = "rgba16f"
     groups: tuple[int, int, int] = (1, 1, 1)
     read_back: bool = False
     buffers: tuple[tuple[int, Array], ...] = ()
@@ -69,6 +70,17 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
         buffers = [(binding, array.digest) for binding, array in self.buffers]
         return recipe_of(self.compute_shader, self.uniforms, self.output, self.size, self.format,
                          self.groups, buffers)  # fmt: skip
+
+
+def in_format(compute_shader: str, format: TexelFormat) -> str:
+    """A shader that rounds to half precision (`rounded_to_half`), for an image of another format.
+
+    In half precision the text stays as it is, which recipes in journals are made of.
+    """
+    if format == "rgba16f":
+        return compute_shader
+    unrounded = "#define rounded_to_half(x) (x)\nvoid main()"
+    return compute_shader.replace("rgba16f", format).replace("void main()", unrounded)
 
 
 def recipe_of(*made_of: Any) -> str:

@@ -13,6 +13,7 @@ from vrut_lite.messages.moon_path import MoonPathChanged
 from vrut_lite.messages.night import MoonDiscChanged, NightLightChanged, StarsChanged
 from vrut_lite.messages.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.messages.section import SectionChanged
 from vrut_lite.messages.sky import (
@@ -41,6 +42,7 @@ INPUTS: tuple[type[Input], ...] = (
     SetGround,
     SetWeather,
     PictureClicked,
+    RendererTried,
 )
 DERIVED: tuple[type[Derived], ...] = (
     SceneOpened,

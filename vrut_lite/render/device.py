@@ -50,16 +50,26 @@ TABLE = (
 )
 
 
+# Parts of the names of renderers that draw on a processor.
+_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software", "swiftshader", "basic render")
+
+
 class Device(NamedTuple):
-    """A renderer, its driver's version, and the trial's nanoseconds a pixel."""
+    """A renderer, its driver's version, and the trial's nanoseconds a pixel.
+
+    `is_software`: it draws on a processor, by its name; false where the trial's time was given.
+    """
 
     renderer: str
     version: str
     trial_ns: float
+    is_software: bool = False
 
     @property
     def choices(self) -> Choices:
         """The row of this renderer."""
+        if self.is_software:
+            return TABLE[-1]
         return next(row for row in reversed(TABLE) if self.trial_ns >= row.least_trial_ns)
 
 
@@ -74,7 +84,8 @@ def device_of(context: Any, trial_ns: float | None = None) -> Device:
     if not isinstance(kept, float):
         kept = _trial_ns(context)
         _keep({**known, key: kept})
-    return Device(renderer, version, kept)
+    is_software = any(part in renderer.lower() for part in _SOFTWARE)
+    return Device(renderer, version, kept, is_software)
 
 
 def _trial_ns(context: Any) -> float:

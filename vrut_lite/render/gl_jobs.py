@@ -13,6 +13,7 @@ from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.job_buffers import JobBuffers
 from vrut_lite.render.texture_pool import NUMPY_TYPES, TexturePool
@@ -24,8 +25,9 @@ NAME = "gl_jobs"
 class GlJobs(Module):
     """Queues each GpuJob on the GL thread.
 
-    Its demand for GpuJobs lets modules know that GPU jobs are possible. The counters count
-    completed jobs, and jobs skipped for a later one of the same key.
+    Its demand for GpuJobs lets modules know that GPU jobs are possible, the renderer's trial
+    whether they are quick. The counters count completed jobs, and jobs skipped for a later one of
+    the same key.
     """
 
     manifest = Manifest(name=NAME, title="GPU jobs", version=__version__)
@@ -40,6 +42,12 @@ class GlJobs(Module):
         self._programs: dict[str, Any] = {}
         self._latest: dict[str, GpuJob] = {}
         self.pending: list[Future[None]] = []
+        device = owner.opened.device
+        inject(
+            RendererTried(
+                renderer=device.renderer, trial_ns=device.trial_ns, is_software=device.is_software
+            )
+        )
         inject(Demand(consumer=NAME, message=GpuJob.__name__))
 
     @handles(GpuJob)

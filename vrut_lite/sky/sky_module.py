@@ -4,9 +4,10 @@ It handles the inputs of light, calls the sky for the demanded results, and post
 changed: background, key light, ambient light, radiance on the ground, polarisation and air, in this
 order. Sizes follow demand, else the tolerance; invisible moves of sun and eye cost nothing; when
 the slot returns, all is posted again; a long computation runs as a background job, and the previous
-sky stays until it ends. With the setting `cube_device` on "gpu" the GPU makes cube map and air; the
-CPU does where a demand names the cube's encoding, where the host runs no GPU jobs, after one has
-failed, and where the sky requires it.
+sky stays until it ends. The setting `cube_device` says where cube map and air are computed, "auto"
+by the renderer's trial (`device_choice`). The CPU computes them where a demand names the encoding,
+for its consumer reads the numbers, where the host runs no GPU jobs, after one has failed, and where
+the sky requires it.
 
 The counters count messages by type name, posted ("BackgroundChanged") or skipped
 ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
@@ -26,13 +27,14 @@ from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, JobResult, Sl
 from vrut_lite.kernel.module import Link, Module, handles
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob, TexelFormat
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.ground import SetGround, ground_of
 from vrut_lite.messages.haze import SetHaze, haze_of
 from vrut_lite.messages.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.messages.night import SLOT as NIGHT
 from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import SceneNeeds, SceneOpened
 from vrut_lite.messages.sky import (
     AmbientChanged,
@@ -46,6 +48,7 @@ from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
 from vrut_lite.numeric_types import Vector
 from vrut_lite.sky.air_reach import rung_m
+from vrut_lite.sky.device_choice import DeviceChoice, DeviceSetting, choose, choose_for_cube
 from vrut_lite.sky.eye import eye_height_m
 from vrut_lite.sky.sky_at_night import SkyAtNight, key_body, night_share, sun_share
 from vrut_lite.sky.sky_jobs import SOLVE, AwaitedTextures, Preparation
@@ -107,6 +110,8 @@ class SkyModule(Module):
         self._refused: tuple[object, ...] = ()
         self._textures = AwaitedTextures()
         self._gpu_failed = False
+        # Where background and air were computed last, by the type's name; for the profiler.
+        self.devices: dict[str, DeviceChoice] = {}
 
     # --- the sky -------------------------------------------------------------------------
 
@@ -154,6 +159,7 @@ class SkyModule(Module):
     @handles(SetHaze)
     @handles(SetGround)
     @handles(NightLightChanged)
+    @handles(RendererTried)
     def light_changed(
         self,
         message: SunMoved
@@ -162,7 +168,8 @@ class SkyModule(Module):
         | SetTolerance
         | SetHaze
         | SetGround
-        | NightLightChanged,
+        | NightLightChanged
+        | RendererTried,
     ) -> None:
         """Post the demanded messages that have changed."""
         if isinstance(message, SunMoved) and self._night_will_follow():
@@ -386,25 +393,22 @@ class SkyModule(Module):
         size = demand.size or _USUAL_SIZES.get(kind) or self._quality.cube_size
         name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
         made_from: tuple[object, ...] = sky.on_scene(), direction
+        chosen = self._chosen(kind, sky, demand)
         if kind is BackgroundChanged:
-            # A consumer that names an encoding reads the texels on the CPU.
-            able = type(sky).gpu_background is not Sky.gpu_background and not demand.encoding
-            on_gpu = self._gpu_serves(able)
-            made_from = sky, size, on_gpu
+            made_from = sky, size, chosen.on_card, chosen.edge
         elif kind is SkyRadianceChanged:
             made_from = *made_from, size
         elif kind is SkyPolarisationChanged:
             made_from = sky, size
         elif kind is AirChanged:
-            on_gpu = self._gpu_serves(type(sky).gpu_air is not Sky.gpu_air)
-            made_from = sky, eye_m, self._view[1], on_gpu
+            made_from = sky, eye_m, self._view[1], chosen.on_card
         if self._posted.get(kind) == made_from:
             self.counters.skip(f"{kind.__name__} unchanged")
             return
         if kind is BackgroundChanged:
-            self._post(self._background(sky, size, on_gpu))
+            self._post(self._background(sky, size, demand.size, chosen))
         elif kind is AirChanged:
-            self._post(self._air(sky, eye_m, self._view[1], on_gpu))
+            self._post(self._air(sky, eye_m, self._view[1], chosen))
         elif kind is KeyLightChanged:
             seen = seen_from_aloft(direction, hour.sun.elevation_rad, eye_m)
             self._post(sky.sun().message(seen, name))
@@ -424,15 +428,24 @@ class SkyModule(Module):
         self.link.post(message)
         self.counters.did(type(message).__name__)
 
-    def _background(self, sky: Sky, size: int, on_gpu: bool) -> Derived:
-        asked = sky.gpu_background(size) if on_gpu else None
-        if on_gpu and asked is None:
-            self.counters.skip("GpuJob: an hour for the CPU")
+    def _background(
+        self, sky: Sky, size: int, demanded: int | None, chosen: DeviceChoice
+    ) -> Derived:
+        asked = None
+        if chosen.on_card:
+            # A card that was not tried, as in earlier journals, gets the processor's size.
+            format: TexelFormat = "rgba32f" if chosen.edge else "rgba16f"
+            asked = sky.gpu_background(demanded or chosen.edge or size, format)
+            if asked is None:
+                self.counters.skip("GpuJob: an hour for the CPU")
+                chosen = DeviceChoice(False, "an hour for the processor")
+        self.devices[BackgroundChanged.__name__] = chosen
         job, made = (None, sky.background(size)) if asked is None else asked
         return self._first(CUBE_JOB, job, made.message(self.manifest.name))
 
-    def _air(self, sky: Sky, eye_height_m: float, reach_m: float, on_gpu: bool) -> Derived:
-        asked = sky.gpu_air(eye_height_m, reach_m) if on_gpu else None
+    def _air(self, sky: Sky, eye_height_m: float, reach_m: float, chosen: DeviceChoice) -> Derived:
+        self.devices[AirChanged.__name__] = chosen
+        asked = sky.gpu_air(eye_height_m, reach_m) if chosen.on_card else None
         job, volume = (None, sky.air(eye_height_m, reach_m)) if asked is None else asked
         message = AirChanged(volume=volume, source=self.manifest.name)
         return self._first(AIR_JOB, job, message)
@@ -445,15 +458,28 @@ class SkyModule(Module):
             self.link.await_result(name)
         return self._textures.first(name, job, message)
 
-    def _gpu_serves(self, able: bool) -> bool:
-        if not able or getattr(self.settings, "cube_device", "cpu") == "cpu":
-            return False
+    def _chosen(self, kind: type[Derived], sky: Sky, demand: Demand) -> DeviceChoice:
+        """The device of background or air; all else is the processor's."""
+        made_by = {BackgroundChanged: "gpu_background", AirChanged: "gpu_air"}.get(kind)
+        if made_by is None or getattr(type(sky), made_by) is getattr(Sky, made_by):
+            return DeviceChoice(False, "the card has no program for it")
+        setting: DeviceSetting = getattr(self.settings, "cube_device", "cpu")
+        tried = self.link.last(RendererTried)
+        if kind is BackgroundChanged:
+            chosen = choose_for_cube(setting, tried, sky.cube_trials)
+        else:
+            chosen = choose(setting, tried, sky.air_trials)
+        if not chosen.on_card:
+            return chosen
+        if demand.encoding:
+            return DeviceChoice(False, "its numbers are read here")
         if self.link.wanted(GpuJob) is None:
             self.counters.skip("GpuJob: nobody runs GPU jobs")
-            return False
+            return DeviceChoice(False, "nobody runs GPU jobs")
         if self._gpu_failed:
             self.counters.skip("GpuJob: the GPU failed")
-        return not self._gpu_failed
+            return DeviceChoice(False, "the card failed")
+        return chosen
 
 
 def _as_bright(before: MoonLight, now: MoonLight) -> bool:

@@ -7,7 +7,7 @@ linear sRGB, irradiance W m^-2; directions are unit vectors in world axes (east 
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import msgspec
 import numpy as np
@@ -17,7 +17,7 @@ from vrut_lite.array import Array
 from vrut_lite.atmosphere.haze_layer import HazeLayer
 from vrut_lite.geometry.encoding import encode_float16, float16_scale
 from vrut_lite.messages.air import AirVolume
-from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob, TexelFormat
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sky import (
     NO_LAMPS,
@@ -208,7 +208,13 @@ class Sky:
     """The light of one hour; each method is called only if its result is demanded.
 
     Equal skies are not posted twice: derive a frozen dataclass that holds all inputs of the light.
+
+    Work on a card in trial pixels (`device_choice`): `cube_trials` of a texel by `gpu_background`,
+    `air_trials` of the volume by `gpu_air`.
     """
+
+    cube_trials: ClassVar[float] = 1.0
+    air_trials: ClassVar[float] = 1e5
 
     def background(self, size: int) -> Background:
         """Sky and ground as a cube map with an edge of `size` texels."""
@@ -254,7 +260,7 @@ class Sky:
         """Spectrum of the sky in a direction; empty below the horizon."""
         return Spectrum()
 
-    def gpu_background(self, size: int) -> tuple[GpuJob, Background] | None:
+    def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background] | None:
         """The job `CUBE_JOB` that makes the cube, and the background without the texture.
 
         None where the CPU must make it.

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.messages.gpu_job import TexelFormat
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite_lab.bench.gl import GlTexture, close_gl, gl_owner
 from vrut_lite_lab.bench.paths.sky_view import solved
@@ -34,6 +35,11 @@ from vrut_lite_lab.card_check.parts import Keep
 _SUNS_DEG = (60.0, 4.0, -4.0)
 _BLACK = np.zeros(3)
 _OF_LARGEST = 1e-2
+# Sizes and formats: the processor's, and a card's own.
+_Cube = tuple[int, TexelFormat]
+_HOSEK_WILKIE: tuple[_Cube, ...] = ((256, "rgba16f"), (1024, "rgba16f"), (1024, "rgba32f"))
+_SKY_VIEW: tuple[_Cube, ...] = ((256, "rgba16f"), (512, "rgba32f"))
+_TEXELS: dict[TexelFormat, str] = {"rgba16f": "float16", "rgba32f": "float32"}
 
 
 def measure(_folder: Path, keep: Keep) -> None:
@@ -50,10 +56,13 @@ def measure(_folder: Path, keep: Keep) -> None:
 
 def _products() -> dict[str, Callable[[], dict[str, Any]]]:
     made: dict[str, Callable[[], dict[str, Any]]] = {}
-    for size in (256, 1024):
-        made[f"Hosek and Wilkie's cube {size}², float16"] = partial(_hosek_wilkie, size)
+    for size, format in _HOSEK_WILKIE:
+        name = f"Hosek and Wilkie's cube {size}², {_TEXELS[format]}"
+        made[name] = partial(_hosek_wilkie, size, format)
     for sun_deg in _SUNS_DEG:
-        made[f"sky-view cube 256², float16, sun {sun_deg:g}°"] = partial(_sky_view, sun_deg)
+        for size, format in _SKY_VIEW:
+            name = f"sky-view cube {size}², {_TEXELS[format]}, sun {sun_deg:g}°"
+            made[name] = partial(_sky_view, sun_deg, size, format)
         made[f"air volume, sun {sun_deg:g}°"] = partial(_air_volume, sun_deg)
     for sun_deg in _SUNS_DEG[:2]:
         made[f"light scattered once, cube 64², sun {sun_deg:g}°"] = partial(_once, sun_deg)
@@ -77,18 +86,19 @@ def _difference(card: ArrayLike, processor: ArrayLike) -> dict[str, Any]:
     }
 
 
-def _hosek_wilkie(size: int) -> dict[str, Any]:
+def _hosek_wilkie(size: int, format: TexelFormat) -> dict[str, Any]:
     sky = HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.5)
     scale = half_scale(sky.brightest)
-    cube = GlTexture(gpu_cube_job("check", "cube", sky, 0.5, _BLACK, size, scale), scale)().read()
+    job = gpu_cube_job("check", "cube", sky, 0.5, _BLACK, size, scale, format=format)
+    cube = GlTexture(job, scale)().read()
     up = texel_directions(size)[..., 1] > 0.0
     return _difference(np.where(up[..., None], cube, 0.0), sky.cube_map(size, 0.5) * up[..., None])
 
 
-def _sky_view(sun_deg: float) -> dict[str, Any]:
+def _sky_view(sun_deg: float, size: int, format: TexelFormat) -> dict[str, Any]:
     view = sky_view(solved("clear air"), 2.0, sun_at(sun_deg))
-    job, scale = sky_view_job(view, 256, _BLACK, "check", "cube")
-    return _difference(GlTexture(job, scale)().read(), fill_cube(view, 256, _BLACK))
+    job, scale = sky_view_job(view, size, _BLACK, "check", "cube", format=format)
+    return _difference(GlTexture(job, scale)().read(), fill_cube(view, size, _BLACK))
 
 
 def _air_volume(sun_deg: float) -> dict[str, Any]:

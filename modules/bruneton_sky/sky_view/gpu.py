@@ -8,7 +8,7 @@ from bruneton_sky.sky_view.table import SkyView, level_direction
 from bruneton_sky.sun_light import DiscLight
 from vrut_lite.array import Array
 from vrut_lite.geometry.encoding import float16_scale
-from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob, TexelFormat, in_format
 from vrut_lite.messages.sky import ViewShader
 from vrut_lite.numeric_types import Number
 
@@ -25,8 +25,9 @@ def sky_view_job(
     job: str,
     wanted: tuple[int, ...] = _ALL_FACES,
     read_back: bool = False,
+    format: TexelFormat = "rgba16f",
 ) -> tuple[GpuJob, float]:
-    """A job that makes the cube map of `fill_cube` in half precision, and its scale.
+    """A job that makes the cube map of `fill_cube`, and its scale.
 
     Radiance is the texels' value times the scale, a power of two.
 
@@ -37,13 +38,14 @@ def sky_view_job(
         module, job: names of the module that asks and of the job.
         wanted: the faces to compute; texels of the others are left undefined.
         read_back: whether the result is an array, not a texture.
+        format: of the texels.
     """
     scale = float16_scale(_brightest(view, ground_radiance_rgb))
     groups = -(-size // _GROUP)
     made = GpuJob(
         module=module,
         job=job,
-        compute_shader=shader_source("sky_view_cube.comp"),
+        compute_shader=in_format(shader_source("sky_view_cube.comp"), format),
         uniforms={
             **_look_up_uniforms(view),
             "ground": floats(ground_radiance_rgb),
@@ -53,6 +55,7 @@ def sky_view_job(
         buffers=_table_buffers(view),
         output="cube",
         size=size,
+        format=format,
         groups=(groups, groups, len(wanted)),
         read_back=read_back,
     )

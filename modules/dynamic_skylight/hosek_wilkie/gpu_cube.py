@@ -14,7 +14,7 @@ from dynamic_skylight.hosek_wilkie.fast_formula import (
 from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.messages.gpu_job import GpuJob, UniformValue
+from vrut_lite.messages.gpu_job import GpuJob, TexelFormat, UniformValue, in_format
 
 # In the order of `fold`, as the shader calls them.
 _NUMBERS = (
@@ -33,8 +33,9 @@ def gpu_cube_job(
     scale: float,
     wanted: tuple[int, ...] = ALL_FACES,
     read_back: bool = False,
+    format: TexelFormat = "rgba16f",
 ) -> GpuJob:
-    """A job that writes sky and ground (3,), divided by `scale`, to a half-precision cube.
+    """A job that writes sky and ground (3,), divided by `scale`, to a cube of this format.
 
     Faces, axes and azimuth are those of `HosekWilkieSky.cube_map`. Texels of the faces that are
     not wanted are left undefined.
@@ -43,10 +44,11 @@ def gpu_cube_job(
     return GpuJob(
         module=module,
         job=job,
-        compute_shader=_shader(),
+        compute_shader=in_format(_shader(), format),
         uniforms=_uniforms(sky, sun_azimuth_rad, ground_rgb, scale, wanted),
         output="cube",
         size=size,
+        format=format,
         groups=(groups, groups, len(wanted)),
         read_back=read_back,
     )

@@ -12,6 +12,7 @@ from vrut_lite.app.view.profiler_overlay import lines_of
 from vrut_lite.kernel.messages import ClockMoved, RestartModule, SetClock
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.render.device import Device
+from vrut_lite.sky.device_choice import DeviceChoice
 
 
 class Sleeping(Module):
@@ -91,6 +92,8 @@ def test_passes_of_the_frame_and_work_that_frames_leave_out(drawn_window):
     assert len(passes) >= 3
     assert passes & {line.name for line in overlay.lines}
     assert float(line(overlay, "Frame").value.split()[0]) > 0.0
+    # "auto" with a renderer that draws as a processor does.
+    assert line(overlay, "sky computed by").value == "processor"
 
 
 # --- the parts, without a window -----------------------------------------------------------
@@ -141,6 +144,10 @@ def test_a_profile_in_lines():
         passes={"sky": 3.0, "meshes": 30.0},
         skipped={("frame", "mesh"): 1200, ("scene", "air"): 2},
         device=Device("llvmpipe", "4.5", 95.0),
+        devices={
+            "sky": DeviceChoice(True, "0.16 of 2 ms, trial 0.1 ns", 1024),
+            "air": DeviceChoice(False, "the card failed"),
+        },
     )
     lines = lines_of(profile, 40.0, 12.0, 55.0, (0.06, 0.11))
     lines = [(line.name, line.value) for line in lines]
@@ -159,6 +166,10 @@ def test_a_profile_in_lines():
         ("Drawn by", "processor"),
         ("trial, a pixel", "95 ns"),
         ("while something moves", "one sample, taken over"),
+        ("sky computed by", "card, 1024\N{SUPERSCRIPT TWO}"),
+        ("because", "0.16 of 2 ms, trial 0.1 ns"),
+        ("air computed by", "processor"),
+        ("because", "the card failed"),
         ("Work left out", "times"),
         ("frame: mesh", "1,200"),
         ("scene: air", "2"),

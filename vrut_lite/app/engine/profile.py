@@ -6,9 +6,14 @@ from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.work_counters import WorkCounters
+from vrut_lite.messages.air import AirChanged
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.render.device import Device
+from vrut_lite.sky.device_choice import DeviceChoice
+from vrut_lite.sky.sky_module import SkyModule
 
 FRAME = "frame"
+_PRODUCTS = {BackgroundChanged.__name__: "sky", AirChanged.__name__: "air"}
 
 
 class Profile(NamedTuple):
@@ -16,7 +21,8 @@ class Profile(NamedTuple):
 
     `modules` and `jobs` are sums over that time, `passes` those of a frame; `skipped`
     counts skipped work by the module or frame that skipped it and the kind of work. `device` is the
-    renderer, None without OpenGL.
+    renderer, None without OpenGL. `devices` says of the sky's products, by name, whether card or
+    processor computes them and why.
     """
 
     span_s: float
@@ -25,6 +31,7 @@ class Profile(NamedTuple):
     passes: dict[str, float]
     skipped: dict[tuple[str, str], int]
     device: Device | None = None
+    devices: dict[str, DeviceChoice] | None = None
 
 
 class Counts(NamedTuple):
@@ -56,7 +63,16 @@ class Profiler:
             passes={name: 1e3 * s for name, s in self._stage.pass_seconds.items()},
             skipped=_grown(before, self._ledgers),
             device=self._stage.device,
+            devices=self._devices(),
         )
+
+    def _devices(self) -> dict[str, DeviceChoice]:
+        kernel = self._stage.kernel
+        seat = kernel.seats.get(kernel.slots.holder("sky"))
+        sky = None if seat is None else seat.module
+        if not isinstance(sky, SkyModule):
+            return {}
+        return {_PRODUCTS[name]: chosen for name, chosen in sky.devices.items()}
 
     def _modules_ms(self, since_ns: int) -> dict[str, float]:
         spent: Counter[str] = Counter()

@@ -161,9 +161,12 @@ def lines_of(
         taken = "one sample, taken over" if choices.takes_over else "finished samples"
         lines += [
             Line("Drawn by", choices.name, heading=True),
-            Line("trial, a pixel", f"{trial_ns:.0f} ns"),
+            Line("trial, a pixel", f"{trial_ns:.3g} ns"),
             Line("while something moves", taken),
         ]
+    for name, chosen in (profile.devices or {}).items():
+        edge = f", {chosen.edge}\N{SUPERSCRIPT TWO}" if chosen.edge else ""
+        lines += [Line(f"{name} computed by", chosen.device + edge), Line("because", chosen.why)]
     skipped = sorted(profile.skipped.items(), key=lambda item: -item[1])[:_MOST_LINES]
     lines.append(Line("Work left out", "times" if skipped else "none", heading=True))
     lines += [Line(f"{owner}: {work}", f"{count:,}") for (owner, work), count in skipped]
