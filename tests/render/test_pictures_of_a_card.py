@@ -10,7 +10,11 @@ from house_fixtures import CARD_NS
 from scene_stage import light, look
 from stateful_backend import StatefulBackend
 
+from vrut_lite.errors import UserError
 from vrut_lite.messages.picture import SetExposure
+from vrut_lite.pictures.display import developed
+from vrut_lite.pictures.exposure import automatic_ev100, metered_ev100
+from vrut_lite.pictures.luminance_histogram import counted, luminances_of
 
 pytestmark = pytest.mark.gl
 SUN = {"sun_direction": sun_at(35.0, 40.0), "sun_irradiance": (10.0, 9.0, 8.0)}
@@ -70,3 +74,107 @@ def test_another_exposure_of_a_cards_still_draws_nothing_anew(card, box_file):
     assert card.counters.done["picture"] == drawn
     assert np.array_equal(darker.radiance, first.radiance)
     assert darker.display.mean() < first.display.mean()
+
+
+# --- moving pictures -----------------------------------------------------------------------
+
+_WAITS = ("glReadPixels", "glGetTexImage", "glGetBufferSubData", "glFinish", "glClientWaitSync")
+ODD_SIZE = (161, 121)
+
+
+def moving(card, **parts):
+    """A moving picture after changes of the state."""
+    card.change(**parts)
+    return look(card, EYE, TARGET, still=False)
+
+
+def test_a_moving_picture_reads_nothing_within_its_frame(card, card_owner, box_file, monkeypatch):
+    """Nor waits, under a new sky too: each call that would is an error while it is drawn."""
+    from OpenGL import GL
+
+    show_box(card, box_file)
+    light(card, uniform_sky(1.0), **SUN)
+    moving(card)
+    light(card, uniform_sky(2.0), **SUN)
+
+    def refused(*_):
+        raise AssertionError("the frame waits for the card")
+
+    def drawn_without_waits(context):
+        with monkeypatch.context() as patches:
+            for name in _WAITS:
+                patches.setattr(GL, name, refused)
+            return card.backend._draw(context, card.state, False, None)
+
+    drawn = card_owner.call(drawn_without_waits)
+    while (taken := card_owner.call(lambda _: drawn.taken(card_owner.call))) is None:
+        pass
+    assert taken.display.shape == (120, 160, 3)
+
+
+def test_the_cards_histogram_is_its_twins(card, box_file):
+    """Bin by bin, but for pixels that a logarithm's rounding moves to the next bin."""
+    show_box(card, box_file)
+    light(card, uniform_sky(1.0), **SUN)
+    picture = moving(card, size_px=ODD_SIZE)
+    twin = counted(picture.radiance)
+    assert picture.counts.sum() == twin.sum() == ODD_SIZE[0] * ODD_SIZE[1]
+    apart = np.cumsum(picture.counts.astype(int) - twin.astype(int))
+    assert np.abs(apart).max() <= 0.01 * twin.sum()
+
+
+def test_automatic_exposure_is_that_of_the_picture_before(card, box_file):
+    """One picture late; a scene's first picture is metered by itself."""
+    show_box(card, box_file)
+    light(card, uniform_sky(1.0))
+    first = moving(card)
+    assert first.ev100 == pytest.approx(
+        automatic_ev100(first.radiance, card.state.white_card), abs=0.02
+    )
+    light(card, uniform_sky(2.0))
+    late, settled = moving(card), moving(card)
+    before = luminances_of(first.counts)
+    assert late.ev100 == metered_ev100(before, card.state.white_card)
+    assert settled.ev100 == pytest.approx(
+        automatic_ev100(settled.radiance, card.state.white_card), abs=0.02
+    )
+    show_box(card, box_file)
+    anew = moving(card)
+    assert anew.ev100 == pytest.approx(settled.ev100, abs=0.02)
+
+
+@pytest.mark.parametrize("size_px", [ODD_SIZE, (64, 3), (5, 7)])
+def test_bytes_for_display_are_the_tone_mapped_radiance(card, box_file, size_px):
+    """Row 0 at the top, of any size: as the CPU's tone map says, within dither and a step."""
+    show_box(card, box_file)
+    light(card, uniform_sky(1.0), **SUN)
+    wish = SetExposure(mode="manual", ev100=10.0)
+    picture = moving(card, size_px=size_px, exposure=wish)
+    expected = developed(picture.radiance, wish).display
+    assert picture.display.shape == expected.shape == (*size_px[::-1], 3)
+    assert np.abs(picture.display.astype(int) - expected).max() <= 2
+
+
+def test_a_pictures_radiance_is_its_own(card, box_file):
+    """Read when it is asked for, also after later pictures."""
+    show_box(card, box_file)
+    pictures = []
+    for level in (1.0, 2.0, 4.0):
+        light(card, uniform_sky(level))
+        pictures.append(moving(card))
+    for level, picture in zip((1.0, 2.0, 4.0), pictures, strict=True):
+        np.testing.assert_allclose(picture.radiance.max(), level, rtol=1e-3)
+
+
+def test_radiance_that_left_the_card_is_refused_in_a_sentence(card_owner, box_file):
+    """As of a picture that is kept beyond its host."""
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(card_owner)
+    card = StatefulBackend(backend, size_px=(160, 120))
+    show_box(card, box_file)
+    light(card, uniform_sky(1.0))
+    last = moving(card)
+    backend.close()
+    with pytest.raises(UserError, match="draw it again"):
+        _ = last.radiance

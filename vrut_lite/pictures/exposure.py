@@ -94,7 +94,13 @@ def automatic_ev100(
         step = max(1, int(np.sqrt(radiance_rgb.shape[0] * radiance_rgb.shape[1] / enough)))
         radiance_rgb = radiance_rgb[step // 2 :: step, step // 2 :: step]
     values = luminance(radiance_rgb).ravel()
-    values = np.sort(values[np.isfinite(values)])
+    return metered_ev100(np.sort(values[np.isfinite(values)]), white, night_look)
+
+
+def metered_ev100(
+    values: NDArray[np.floating], white: float = 0.0, night_look: NightLook = "eye"
+) -> float:
+    """The same of finite luminances (n,) in W m^-2 sr^-1, ascending."""
     darkest = MIDDLE_GREY / scale_of(_DARKEST_EV100)
     if values.size == 0:
         values = np.array([darkest])

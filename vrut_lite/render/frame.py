@@ -19,6 +19,7 @@ from vrut_lite.messages.night import MoonDiscChanged
 from vrut_lite.messages.sky import ViewShader, mean_level
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.card_pictures import CardPictures, DrawnPicture
 from vrut_lite.render.culling import in_view
 from vrut_lite.render.device import Choices
 from vrut_lite.render.frame_parts import PartFailed
@@ -56,9 +57,13 @@ class Frame:
         context.enable_direct(_CUBE_MAP_SEAMLESS)
         self._passes = PicturePasses.made(context, self.counters, part_failed)
         self._stills = StillPictures(self._passes, several_samples=not choices.takes_over)
-        self._moving = MovingPictures(self._passes)
+        self._moving: MovingPictures | CardPictures
+        if choices.takes_over:
+            self._moving = MovingPictures(self._passes)
+        else:
+            self._moving = CardPictures(self._passes, self._stills.draw_once)
         self._shadow = ShadowMaps(context, self.counters)
-        self._filter = SpecularFilter(context, self.counters)
+        self._filter = SpecularFilter(context, self.counters, compares=choices.takes_over)
         self._casters: SceneCasters | None = None
         self._reflectance = _table_texture(context)
 
@@ -91,10 +96,11 @@ class Frame:
         state: SceneState,
         still: bool = True,
         is_given_up: IsGivenUp | None = None,
-    ) -> Picture:
+    ) -> Picture | DrawnPicture:
         """Draw a scene, the sky and the sun, with the state's size, exposure and skips.
 
-        A `still` is complete; otherwise slow work is done in slices.
+        A `still` is complete; otherwise slow work is done in slices, and a card may still be
+        drawing when this returns.
 
         Raises:
             GivenUp: `is_given_up()` returned true; it is called repeatedly.
@@ -120,7 +126,7 @@ class Frame:
         state: SceneState,
         still: bool,
         is_given_up: IsGivenUp | None,
-    ) -> Picture:
+    ) -> Picture | DrawnPicture:
         assert state.key_light is not None
         passes = self._passes
         passes.patience.is_given_up = is_given_up
@@ -156,6 +162,9 @@ class Frame:
         shot = FrameInputs(
             scene, seen, view, light, disc, shadows, reflection, defines, parts, state
         )
+        if isinstance(self._moving, CardPictures):
+            by_card = not still and self._moving.can_draw(shot)
+            return self._moving.draw(shot) if by_card else self._stills.draw(shot, still, finished)
         return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
 
     def release(self) -> None:

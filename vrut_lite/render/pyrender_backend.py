@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from time import sleep
 from typing import Any
 
 import msgspec
@@ -20,6 +21,7 @@ from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.card_pictures import DrawnPicture
 from vrut_lite.render.frame import Frame
 from vrut_lite.render.frame_parts import PartFailed, warn_of_part
 from vrut_lite.render.gl_owner import GlOwner
@@ -33,6 +35,8 @@ from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import NO_PARTS, SceneState
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
+# Time between two looks at a picture that a card draws.
+_POLL_S = 3e-4
 _UNPOLARISED = np.zeros((2, 6, 1, 1, 3), np.float16)
 
 
@@ -98,7 +102,13 @@ class PyrenderBackend:
             assert state.key_light is not None
             sun = msgspec.structs.replace(state.key_light, irradiance_rgb=(0.0, 0.0, 0.0))
             state = replace(state, key_light=sun)
-        return self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
+        drawn = self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
+        if isinstance(drawn, Picture):
+            return drawn
+        # The GL thread does other work, such as modules' jobs, while the card draws.
+        while (taken := self._owner.call(lambda _: drawn.taken(self._owner.call))) is None:
+            sleep(_POLL_S)
+        return taken
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Illuminance (lx) of a plane with this normal (3,) at a point (3,), world axes."""
@@ -217,7 +227,7 @@ class PyrenderBackend:
 
     def _draw(
         self, context: Any, state: SceneState, still: bool, is_given_up: IsGivenUp | None
-    ) -> Picture:
+    ) -> Picture | DrawnPicture:
         self._upload(context, state)
         scene, camera = self._scene, state.camera
         assert scene is not None

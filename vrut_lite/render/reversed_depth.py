@@ -13,8 +13,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from OpenGL import GL
-from OpenGL.platform import PLATFORM
+
+from vrut_lite.render.gl_environment import import_pyrender
+
+import_pyrender()
+from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
+from OpenGL.platform import PLATFORM  # noqa: E402
 
 # Constants of glClipControl (OpenGL 4.5, ARB_clip_control), which PyOpenGL 3.1.0 lacks.
 _ZERO_TO_ONE, _NEGATIVE_ONE_TO_ONE = 0x935F, 0x935E

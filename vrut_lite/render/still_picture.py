@@ -12,6 +12,7 @@ from vrut_lite.pictures import exposure
 from vrut_lite.pictures.glare import with_glare
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.value_picture import value_pixels, values_of
+from vrut_lite.render.card_targets import CardTargets
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
@@ -35,6 +36,7 @@ FEWER_SHIFTS_PX = ((-1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, -1 / 3))
 _UNSHIFTED_PX = ((0.0, 0.0),)
 # Least covered fraction of a pixel that shows a value.
 _LEAST_COVERED = 0.5
+DrawnInto = Targets | CardTargets
 
 
 class StillPictures:
@@ -93,6 +95,12 @@ class StillPictures:
             self._last = state, targets, radiance
         return self._exposed(targets, radiance, shot.view, state)
 
+    def draw_once(self, targets: DrawnInto, shot: FrameInputs) -> None:
+        """Draw one unshifted picture of a shot into the bound framebuffer."""
+        self._passes.meshes.picture_number, self._passes.meshes.picture_count = 0, 1
+        with reversed_depth():
+            self._draw_seen(targets, shot, sample=0)
+
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self._of_one.release()
@@ -143,7 +151,7 @@ class StillPictures:
                 targets.write_resolved(_opaque(radiance))
         return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
-    def _draw_seen(self, targets: Targets, shot: FrameInputs, sample: int) -> None:
+    def _draw_seen(self, targets: DrawnInto, shot: FrameInputs, sample: int) -> None:
         """Draw opaque surfaces, the sky, frame parts, and blended surfaces.
 
         False colours show opaque surfaces only.
@@ -176,7 +184,7 @@ class StillPictures:
 
     def _draw_meshes(
         self,
-        targets: Targets,
+        targets: DrawnInto,
         shot: FrameInputs,
         placed: list[PlacedPrimitive],
         defines: Defines,
@@ -199,7 +207,7 @@ class StillPictures:
         if placed:
             self._pieces.draw(targets.size, draw)
 
-    def _draw_sky(self, targets: Targets, shot: FrameInputs) -> None:
+    def _draw_sky(self, targets: DrawnInto, shot: FrameInputs) -> None:
         passes, skips = self._passes, shot.state.skips
         with passes.measure("sky"):
             pictures = passes.meshes.picture_count

@@ -5,6 +5,7 @@ holds Python's lock meanwhile, which stops a window; PyOpenGL, by ctypes, releas
 this on the GL thread.
 """
 
+import ctypes
 from typing import Any, TypeVar
 
 import numpy as np
@@ -85,4 +86,25 @@ def _read(texture: Any, channels: int, kind: int, out: NDArray[Number]) -> NDArr
     GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
     GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, channels, kind, out)
     GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+    return out
+
+
+def clear_buffer(buffer: Any) -> None:
+    """Fill a moderngl buffer with zeros, on the card."""
+    from OpenGL import GL
+
+    GL.glBindBuffer(GL.GL_SHADER_STORAGE_BUFFER, buffer.glo)
+    GL.glClearBufferData(
+        GL.GL_SHADER_STORAGE_BUFFER, GL.GL_R32UI, GL.GL_RED_INTEGER, GL.GL_UNSIGNED_INT, None
+    )
+
+
+def read_buffer(buffer: Any, out: NDArray[Number]) -> NDArray[Number]:
+    """Fill an array with the content of a moderngl buffer."""
+    from OpenGL import GL
+
+    GL.glBindBuffer(GL.GL_SHADER_STORAGE_BUFFER, buffer.glo)
+    # PyOpenGL 3.1.0 passes an array's address wrongly here.
+    address = ctypes.c_void_p(out.ctypes.data)
+    GL.glGetBufferSubData(GL.GL_SHADER_STORAGE_BUFFER, 0, out.nbytes, address)
     return out

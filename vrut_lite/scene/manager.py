@@ -66,6 +66,8 @@ class SceneManager(Module):
         self._lights_surfaces = lights_surfaces
         self._empty_slots: set[str] = set()
         self._polarised = False
+        # The source of the background's shader that was compiled last.
+        self._prepared = ""
         # Demanded messages of the parts that are switched on.
         self._demanded: set[type[Derived]] = set()
         self._change(tolerance=tolerance_of(link))
@@ -226,7 +228,9 @@ class SceneManager(Module):
             UserError: its own shader does not compile; its cube map is shown.
         """
         self._take_light(background=message)
-        if message.view is not None:
+        # Only its first use compiles the shader, for which the message waits.
+        if message.view is not None and message.view.source != self._prepared:
+            self._prepared = message.view.source
             self._view.prepare()
 
     @handles(KeyLightChanged)

@@ -29,7 +29,7 @@ from vrut_lite.messages.light_map import SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.tolerance import SetTolerance
-from vrut_lite.pictures.exposure import automatic_ev100, metered_cd, uncorrected_ev100
+from vrut_lite.pictures.exposure import metered_cd, uncorrected_ev100
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.scene.scene_state import SceneState
 
@@ -158,8 +158,8 @@ class Adaptation:
         if exposure.mode == "auto":
             self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
         elif self._follows or self._dragged:
-            self._seen_ev100 = automatic_ev100(
-                picture.radiance, self._state.white_card, exposure.night_look, _ENOUGH_PIXELS
+            self._seen_ev100 = picture.metered_ev100(
+                self._state.white_card, exposure.night_look, _ENOUGH_PIXELS
             )
         self._seen_level = _level(self._state)
         if not self._arrived:

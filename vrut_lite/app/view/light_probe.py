@@ -9,6 +9,7 @@ from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import make_timer
 from vrut_lite.messages.picture import PictureClicked
 from vrut_lite.numeric_types import vector
+from vrut_lite.pictures.picture import PictureOnCard
 from vrut_lite.render.light_meter import Illuminance
 
 # Seconds of rest of the pointer before lux is measured.
@@ -58,7 +59,7 @@ class LightProbe(QObject):
         at, shown = self._at, self._session.shown
         if at is None or shown is None:
             return
-        height, width = shown.picture.radiance.shape[:2]
+        height, width = shown.picture.display.shape[:2]
         radiance_rgb = shown.picture.radiance[int(at[1] * height), int(at[0] * width)]
 
         def send(stage: Stage) -> None:
@@ -84,7 +85,10 @@ class LightProbe(QObject):
         height, width = shown.picture.display.shape[:2]
         x, y = int(self._at[0] * width), int(self._at[1] * height)
         values = shown.picture.values
-        if values is None:
+        if isinstance(shown.picture, PictureOnCard):
+            # The window does not wait for the card: the finished picture has the figure.
+            self._luminance = ""
+        elif values is None:
             self._luminance = luminance_text(shown.picture.luminance_cd_m2(x, y))
         else:
             self._luminance = values.said_at(x, y)

@@ -1,9 +1,10 @@
 """The picture, and the camera in the user's hands.
 
-Frames are drawn on the GL owner's thread and arrive as images. A `QOpenGLWidget` would draw on Qt's
-thread: with a software renderer a frame takes some hundred milliseconds, during which no slider
-would move. Modules' GPU jobs would then need a second, shared context. The frame is read back in
-any case, for its exposure.
+Frames are drawn on the GL owner's thread and arrive as images; Qt paints them and the overlays. A
+`QOpenGLWidget` would draw on Qt's thread: with a software renderer a frame takes some hundred
+milliseconds, during which no slider would move. It could not share our context's textures either:
+EGL shares within one display, and ours is the card's device, Qt's the window system. So the bytes
+for display are read, a quarter of the radiance, after the frame and without waiting within it.
 """
 
 import numpy as np

@@ -13,7 +13,7 @@ from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.tolerance import budget
 from vrut_lite.render.light import SkyTexture
 from vrut_lite.render.shader_files import shader_source
-from vrut_lite.render.unlocked import average_down_for_compute, run_compute
+from vrut_lite.render.unlocked import average_down_for_compute, build_mipmaps, run_compute
 from vrut_lite.sky.relight_scale import age_factor
 
 # Roughness of the filtered map's mip levels; a mirror samples the sky itself.
@@ -31,6 +31,7 @@ _CELLS = 8
 _DARKEST_CELL = 0.01
 _GROUP = 8
 _FACES = 6
+_CUBE_MAP = 0x8513
 
 
 def reflection_change(tolerance: float) -> float:
@@ -49,9 +50,13 @@ class SpecularFilter:
     A map is filtered from a copy and shown when it is complete, so that a sky that changes in
     every frame neither tears reflections nor stops their updates. The counters count each
     "reflection slice", and skips where the sky is the same or differs by `change_seen` at most.
+
+    Without `compares` every new sky is filtered: a graphics card does that in less time than it
+    takes to read back the cells of the comparison.
     """
 
-    def __init__(self, context: Any, counters: WorkCounters):
+    def __init__(self, context: Any, counters: WorkCounters, compares: bool = True):
+        self._compares = compares
         self.change_seen = CHANGE_SEEN
         self._context = context
         self._counters = counters
@@ -119,14 +124,16 @@ class SpecularFilter:
             self._counters.skip("reflection: the same sky")
             return
         self._measured = sky.owner
-        average_down_for_compute(sky.texture)
+        self._average_down(sky.texture)
         sky.texture.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
         sky.texture.use(location=0)
-        cells = self._coarse_cells() * sky.scale
-        if not always and self._looks_like(cells):
-            self._counters.skip("reflection: no change to be seen")
-            return
-        self._cells, self._source_scale, self._source_level = cells, sky.scale, self._level
+        if self._compares:
+            cells = self._coarse_cells() * sky.scale
+            if not always and self._looks_like(cells):
+                self._counters.skip("reflection: no change to be seen")
+                return
+            self._cells = cells
+        self._source_scale, self._source_level = sky.scale, self._level
         size = sky.texture.size[0]
         self._source = self._cube(self._source, min(size, _SOURCE_SIZE))
         self._next = self._cube(self._next, min(max(size, _SMALLEST), _LARGEST))
@@ -154,7 +161,14 @@ class SpecularFilter:
         groups = -(-self._source.size[0] // _GROUP)
         run_compute(self._programs["cube_copy"], groups, groups, _FACES)
         self._context.memory_barrier()
-        average_down_for_compute(self._source)
+        self._average_down(self._source)
+
+    def _average_down(self, cube: Any) -> None:
+        """Generate a cube's mipmaps; a software renderer is waited for."""
+        if self._compares:
+            average_down_for_compute(cube)
+        else:
+            build_mipmaps(_CUBE_MAP, cube)
 
     def _filter(self, level: int, face: int) -> None:
         program = self._programs["specular_filter"]

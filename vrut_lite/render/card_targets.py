@@ -1,0 +1,124 @@
+"""The framebuffers, buffers and fences of a graphics card's moving pictures, of one size."""
+
+import weakref
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.errors import UserError
+from vrut_lite.render.reversed_depth import FloatDepth
+from vrut_lite.render.targets import SAMPLES
+from vrut_lite.render.unlocked import read_rgba
+
+from OpenGL import GL  # isort: skip  (after `reversed_depth`, which prepares it)
+
+
+class LentRadiance:
+    """A picture's radiance on the card, not overwritten while this object is referenced."""
+
+    def __init__(self, texture: Any):
+        self._texture: Any = texture
+
+    def read(self) -> NDArray[np.float32]:
+        """The radiance (h, w, 3), row 0 at the top; on the GL thread.
+
+        Raises:
+            UserError: it was released.
+        """
+        if self._texture is None:
+            raise UserError("the picture's radiance left the graphics card: draw it again")
+        return read_rgba(self._texture)[::-1, :, :3]
+
+    def forget(self) -> None:
+        """The texture is released."""
+        self._texture = None
+
+
+class _Radiance:
+    """A texture of resolved radiance, and who still refers to it."""
+
+    def __init__(self, context: Any, size: tuple[int, int]):
+        self.texture = context.texture(size, 4, dtype="f4")
+        self.buffer = context.framebuffer([self.texture])
+        self._lent: weakref.ref[LentRadiance] | None = None
+
+    @property
+    def is_free(self) -> bool:
+        return self._lent is None or self._lent() is None
+
+    def lend(self) -> LentRadiance:
+        lent = LentRadiance(self.texture)
+        self._lent = weakref.ref(lent)
+        return lent
+
+    def release(self) -> None:
+        lent = None if self._lent is None else self._lent()
+        if lent is not None:
+            lent.forget()
+        self.buffer.release()
+        self.texture.release()
+
+
+class CardTargets:
+    """Multisampled radiance to draw into, resolved radiance, and the displayed picture.
+
+    `has_one_sample` and `samples` are as in `Targets`.
+    """
+
+    has_one_sample = False
+
+    def __init__(self, context: Any, size: tuple[int, int]):
+        self.size = size
+        self.samples = size[0] * size[1] * SAMPLES
+        self._context = context
+        self._colour = context.renderbuffer(size, 4, samples=SAMPLES, dtype="f4")
+        self.buffer = context.framebuffer([self._colour])
+        self._depth = FloatDepth(self.buffer, size, SAMPLES)
+        self._resolved: list[_Radiance] = []
+        self.display_texture = context.texture(size, 4)
+        self.display = context.framebuffer([self.display_texture])
+
+    def resolve(self) -> tuple[Any, LentRadiance]:
+        """Resolve what was drawn into a texture that no picture refers to."""
+        free = next((each for each in self._resolved if each.is_free), None)
+        if free is None:
+            free = _Radiance(self._context, self.size)
+            self._resolved.append(free)
+        self._context.copy_framebuffer(free.buffer, self.buffer)
+        return free.texture, free.lend()
+
+    def release(self) -> None:
+        """Free everything; another framebuffer must be bound."""
+        self.buffer.release()
+        self._colour.release()
+        self.display.release()
+        for thing in (*self._resolved, self._depth, self.display_texture):
+            thing.release()
+
+
+class Fence:
+    """Signals when the card has done all that was asked of it before; on the GL thread."""
+
+    def __init__(self) -> None:
+        self._sync = GL.glFenceSync(GL.GL_SYNC_GPU_COMMANDS_COMPLETE, 0)
+        GL.glFlush()
+
+    def is_signalled(self) -> bool:
+        """Whether it is done; returns at once."""
+        return self._wait(0)
+
+    def wait(self) -> None:
+        """Wait until it is done."""
+        while not self._wait(10**9):
+            pass
+
+    def _wait(self, timeout_ns: int) -> bool:
+        if self._sync is None:
+            return True
+        said = GL.glClientWaitSync(self._sync, GL.GL_SYNC_FLUSH_COMMANDS_BIT, timeout_ns)
+        if said == GL.GL_TIMEOUT_EXPIRED:
+            return False
+        GL.glDeleteSync(self._sync)
+        self._sync = None
+        return True
