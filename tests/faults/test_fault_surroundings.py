@@ -18,22 +18,30 @@ from vrut_lite import cli
 from vrut_lite.environment_checks import leave_out_nonsense
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, terminations_raised
-from vrut_lite.render import frame, gl_owner
+from vrut_lite.render import frame, gl_environment, gl_owner
 from vrut_lite.write_atomic import atomic_output
 
 SCENE = ROOT / "scenes" / "sundial.glb"
 RENDER = ["render", SCENE, *NOON, "--size", "32x32"]
 
 
-@pytest.mark.parametrize(
-    "reason",
-    ["requested device index 0, but found 0 devices", "the GL driver ended the probe (-6)"],
-)
-def test_without_gl(refused, tmp_path, monkeypatch, reason):
-    """Without a driver, or with one that aborts, the line names what to install; no picture."""
-    monkeypatch.setattr(gl_owner, "probe_gl", lambda: ("", reason))
+@pytest.fixture
+def aborting_driver(tmp_path_factory, monkeypatch):
+    """The process that tries OpenGL ends as under a broken driver; no earlier one is known."""
+    caches = gl_environment.begin_probe.cache_clear, gl_environment.probe_gl.cache_clear
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+    monkeypatch.setattr(gl_environment, "_PROBE", "import os; os.abort()")
+    for clear in caches:
+        clear()
+    yield
+    for clear in caches:
+        clear()
+
+
+def test_a_driver_that_aborts(refused, tmp_path, aborting_driver):
+    """The line says so and names what to install; no picture, and this process goes on."""
     line = refused(*RENDER, "-o", tmp_path / "a.png")
-    assert reason in line
+    assert "ended the probe (-6)" in line
     assert "libegl1" in line
     assert not list(tmp_path.iterdir())
 
@@ -307,3 +315,36 @@ def test_a_folder_removed_during_the_work_is_named(tmp_path):
 
     with pytest.raises(UserError, match="cannot write"):
         work()
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    ("environment", "words"),
+    [
+        ({"MESA_GL_VERSION_OVERRIDE": "4.1"}, ("has OpenGL 4.1", "vrut-lite sky")),
+        (
+            {"MESA_GL_VERSION_OVERRIDE": "4.3", "MESA_EXTENSION_OVERRIDE": "-GL_ARB_clip_control"},
+            ("has no clip control", "vrut-lite sky"),
+        ),
+        ({"VRUT_LITE_GPU": "no such card"}, ("VRUT_LITE_GPU", "'no such card'", "there are 0: ")),
+        ({"VRUT_LITE_GPU": "99"}, ("VRUT_LITE_GPU", "'99'", "there are 0: ")),
+        ({"__EGL_VENDOR_LIBRARY_FILENAMES": "/none"}, ("no device answers", "libegl1")),
+    ],
+)
+def test_an_old_driver_and_a_card_that_is_not_there(tmp_path, environment, words):
+    """One line says what is missing and what works without; Mesa itself plays the driver."""
+    path = tmp_path / "a.png"
+    code, said, complaints = outcome(start(*RENDER, "-o", path, environment=environment))
+    assert (code, said, complaints.count("\n")) == (2, "", 1)
+    assert all(each in complaints for each in words), complaints
+    assert not path.exists()
+
+
+@pytest.mark.gl
+def test_a_card_is_chosen_by_a_part_of_its_name(tmp_path):
+    """Here the software renderer, the one device that every Mesa has."""
+    environment = {"VRUT_LITE_GPU": "LLVMpipe"}
+    path = tmp_path / "a.png"
+    code, _, complaints = outcome(start(*RENDER, "-o", path, environment=environment))
+    assert (code, complaints) == (0, "")
+    assert path.exists()

@@ -20,7 +20,7 @@ def test_a_record_is_away_while_opengl_is_opened():
 
 
 @pytest.mark.parametrize(
-    "variable", ["LIBGL_ALWAYS_SOFTWARE", "EGL_PLATFORM", "CUDA_VISIBLE_DEVICES"]
+    "variable", ["LIBGL_ALWAYS_SOFTWARE", "EGL_PLATFORM", "CUDA_VISIBLE_DEVICES", "VRUT_LITE_GPU"]
 )
 def test_another_driver_is_tried_first(monkeypatch, variable):
     """What chooses one is part of the record."""

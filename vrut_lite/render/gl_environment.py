@@ -15,14 +15,20 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.render.gl_choice import no_opengl
 from vrut_lite.render.gl_record import take_record
 
 _PROBE = (
-    "import moderngl;"
-    "c = moderngl.create_context(standalone=True, backend='egl', require=430);"
-    "print(c.info['GL_RENDERER'])"
+    "import sys\n"
+    "from vrut_lite.errors import UserError\n"
+    "from vrut_lite.render.gl_choice import open_context\n"
+    "try:\n"
+    "    print(open_context().info['GL_RENDERER'])\n"
+    "except UserError as refusal:\n"
+    "    print(refusal, file=sys.stderr)\n"
+    "    sys.exit(3)"
 )
-_PROBE_TIMEOUT_S = 60
+_REFUSED, _PROBE_TIMEOUT_S = 3, 60
 _PARTS = {
     "material": "MetallicRoughnessMaterial",
     "primitive": "Primitive",
@@ -58,7 +64,7 @@ def begin_probe() -> "str | subprocess.Popen[str]":
 
 @lru_cache(maxsize=1)
 def probe_gl() -> tuple[str, str]:
-    """Name of the GL renderer, or an empty text and the reason for its absence.
+    """Name of the GL renderer, or an empty text and a sentence that says why there is none.
 
     Found by a separate process: a broken driver aborts instead of raising.
     """
@@ -70,11 +76,15 @@ def probe_gl() -> tuple[str, str]:
     except subprocess.TimeoutExpired:
         probe.kill()
         probe.communicate()
-        return "", f"the GL driver did not answer within {_PROBE_TIMEOUT_S} s"
+        reason = f"the GL driver did not answer within {_PROBE_TIMEOUT_S} s"
+        return "", str(no_opengl(reason))
     if probe.returncode == 0:
         return said.strip(), ""
     lines = complaint.strip().splitlines()
-    return "", lines[-1] if lines else f"the GL driver ended the probe ({probe.returncode})"
+    if probe.returncode == _REFUSED:
+        return "", lines[-1]
+    said = lines[-1] if lines else "it said nothing"
+    return "", str(no_opengl(f"the GL driver ended the probe ({probe.returncode}): {said}"))
 
 
 @lru_cache(maxsize=1)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.errors import UserError
 from vrut_lite.render.device import Device, device_of
 from vrut_lite.render.first_mipmaps import make_first_mipmaps
+from vrut_lite.render.gl_choice import open_context
 from vrut_lite.render.gl_environment import prepare_environment, probe_gl
 from vrut_lite.render.gl_record import keep_record
 
@@ -79,7 +80,7 @@ class GlOwner:
 def _open(trial_ns: float | None) -> Opened:
     renderer, reason = probe_gl()
     if not renderer:
-        raise _missing(reason)
+        raise UserError(reason)
     context = _create_context()
     keep_record(renderer)
     return Opened(renderer, context, device_of(context, trial_ns))
@@ -97,25 +98,9 @@ def _release(context: Any) -> None:
 
 def _create_context() -> Any:
     prepare_environment()
-    import moderngl
-
-    # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
-    try:
-        context = moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
-    except Exception as error:  # moderngl raises plain exceptions.
-        raise _missing(str(error)) from error
-    if context.version_code < 450 and "GL_ARB_clip_control" not in context.extensions:
-        context.release()
-        raise UserError("this OpenGL has no clip control: version 4.5 or newer is needed")
+    context = open_context()
     context.extra = context.simple_framebuffer((1, 1))
     return context
-
-
-def _missing(reason: str) -> UserError:
-    return UserError(
-        f"no OpenGL 4.3 through EGL here ({reason}): install the packages libegl1 and libgl1, or "
-        "their like"
-    )
 
 
 def bind_permanent_framebuffer(context: Any) -> None:

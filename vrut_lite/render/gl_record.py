@@ -12,7 +12,10 @@ from vrut_lite.write_atomic import atomic_output
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 # Prefixes of the environment variables that select a driver.
-_CHOOSING = ("LIBGL", "MESA", "GALLIUM", "EGL", "__EGL", "__GL", "DRI_", "LD_", "CUDA", "NVIDIA")
+_CHOOSING = (
+    "LIBGL", "MESA", "GALLIUM", "EGL", "__EGL", "__GL", "__NV", "DRI_", "LD_", "CUDA", "NVIDIA",
+    "GLCONTEXT", "VRUT_LITE_GPU",
+)  # fmt: skip
 
 
 def take_record() -> str | None:

@@ -1,0 +1,97 @@
+"""The OpenGL context of the process, on the graphics card that the user chose.
+
+A laptop may have two cards, and Mesa's software renderer beside them; each is an EGL device.
+`VRUT_LITE_GPU` names one by its number or a part of its name, such as "nvidia", "intel" or
+"llvmpipe". Without it the first that has what the renderer needs is taken.
+"""
+
+import os
+from itertools import count
+from typing import Any
+
+from vrut_lite.errors import UserError
+
+VARIABLE = "VRUT_LITE_GPU"
+_NEEDED, _OLDEST = 430, 330
+_WITHOUT = "skies (`vrut-lite sky`), numbers (`vrut-lite daylight`) and the path tracer need none"
+
+
+def open_context() -> Any:
+    """A context of OpenGL 4.3 with clip control, current to this thread.
+
+    Raises:
+        UserError: there is none, or none that the user's variable names.
+    """
+    wish = os.environ.get(VARIABLE, "").strip()
+    seen: list[str] = []
+    for index in count():
+        try:
+            context = _create(index, _NEEDED)
+        except Exception as error:  # moderngl raises plain exceptions.
+            if "but found" in str(error):
+                break
+            seen.append(f"{index}: {_older(index) or error}")
+            continue
+        name = context.info["GL_RENDERER"]
+        lack = _lack(context)
+        seen.append(f"{index}: {name}{lack and ' ' + lack}")
+        if not lack and _is_wished(wish, index, context):
+            return context
+        context.release()
+    raise _refusal(wish, seen)
+
+
+def _create(index: int, version: int) -> Any:
+    import moderngl
+
+    # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
+    return moderngl.create_context(
+        standalone=True,
+        require=version,
+        backend="egl",  # type: ignore[arg-type]
+        device_index=index,  # type: ignore[arg-type]
+    )
+
+
+def _older(index: int) -> str:
+    """Name and version of a device whose OpenGL is older; empty if it does not open at all."""
+    try:
+        context = _create(index, _OLDEST)
+    except Exception:  # moderngl raises plain exceptions.
+        return ""
+    version = context.version_code
+    said = f"{context.info['GL_RENDERER']} has OpenGL {version // 100}.{version % 100 // 10}"
+    context.release()
+    return said
+
+
+def _lack(context: Any) -> str:
+    has_clip_control = context.version_code >= 450 or "GL_ARB_clip_control" in context.extensions
+    return "" if has_clip_control else "has no clip control (OpenGL 4.5)"
+
+
+def _is_wished(wish: str, index: int, context: Any) -> bool:
+    if wish.isdecimal():
+        return index == int(wish)
+    names = f"{context.info['GL_VENDOR']} {context.info['GL_RENDERER']}"
+    return wish.lower() in names.lower()
+
+
+def _refusal(wish: str, seen: list[str]) -> UserError:
+    there = "; ".join(seen)
+    if not seen:
+        return no_opengl("no device answers")
+    if wish:
+        return UserError(f"{VARIABLE} names no usable graphics card: {wish!r}; there are {there}")
+    return UserError(
+        f"no OpenGL 4.3 with clip control through EGL here ({there}): a newer driver is needed, or "
+        f"Mesa's llvmpipe; {_WITHOUT}"
+    )
+
+
+def no_opengl(reason: str) -> UserError:
+    """The refusal where no driver answers, or where it ends the process."""
+    return UserError(
+        f"no OpenGL 4.3 through EGL here ({reason}): install the packages libegl1 and libgl1, or "
+        f"their like; {_WITHOUT}"
+    )
