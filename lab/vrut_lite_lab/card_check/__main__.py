@@ -25,10 +25,11 @@ def prepare(python: str, folder: str) -> None:
 @main.command()
 @click.argument("folder")
 @click.option("--only", help=f"Some of the parts, comma-separated: {', '.join(PARTS)}.")
-def run(folder: str, only: str | None) -> None:
+@click.option("--patience", default=1.0, show_default=True, help="Factor of the limits of time.")
+def run(folder: str, only: str | None, patience: float) -> None:
     """Do all parts, one after another; then write the page."""
     names = list(PARTS) if only is None else only.split(",")
-    run_parts(Path(folder), names)
+    run_parts(Path(folder), names, patience)
     write_page(Path(folder))
 
 
