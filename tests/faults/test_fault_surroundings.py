@@ -341,6 +341,16 @@ def test_an_old_driver_and_a_card_that_is_not_there(tmp_path, environment, words
 
 
 @pytest.mark.gl
+def test_a_picture_without_graphics_memory(refused, tmp_path):
+    """The line names the size, and no picture is written."""
+    if not gl_environment.probe_gl()[0].startswith("llvmpipe"):
+        pytest.skip("a card may have room for it")
+    line = refused(*RENDER, "--size", "16384x16384", "-o", tmp_path / "a.png")
+    assert "no graphics memory for a picture of 16384 x 16384" in line
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.gl
 def test_a_card_is_chosen_by_a_part_of_its_name(tmp_path):
     """Here the software renderer, the one device that every Mesa has."""
     environment = {"VRUT_LITE_GPU": "LLVMpipe"}

@@ -98,6 +98,20 @@ def test_a_shader_that_does_not_compile_is_a_result_too(gl_owner):
     assert run(gl_owner, Asker)[0].error == ""
 
 
+def test_a_texture_without_memory_is_a_failed_job(gl_owner):
+    """Not a black sky: the module's processor then serves. Mesa refuses such a size itself."""
+    if not gl_owner.opened.renderer.startswith("llvmpipe"):
+        pytest.skip("a card may have room for it")
+
+    class TooLarge(Asker):
+        job = msgspec.structs.replace(Asker.job, size=16384, read_back=False)
+
+    (result,) = run(gl_owner, TooLarge)
+    assert result.value is None
+    assert "no graphics memory for a texture of 16384 x 16384" in result.error
+    assert run(gl_owner, Asker)[0].error == ""
+
+
 class Keeper(Asker):
     job = GpuJob(module="asker", job="x", compute_shader=DIRECTIONS, uniforms={"scale": 1.0},
                  output="cube", size=SIZE, format="rgba32f", groups=(2, 2, 6))  # fmt: skip

@@ -1,17 +1,31 @@
 """The framebuffers, buffers and fences of a graphics card's moving pictures, of one size."""
 
 import weakref
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
+from vrut_lite.render.graphics_memory import allocated
 from vrut_lite.render.reversed_depth import FloatDepth
 from vrut_lite.render.targets import SAMPLES
 from vrut_lite.render.unlocked import read_rgba
 
 from OpenGL import GL  # isort: skip  (after `reversed_depth`, which prepares it)
+
+
+# Time after which a card that has not finished a picture is given up.
+LONGEST_S = 10.0
+
+
+def no_answer() -> UserError:
+    """The refusal of a card that does not finish a picture."""
+    return UserError(
+        f"the graphics card has not finished a picture in {LONGEST_S:g} s: its driver may have been "
+        "reset; start the program again"
+    )
 
 
 class LentRadiance:
@@ -39,7 +53,8 @@ class _Radiance:
     """A texture of resolved radiance, and who still refers to it."""
 
     def __init__(self, context: Any, size: tuple[int, int]):
-        self.texture = context.texture(size, 4, dtype="f4")
+        make = partial(context.texture, size, 4, dtype="f4")
+        self.texture = allocated(context, _picture_of(size), make)[0]
         self.buffer = context.framebuffer([self.texture])
         self._lent: weakref.ref[LentRadiance] | None = None
 
@@ -72,11 +87,15 @@ class CardTargets:
         self.size = size
         self.samples = size[0] * size[1] * SAMPLES
         self._context = context
-        self._colour = context.renderbuffer(size, 4, samples=SAMPLES, dtype="f4")
+        self._colour, self.display_texture = allocated(
+            context,
+            _picture_of(size),
+            partial(context.renderbuffer, size, 4, samples=SAMPLES, dtype="f4"),
+            partial(context.texture, size, 4),
+        )
         self.buffer = context.framebuffer([self._colour])
         self._depth = FloatDepth(self.buffer, size, SAMPLES)
         self._resolved: list[_Radiance] = []
-        self.display_texture = context.texture(size, 4)
         self.display = context.framebuffer([self.display_texture])
 
     def resolve(self) -> tuple[Any, LentRadiance]:
@@ -109,9 +128,13 @@ class Fence:
         return self._wait(0)
 
     def wait(self) -> None:
-        """Wait until it is done."""
-        while not self._wait(10**9):
-            pass
+        """Wait until it is done.
+
+        Raises:
+            UserError: the card does not answer.
+        """
+        if not self._wait(round(1e9 * LONGEST_S)):
+            raise no_answer()
 
     def _wait(self, timeout_ns: int) -> bool:
         if self._sync is None:
@@ -122,3 +145,7 @@ class Fence:
         GL.glDeleteSync(self._sync)
         self._sync = None
         return True
+
+
+def _picture_of(size: tuple[int, int]) -> str:
+    return f"a picture of {size[0]} x {size[1]}"

@@ -10,6 +10,7 @@ from vrut_lite.render.first_mipmaps import make_first_mipmaps
 from vrut_lite.render.gl_choice import open_context
 from vrut_lite.render.gl_environment import prepare_environment, probe_gl
 from vrut_lite.render.gl_record import keep_record
+from vrut_lite.render.graphics_memory import GraphicsMemoryFullError
 
 T = TypeVar("T")
 
@@ -62,6 +63,10 @@ class GlOwner:
 
         try:
             return self.submit(work).result()
+        except GraphicsMemoryFullError as error:
+            raise UserError(
+                f"there is {error}: close other programs, or try a smaller one"
+            ) from error
         except (Error, LowLevelError) as error:
             reason = getattr(error, "description", None) or error
             said = reason.decode() if isinstance(reason, bytes) else str(reason)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from time import sleep
+from time import perf_counter, sleep
 from typing import Any
 
 import msgspec
@@ -22,6 +22,7 @@ from vrut_lite.messages.sky import BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.card_pictures import DrawnPicture
+from vrut_lite.render.card_targets import LONGEST_S, no_answer
 from vrut_lite.render.frame import Frame
 from vrut_lite.render.frame_parts import PartFailed, warn_of_part
 from vrut_lite.render.gl_owner import GlOwner
@@ -106,7 +107,10 @@ class PyrenderBackend:
         if isinstance(drawn, Picture):
             return drawn
         # The GL thread does other work, such as modules' jobs, while the card draws.
+        end_s = perf_counter() + LONGEST_S
         while (taken := self._owner.call(lambda _: drawn.taken(self._owner.call))) is None:
+            if perf_counter() > end_s:
+                raise no_answer()
             sleep(_POLL_S)
         return taken
 

@@ -1,10 +1,12 @@
 """The framebuffers of one picture size."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.render.graphics_memory import allocated
 from vrut_lite.render.reversed_depth import FloatDepth
 from vrut_lite.render.unlocked import read_colours, read_rgba
 
@@ -22,16 +24,19 @@ class Targets:
         self.size = size
         self.is_released = False
         self.samples = size[0] * size[1] * samples
-        self.radiance = context.texture(size, 4, dtype="f4")
+        makes = [partial(context.texture, size, 4, dtype="f4"), partial(context.texture, size, 4)]
+        if samples > 1:
+            makes.append(partial(context.renderbuffer, size, 4, samples=samples, dtype="f4"))
+        what = f"a picture of {size[0]} x {size[1]}"
+        self.radiance, self._display, *colours = allocated(context, what, *makes)
+        self._colour = colours[0] if colours else None
         self._context = context
         self._resolved = context.framebuffer([self.radiance])
-        self.buffer, self._colour = self._resolved, None
-        if samples > 1:
-            self._colour = context.renderbuffer(size, 4, samples=samples, dtype="f4")
+        self.buffer = self._resolved
+        if self._colour is not None:
             self.buffer = context.framebuffer([self._colour])
         # In OpenGL 0 means one sample, whose depth is tested before it is shaded.
         self._depth = FloatDepth(self.buffer, size, samples if samples > 1 else 0)
-        self._display = context.texture(size, 4)
         self.display = context.framebuffer([self._display])
 
     @property

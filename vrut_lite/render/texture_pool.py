@@ -1,10 +1,12 @@
 """Textures for the results of GPU jobs, reused once their handles are released."""
 
 import weakref
+from functools import partial
 from typing import Any, NamedTuple
 
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.render.graphics_memory import allocated
 
 NUMPY_TYPES = {"rgba16f": "f2", "rgba32f": "f4"}
 Kind = tuple[str, int | tuple[int, int, int], str]
@@ -48,8 +50,7 @@ class TexturePool:
 
 
 def _make(context: Any, job: GpuJob) -> Any:
-    dtype = NUMPY_TYPES[job.format]
-    if job.output == "3d":
-        return context.texture3d(job.size, 4, dtype=dtype)
-    make = context.texture_cube if job.output == "cube" else context.texture
-    return make((job.size, job.size), 4, dtype=dtype)
+    kinds = {"3d": context.texture3d, "cube": context.texture_cube, "2d": context.texture}
+    size = job.size if isinstance(job.size, tuple) else (job.size, job.size)
+    make = partial(kinds[job.output], size, 4, dtype=NUMPY_TYPES[job.format])
+    return allocated(context, f"a texture of {size[0]} x {size[1]}", make)[0]
