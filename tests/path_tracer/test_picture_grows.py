@@ -2,10 +2,12 @@
 
 import threading
 import time
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 import trimesh
+from dynamic_skylight.module import DynamicSkyLight
 from light_messages import light_messages
 from path_tracer import library
 from path_tracer import module as path_tracer_module
@@ -15,14 +17,20 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 
+from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Demand, Fault, Input, SetSetting
+from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
 from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import LoadScene
+from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.scene.manager import SceneManager
+from vrut_lite.sky.sky_sum import SkySum
 
 mitsuba_or_skip()
 WANT = Demand(consumer="test", message="PathTracedPicture")
@@ -110,6 +118,46 @@ def test_a_late_demand_gets_the_present_view(stage):
     picture = [message for message in heard if isinstance(message, PathTracedPicture)][-1]
     # The uniform sky above, and nothing of the box.
     np.testing.assert_allclose(picture.radiance.values, 2.0, rtol=0.02)
+
+
+def test_a_sky_on_the_card_is_computed_again_as_numbers(tmp_path):
+    """With "auto" on a card the sky is a texture; who wants a traced picture gets it from the
+    processor, without a fault, and when nobody does the card's serves again."""
+    path = tmp_path / "box.glb"
+    trimesh.creation.box((2, 2, 2)).export(path)
+    kernel, heard = Kernel(), []
+    kernel.tap(lambda message, sender: heard.append(message))
+    for module in (DynamicSkyLight, SkySum, PathTracer, SceneManager):
+        kernel.add_module(module)
+
+    def tell(*inputs):
+        heard.clear()
+        for message in inputs:
+            kernel.inject(message)
+            kernel.pump_until_idle()
+        # The card's part is played here.
+        for job in [message for message in heard if isinstance(message, GpuJob)]:
+            texture = GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
+            kernel.inject(JobResult(module=job.module, job=job.job, value=texture))
+            kernel.pump_until_idle()
+
+    tell(
+        RendererTried(renderer="a card", trial_ns=0.1),
+        Demand(consumer="gpu", message="GpuJob"),
+        SetSetting(module="path_tracer", name="spp", value=2),
+        Resize(width_px=24, height_px=16),
+        LoadScene(path=str(path)),
+        SetPlace(latitude_deg=50.0, longitude_deg=14.0),
+        SetClock(instant=datetime(2026, 6, 21, 11, tzinfo=UTC)),
+    )
+    assert isinstance(kernel.last(BackgroundChanged).cube, GpuTexture)
+    tell(WANT)
+    assert faults(heard) == []
+    assert pictures(heard)[-1].samples == 2
+    assert isinstance(kernel.last(BackgroundChanged).cube, Array)
+    tell(NO_MORE)
+    assert isinstance(kernel.last(BackgroundChanged).cube, GpuTexture)
+    kernel.close()
 
 
 def test_a_picture_grows_in_passes_that_double(stage):

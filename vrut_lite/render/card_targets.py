@@ -23,8 +23,8 @@ LONGEST_S = 10.0
 def no_answer() -> UserError:
     """The refusal of a card that does not finish a picture."""
     return UserError(
-        f"the graphics card has not finished a picture in {LONGEST_S:g} s: its driver may have been "
-        "reset; start the program again"
+        f"the graphics card has not finished a picture in {LONGEST_S:g} s: its driver may have "
+        "been reset; start the program again"
     )
 
 
