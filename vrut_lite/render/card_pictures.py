@@ -21,7 +21,7 @@ from vrut_lite.pictures.luminance_histogram import (
     luminances_of,
 )
 from vrut_lite.pictures.picture import PictureOnCard
-from vrut_lite.render.card_targets import CardTargets, Fence, LentRadiance
+from vrut_lite.render.card_targets import CallGl, CardTargets, Fence, LentRadiance
 from vrut_lite.render.picture_passes import FrameInputs, PicturePasses
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.shader_files import defined, shader_source
@@ -31,8 +31,6 @@ from vrut_lite.render.unlocked import clear_buffer, read_buffer, run_compute
 # Pixels of the histogram's work group along an edge, of the bytes' work group, and of its rows.
 _TILE, _GROUP_PX, _ROW_GROUPS = 64, 4 * 256, 1024
 DrawSeen = Callable[[CardTargets, FrameInputs], None]
-# Calls work on the GL thread and returns its result.
-CallGl = Callable[[Callable[[Any], Any]], Any]
 
 
 class DrawnPicture:
@@ -60,7 +58,7 @@ class DrawnPicture:
         width, height = self._size
         lent = self._radiance
         return PictureOnCard(
-            lambda: call_gl(lambda _: lent.read()),
+            lambda: lent.read(call_gl),
             self._buffers.read_counts(),
             self._buffers.read_bytes()[: 3 * width * height].reshape(height, width, 3),
             self._ev100,

@@ -1,6 +1,7 @@
 """The framebuffers, buffers and fences of a graphics card's moving pictures, of one size."""
 
 import weakref
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -16,6 +17,8 @@ from vrut_lite.render.unlocked import read_rgba
 from OpenGL import GL  # isort: skip  (after `reversed_depth`, which prepares it)
 
 
+# Calls work on the GL thread and returns its result.
+CallGl = Callable[[Callable[[Any], Any]], Any]
 # Time after which a card that has not finished a picture is given up.
 LONGEST_S = 10.0
 
@@ -34,15 +37,16 @@ class LentRadiance:
     def __init__(self, texture: Any):
         self._texture: Any = texture
 
-    def read(self) -> NDArray[np.float32]:
-        """The radiance (h, w, 3), row 0 at the top; on the GL thread.
+    def read(self, call_gl: CallGl) -> NDArray[np.float32]:
+        """The radiance (h, w, 3), row 0 at the top; on any thread but that of GL.
 
         Raises:
-            UserError: it was released.
+            UserError: it was released, or the host is closed.
         """
         if self._texture is None:
             raise UserError("the picture's radiance left the graphics card: draw it again")
-        return read_rgba(self._texture)[::-1, :, :3]
+        found: NDArray[np.float32] = call_gl(lambda _: read_rgba(self._texture))
+        return found[::-1, :, :3]
 
     def forget(self) -> None:
         """The texture is released."""
