@@ -22,6 +22,7 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import rerecord
@@ -226,6 +227,32 @@ def test_a_stand_in_repeats_the_module_s_demands(tmp_path):
     path = tmp_path / "session.mcap"
     path.write_bytes(stream.getvalue())
     outcome = rerecord(Journal(path), io.BytesIO(), [StandIn, Asked])
+    assert (outcome.difference, outcome.messages) == (None, 1)
+
+
+class Chooser(Module):
+    """Tells which renderer was tried."""
+
+    manifest = Manifest(name="chooser", title="Chooser", version="1")
+    speaks = (Told,)
+
+    @handles(Tick)
+    def on_tick(self, message: Tick) -> None:
+        tried = self.link.last(RendererTried)
+        self.link.post(Told(module="chooser", history=(str(tried),)))
+
+
+def test_a_renderer_that_was_tried_before_is_in_the_set_up(tmp_path):
+    """A host tries it at its start: "auto" must choose the same in a replay without that card."""
+    kernel, stream = kernel_with(Chooser), io.BytesIO()
+    act(kernel, RendererTried(renderer="a card", trial_ns=0.1))
+    recorder = Recorder(kernel, stream)
+    act(kernel, TICK)
+    recorder.close()
+    path = tmp_path / "session.mcap"
+    path.write_bytes(stream.getvalue())
+    assert "a card" in str([e.message for e in Journal(path).entries() if e.type_name == "Told"])
+    outcome = rerecord(Journal(path), io.BytesIO(), [Chooser])
     assert (outcome.difference, outcome.messages) == (None, 1)
 
 

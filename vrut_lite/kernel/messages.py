@@ -55,6 +55,8 @@ class Input(Message, frozen=True, kw_only=True):
     timeline: ClassVar[str | None] = None
     # Whether it begins a revision. One that does not may overtake waiting inputs that do.
     revises: ClassVar[bool] = True
+    # Whether it belongs to a kernel's set-up, which a recording repeats, beside the kernel's own.
+    sets_up: ClassVar[bool] = False
     # Whether no later input overtakes it.
     is_barrier: ClassVar[bool] = False
     # Whether another process sent it: its faults are posted, but no command fails for them.

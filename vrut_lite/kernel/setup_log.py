@@ -22,6 +22,11 @@ SETTING_UP = (SetSetting, EnableModule, RestartModule, ReloadModule, ChooseSlot,
 MOST_STEPS = 10_000
 
 
+def sets_up(kind: type[Input]) -> bool:
+    """Whether inputs of this type belong to a kernel's set-up."""
+    return kind in SETTING_UP or kind.sets_up
+
+
 class Step(NamedTuple):
     """An added module or an input; without both, a delivery of all queued messages."""
 
@@ -44,7 +49,7 @@ class SetupLog:
         message = step.input
         if isinstance(message, JobResult) and self._jobs.is_own(message):
             step = Step(input=JobResult(module=message.module, job=message.job))
-        elif message is not None and type(message) not in SETTING_UP:
+        elif message is not None and not sets_up(type(message)):
             self._end(f"a {type(message).__name__} has been admitted")
             return
         if len(self.steps) >= MOST_STEPS:

@@ -20,6 +20,7 @@ class RendererTried(Input, frozen=True, kw_only=True):
     """
 
     revises: ClassVar[bool] = False
+    sets_up: ClassVar[bool] = True
 
     renderer: str
     trial_ns: float

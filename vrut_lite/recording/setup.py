@@ -18,7 +18,7 @@ from vrut_lite.kernel.messages import (
     SetSetting,
 )
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.setup_log import MOST_STEPS, SETTING_UP, Step
+from vrut_lite.kernel.setup_log import MOST_STEPS, Step, sets_up
 from vrut_lite.message_codec import decode, to_plain
 from vrut_lite.recording.earlier_names import settings_in_todays_words
 from vrut_lite.recording.entry import ModuleSetup, Setup, SetupStep
@@ -130,7 +130,7 @@ def _check_modules(setup: Setup) -> None:
 
 def _input_of(step: SetupStep, registry: Registry) -> Input:
     kind = registry.find_input(step.type_name)
-    if kind not in SETTING_UP:
+    if not sets_up(kind):
         raise UserError(f"the journal's setup holds a {step.type_name}, which sets nothing up")
     return decode(kind, step.message)
 

@@ -12,6 +12,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.device import Device
+from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.picture_passes import unmeasured
 from vrut_lite.scene.backend import IsGivenUp
@@ -73,10 +74,10 @@ class Stage(Protocol):
 
 
 class GlStage:
-    """A host that draws with OpenGL, on its owner's thread."""
+    """A host that draws with OpenGL, on its owner's thread; `gl` is the stage's from now on."""
 
-    def __init__(self) -> None:
-        self._host = Host(runner=WindowJobs())
+    def __init__(self, gl: GlOwner | None = None) -> None:
+        self._host = Host(runner=WindowJobs(), gl=gl)
         self._measures_next = False
         self.pass_seconds: dict[str, float] = {}
         self.renderer: str = self._host.gl.opened.renderer
