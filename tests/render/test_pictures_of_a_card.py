@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from box_stage import show_box, sun_at, uniform_sky
 from house_fixtures import CARD_NS
-from scene_stage import light, look
+from scene_stage import light, look, look_finished
 from stateful_backend import StatefulBackend
 
 from vrut_lite.array import Array
@@ -61,6 +61,18 @@ def test_a_card_and_a_processor_draw_the_same_picture(card, shared_gl_backend, b
     assert seen[0].ev100 == pytest.approx(seen[1].ev100, abs=0.02)
     apart = np.abs(seen[0].display.astype(int) - seen[1].display)
     assert np.median(apart) <= 1.0
+
+
+def test_a_finished_still_is_added_on_the_card(card, shared_gl_backend, box_file):
+    """As eight pictures that are read and added by the processor: the same numbers to 1e-6."""
+    stills = []
+    for backend in (card, shared_gl_backend(size_px=(160, 120))):
+        show_box(backend, box_file)
+        light(backend, uniform_sky(1.0), **SUN)
+        backend.counters.done.clear()
+        stills.append(look_finished(backend, EYE, TARGET))
+        assert backend.counters.done["picture"] == 8
+    np.testing.assert_allclose(stills[0].radiance, stills[1].radiance, rtol=1e-6, atol=1e-9)
 
 
 def test_a_pixel_on_an_edge_is_the_mean_of_four_samples(card, box_file):

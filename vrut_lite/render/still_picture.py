@@ -17,6 +17,7 @@ from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import ONE_SAMPLE, FrameInputs, PicturePasses
+from vrut_lite.render.picture_sum import PictureSum
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shader_files import Defines
@@ -50,6 +51,8 @@ class StillPictures:
         context = passes.context
         self._of_one = SizeCache(context, lambda size: Targets(context, size, SAMPLES))
         self._of_several = SizeCache(context, lambda size: Targets(context, size, 1))
+        # On a card the pictures of a mean are added there: each would take long to read.
+        self._sum = PictureSum(context) if several_samples else None
         # The last still, whose radiance its targets still hold.
         self._last: tuple[SceneState, Targets, NDArray[np.float32]] | None = None
 
@@ -105,6 +108,8 @@ class StillPictures:
         """Free everything; another framebuffer must be bound."""
         self._of_one.release()
         self._of_several.release()
+        if self._sum is not None:
+            self._sum.release()
 
     def _mean(
         self, shot: FrameInputs, targets: Targets, shifts: tuple[tuple[float, float], ...]
@@ -122,13 +127,18 @@ class StillPictures:
             with reversed_depth():
                 self._draw_seen(targets, shot._replace(view=view), sample)
             with passes.measure("resolve"):
-                resolved = targets.read_resolved()
-                total = resolved if total is None else np.add(total, resolved, out=total)
+                if self._sum is not None and len(shifts) > 1:
+                    self._sum.add(targets.radiance, first=sample == 0)
+                else:
+                    resolved = targets.read_resolved()
+                    total = resolved if total is None else np.add(total, resolved, out=total)
             if state.shows == "picture":
                 drawn = passes.sky.count_samples()
                 passes.counters.did("sky sample", drawn)
                 passes.counters.skip("sky sample: covered", targets.samples - drawn)
-        assert total is not None
+        if total is None:
+            assert self._sum is not None
+            total = self._sum.read(targets.size)
         if len(shifts) > 1:
             total /= np.float32(len(shifts))
         return total[::-1]
