@@ -7,7 +7,8 @@ import subprocess
 import pytest
 from bridge_ends import BridgedKernel, demands, free_port, until
 from bridge_samples import ARRAYS, BACKGROUND, CUBE, SAMPLES, SUN, SUN_LIGHT, mangled
-from bridged_sky import clock, enabling
+from bridged_sky import PRAGUE, clock, enabling
+from dynamic_skylight.module import DynamicSkyLight
 from test_bridge_frames import refusal
 from zenoh_bridge.frames import encode_frame
 from zenoh_bridge.module import NAME, OFF, ZenohBridge
@@ -15,15 +16,18 @@ from zenoh_bridge.plan import plan_of
 from zenoh_bridge.session import BridgeSession
 from zenoh_bridge.settings import ZenohBridgeSettings
 
+from vrut_lite.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     ClockMoved,
+    Demand,
     EnableModule,
     RestartModule,
     SetSetting,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.recording.journal_reader import Journal
@@ -105,6 +109,26 @@ def test_a_late_joiner_gets_the_last_values(ends):
     until(lambda: late.kernel.last(KeyLightChanged) == SUN_LIGHT, "the light, wanted now")
     assert maker.bridge.state.endswith("1 process has joined")
     assert not maker.faults + late.faults
+
+
+def test_a_sky_on_a_card_crosses_as_numbers(ends):
+    """A texture cannot leave its GPU: with "auto" on a card, the other process's demand has the
+    processor compute the sky."""
+    port = free_port()
+    maker, viewer = ends(DynamicSkyLight), ends()
+    maker.inject(
+        RendererTried(renderer="a card", trial_ns=0.1),
+        Demand(consumer="gpu", message="GpuJob"),
+        PRAGUE,
+    )
+    maker.open("listen", port)
+    maker.inject(noon())
+    viewer.hold_slots()
+    viewer.demand(8, kinds=[BackgroundChanged])
+    viewer.open("connect", port)
+    found = until(lambda: viewer.kernel.last(BackgroundChanged), "the background")
+    assert isinstance(found.cube, Array)
+    assert not maker.faults + viewer.faults
 
 
 def test_demand_follows_the_slot_and_the_consumers(ends):
