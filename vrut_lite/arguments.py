@@ -132,10 +132,10 @@ def check_output(
     if not isinstance(out, np.ndarray):
         given = shown(out)
     else:
-        given = f"{out.dtype} of shape {out.shape}"
         fits = out.shape == shape and out.dtype == dtype and out.dtype.isnative
         if fits and out.flags.c_contiguous and out.flags.writeable:
             return
+        given = f"{out.dtype} of shape {out.shape}"
         given += "" if out.flags.writeable else ", read-only"
     raise ValueError(
         f"{name} must be a C-contiguous, writable {np.dtype(dtype)} array of shape {shape}, "

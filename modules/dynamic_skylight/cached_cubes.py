@@ -22,7 +22,10 @@ _FIRST = 3
 _LIMIT_BYTES = 1 << 27
 _MODEL = Path(__file__).parent / "hosek_wilkie"
 _SOURCES = (
-    *(_MODEL / name for name in ("cube_rows.py", "cube_encoded.py", "fast_formula.py")),
+    *(
+        _MODEL / name
+        for name in ("cube_rows.py", "sky_tables.py", "texel_lanes.py", "fast_formula.py")
+    ),
     Path(cube_map.__file__),
 )
 _asked = count()

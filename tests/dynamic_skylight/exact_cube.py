@@ -32,6 +32,6 @@ def twin_cube(sky, size: int, azimuth_rad: float) -> np.ndarray:
 
 
 def assert_texels_agree(cube: np.ndarray, exact: np.ndarray) -> None:
-    """Within 1e-4 of the larger of value and 1 % of the map's maximum."""
-    allowed = 1e-4 * np.maximum(exact, 1e-2 * exact.max())
+    """Within 1e-5 of the larger of value and 1 % of the map's maximum."""
+    allowed = 1e-5 * np.maximum(exact, 1e-2 * exact.max())
     assert np.all(np.abs(cube - exact) <= allowed)

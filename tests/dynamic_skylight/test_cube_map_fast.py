@@ -17,14 +17,14 @@ from vrut_lite.geometry.cube_map import texel_directions
 @example(10.0, 1.0, np.pi / 2, 0.0, 31)
 @example(2.5, 0.1, 0.0, 3.0, 32)
 def test_fast_texels_are_the_models(turbidity, albedo, elevation, azimuth, size):
-    """Single precision and polynomials may cost 1e-4 of max(value, 1 % of the maximum)."""
+    """Tables in single precision may cost 1e-5 of max(value, 1 % of the maximum)."""
     sky = HosekWilkieSky(turbidity, albedo, elevation)
     assert_texels_agree(sky.cube_map(size, azimuth), twin_cube(sky, size, azimuth))
 
 
 @pytest.mark.parametrize("turbidity", [1.0, 3.0, 10.0])
 def test_a_sun_in_the_middle_of_a_texel_is_not_blurred(turbidity):
-    """Where gamma = 0 a cosine would lose the angle; the chord keeps the aureole to 1e-4."""
+    """Where gamma = 0 a cosine would lose the angle; the chord keeps the aureole to 1e-5."""
     directions = texel_directions(16).reshape(-1, 3)
     for x, y, z in directions[directions[:, 1] > 0][::23]:
         sky = HosekWilkieSky(turbidity, 0.1, float(np.arcsin(y)))

@@ -13,13 +13,14 @@ from vrut_lite.numeric_types import FloatArray
 
 def direction_from_angles(azimuth_rad: ArrayLike, elevation_rad: ArrayLike) -> FloatArray:
     """Unit vectors (..., 3) in east, north, up; azimuth from north, clockwise."""
-    azimuth, elevation = np.broadcast_arrays(
-        np.asarray(azimuth_rad, dtype=float), np.asarray(elevation_rad, dtype=float)
-    )
+    azimuth = np.asarray(azimuth_rad, dtype=float)
+    elevation = np.asarray(elevation_rad, dtype=float)
     horizontal = np.cos(elevation)
-    return np.stack(
-        [horizontal * np.sin(azimuth), horizontal * np.cos(azimuth), np.sin(elevation)], axis=-1
-    )
+    direction = np.empty((*np.broadcast_shapes(azimuth.shape, elevation.shape), 3))
+    direction[..., 0] = horizontal * np.sin(azimuth)
+    direction[..., 1] = horizontal * np.cos(azimuth)
+    direction[..., 2] = np.sin(elevation)
+    return direction
 
 
 def angles_from_direction(direction: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -1,26 +1,27 @@
-"""The Hosek-Wilkie cube map in single precision: row kernels that compile to vector code.
+"""The Hosek-Wilkie cube map in single precision, half precision or tone-mapped bytes.
 
-There are no tables and no branches: the elementary functions are polynomials, and one loop
-computes all three colours of a row. Terms of the zenith angle alone are computed once per row
-and shared by the four side faces. `fast_formula` explains how single precision stays accurate.
+A row of texels takes three short passes: the zenith's part (shared by the four side faces and by
+the two halves of a row), places in the glow table (a loop that vectorises over texels), and the
+look-up of all three colours at once. `sky_tables` describes the tables, `texel_lanes` the look-up.
 """
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamic_skylight.hosek_wilkie.fast_formula import (
-    ANGLE_POLYNOMIAL,
-    EXP2M1_POLYNOMIAL,
-    fold,
+from dynamic_skylight.hosek_wilkie.sky_tables import (
+    COMPILE,
+    glow_place,
+    sky_tables,
+    zenith_place,
 )
-from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
+from dynamic_skylight.hosek_wilkie.texel_lanes import TEXELS, look_up_zenith, shade_texels
 from vrut_lite.arguments import as_count, check_output, check_type, shown
-from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACES, texel_centres
-from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.njit import SUMS_IN_ORDER, njit
+from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, FACES, texel_centres
+from vrut_lite.njit import njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SIDES = (0, 1, 4, 5)
@@ -28,171 +29,95 @@ TOP, BOTTOM = 2, 3
 # Six faces of this size, in single precision, take 4.8 GB.
 LARGEST_SIZE = 8192
 _NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
-COMPILE: dict[str, Any] = {
-    "cache": True,
-    "error_model": "numpy",
-    "fastmath": SUMS_IN_ORDER,
-}
-
-
-_P0, _P1, _P2, _P3, _P4, _P5, _P6 = ANGLE_POLYNOMIAL
-_Q0, _Q1, _Q2, _Q3, _Q4 = EXP2M1_POLYNOMIAL
-_ZERO, _ONE, _TWO, _FOUR = (np.float32(v) for v in (0, 1, 2, 4))
-_HALF, _PI = np.float32(0.5), np.float32(np.pi)
-LEAST_EXPONENT = np.float32(-100.0)
-_OFFSET = np.float32(HORIZON_OFFSET)
-_ROUNDER = np.float32(1.5 * 2**23)
-_BITS_OF_ONE, _MANTISSA_BITS = np.int32(127 << 23), np.int32(23)
-
-
-@njit(inline="always", **COMPILE)
-def exp2m1(y):  # type: ignore[no-untyped-def]
-    """2^y - 1 = 2^n (2^f - 1) + (2^n - 1), |f| <= 1/2: exact near y = 0. |y| <= 126.
-
-    Adding 1.5 * 2^23 rounds to an integer in the low bits.
-    """
-    shifted = np.float32(y + _ROUNDER)
-    f = y - (shifted - _ROUNDER)
-    power = np.int32((shifted.view(np.int32) << _MANTISSA_BITS) + _BITS_OF_ONE).view(np.float32)
-    q = _Q0 + f * (_Q1 + f * (_Q2 + f * (_Q3 + f * _Q4)))
-    return power * (f * q) + (power - _ONE)
-
-
-@njit(inline="always", **COMPILE)
-def _angle(u):  # type: ignore[no-untyped-def]
-    """The angle whose squared chord is u in [0, 4]; mirrored beyond a right angle."""
-    v = min(u, _FOUR - u)
-    p = _P0 + v * (_P1 + v * (_P2 + v * (_P3 + v * (_P4 + v * (_P5 + v * _P6)))))
-    near = math.sqrt(max(v, _ZERO)) * p
-    return near if u <= _TWO else _PI - near
-
-
-@njit(inline="always", **COMPILE)
-def _glow(gamma, u, cos_gamma, sqrt_cos_theta, p):  # type: ignore[no-untyped-def]
-    """The formula's second factor; p as `fold` orders it, from the fourth number on."""
-    CD, D, E, F, G, gap, I, H = p  # noqa: E741 (the paper's letters)
-    square = cos_gamma * cos_gamma
-    t = _ONE / (gap + I * u)
-    chi = (_ONE + square) * t * math.sqrt(t)
-    return CD + D * exp2m1(E * gamma) + F * square + G * chi + H * sqrt_cos_theta
-
-
-@njit(inline="always", **COMPILE)
-def _zenith(x, base, factor, decay):  # type: ignore[no-untyped-def]
-    """The formula's first factor times the radiance; x = 1 / (cos theta + 0.01)."""
-    # 2^-100 is negligible beside 1; B' and E' keep all other exponents in exp2m1's range.
-    return base + factor * exp2m1(max(decay * x, LEAST_EXPONENT))
+# Of each face the axes along its rows, outwards, and across its rows: up, of the sides.
+_AXES = np.stack([FACE_S_AXES, FACE_NORMALS, -FACE_T_AXES], axis=1)
+_AXES[TOP, 2] = FACE_T_AXES[TOP]
+_ONE = np.float32(1.0)
+_GROUP, _COLOURS = np.uintp(TEXELS), np.uintp(3)
 
 
 @njit(**COMPILE)
-def _zenith_row(zenith, up, rest, a, p):  # type: ignore[no-untyped-def]
-    """Rows (5, n): 1 / length, sqrt(cos theta), and the first factor times radiance (3)."""
-    # Separate variables: the compiler must assume that a store into `zenith` changes an array.
-    inverse, root, red, green, blue = zenith[0], zenith[1], zenith[2], zenith[3], zenith[4]
-    r0, r1, r2 = p[0, 0], p[0, 1], p[0, 2]
-    g0, g1, g2 = p[1, 0], p[1, 1], p[1, 2]
-    b0, b1, b2 = p[2, 0], p[2, 1], p[2, 2]
-    for j in range(a.size):
+def _zenith_row(up, rest, a, table, inverse, first, share, factors, terms):  # type: ignore[no-untyped-def]
+    """1 / length (n,) of a row's directions, and `look_up_zenith`'s numbers: they are even in a."""
+    n = a.size
+    half = (n + 1) // 2
+    for j in range(half):
         q = _ONE / math.sqrt(rest + a[j] * a[j])
-        c = up * q
-        x = _ONE / (c + _OFFSET)
         inverse[j] = q
-        root[j] = math.sqrt(c)
-        red[j] = _zenith(x, r0, r1, r2)
-        green[j] = _zenith(x, g0, g1, g2)
-        blue[j] = _zenith(x, b0, b1, b2)
-
-
-@njit(inline="always", **COMPILE)
-def _glow_numbers(p):  # type: ignore[no-untyped-def]
-    return p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10]
+        first[j], share[j] = zenith_place(up * q)
+    for j in range(half):
+        mirrored = n - 1 - j
+        inverse[mirrored] = inverse[j]
+        look_up_zenith(
+            factors, terms, table, np.uintp(first[j]), share[j], np.uintp(j), np.uintp(mirrored)
+        )
 
 
 @njit(**COMPILE)
-def _sky_row(row, zenith, a, other, sun, p):  # type: ignore[no-untyped-def]
-    """One row (n, 3) whose directions are (a, *other) in the axes in which `sun` is given."""
-    red, green, blue = _glow_numbers(p[0]), _glow_numbers(p[1]), _glow_numbers(p[2])
-    inverse, roots = zenith[0], zenith[1]
-    zenith_red, zenith_green, zenith_blue = zenith[2], zenith[3], zenith[4]
+def _glow_row(inverse, a, out, up, sun, first, share):  # type: ignore[no-untyped-def]
+    """Places of the directions (a, out, up) in the glow table; `sun` (3,) is in the same axes."""
     for j in range(a.size):
-        q, root = inverse[j], roots[j]
-        x, y, z = a[j] * q - sun[0], other[0] * q - sun[1], other[1] * q - sun[2]
-        u = x * x + y * y + z * z
-        cos_gamma = _ONE - _HALF * u
-        gamma = _angle(u)
-        row[3 * j] = max(zenith_red[j] * _glow(gamma, u, cos_gamma, root, red), _ZERO)
-        row[3 * j + 1] = max(zenith_green[j] * _glow(gamma, u, cos_gamma, root, green), _ZERO)
-        row[3 * j + 2] = max(zenith_blue[j] * _glow(gamma, u, cos_gamma, root, blue), _ZERO)
+        q = inverse[j]
+        first[j], share[j] = glow_place(a[j] * q, out * q, up * q, sun)
 
 
 @njit(**COMPILE)
-def _fill_top(out, first, last, offset, a, sun, p):  # type: ignore[no-untyped-def]
-    """Rows `first` to `last` of the top face; sun along s, up and along t.
+def _shade_row(row, count, table, first, share, factors, terms, rest):  # type: ignore[no-untyped-def]
+    """The row (3 n,) of `count` texels; the other arrays go on to a whole group of texels."""
+    groups = np.uintp((count - 1) // TEXELS)
+    for group in range(groups):
+        texel = group * _GROUP
+        shade_texels(row, texel * _COLOURS, table, first, share, texel, factors, terms)
+    # The last group must not write beyond the row.
+    texel = groups * _GROUP
+    shade_texels(rest, np.uintp(0), table, first, share, texel, factors, terms)
+    for k in range(np.uintp(3 * count) - texel * _COLOURS):
+        row[texel * _COLOURS + k] = rest[k]
 
-    Rows at equal distances from the middle share their zenith angles.
+
+@njit(**COMPILE)
+def _fill(out, sides, suns, top, rows, a, tables, spaces):  # type: ignore[no-untyped-def]
+    """Rows `rows[0]` to `rows[1]` of the sky in `out` (6, n, 3 n).
+
+    `suns` (6, 3) are those of `_in_face_axes`, `sides` (k,) faces, `tables` and `spaces` those of
+    `sky_tables` and `_spaces`.
     """
-    zenith = np.empty((5, a.size), np.float32)
-    for i in range(first, last):
-        mirrored = a.size - 1 - i
+    n, (first, last), (glow, zenith) = a.size, rows, tables
+    inverse, place, share, factors, terms, rest = spaces
+    for i in range(first, min(last, n // 2) if sides.size else first):
+        up = -a[i]
+        _zenith_row(up, _ONE + up * up, a, zenith, inverse, place, share, factors, terms)
+        for face in sides:
+            sun = (suns[face, 0], suns[face, 1], suns[face, 2])
+            _glow_row(inverse, a, _ONE, up, sun, place, share)
+            _shade_row(out[face, i], n, glow, place, share, factors, terms, rest)
+    sun = (suns[TOP, 0], suns[TOP, 1], suns[TOP, 2])
+    for i in range(first, last if top else first):
+        # Rows at equal distances from the middle share their zenith angles.
+        mirrored = n - 1 - i
         if first <= mirrored < i:
             continue
-        _zenith_row(zenith, _ONE, _ONE + a[i] * a[i], a, p)
-        _sky_row(out[i - offset], zenith, a, (_ONE, a[i]), sun, p)
-        if i < mirrored < last:
-            _sky_row(out[mirrored - offset], zenith, a, (_ONE, a[mirrored]), sun, p)
+        _zenith_row(_ONE, _ONE + a[i] * a[i], a, zenith, inverse, place, share, factors, terms)
+        for k in (i, mirrored):
+            if k == i or i < k < last:
+                _glow_row(inverse, a, _ONE, a[k], sun, place, share)
+                _shade_row(out[TOP, k], n, glow, place, share, factors, terms, rest)
 
 
-@njit(**COMPILE)
-def _fill_sides(out, places, first, last, offset, a, suns, p):  # type: ignore[no-untyped-def]
-    """Rows `first` to `last` of side faces; suns (k, 3): along s, out, up."""
-    zenith = np.empty((5, a.size), np.float32)
-    for i in range(first, last):
-        up = -a[i]
-        _zenith_row(zenith, up, _ONE + up * up, a, p)
-        for k in range(places.size):
-            sun = (suns[k, 0], suns[k, 1], suns[k, 2])
-            _sky_row(out[places[k], i - offset], zenith, a, (_ONE, up), sun, p)
+def _spaces(size: int, dtype: type[np.generic]) -> tuple[NDArray[Any], ...]:
+    """Arrays that rows overwrite, as long as the last group of texels.
 
-
-class SkyRows:
-    """Computes rows of one sky's cube map into given arrays.
-
-    `distribution` (3, 9) and `mean_radiance` (3,) are the formula's numbers; the sun may also be
-    below the horizon. Row i is written to row i - `offset` of `out`, which is C-contiguous with
-    rows of (3 size,).
+    They are separate: in rows of one array the loops would not compile to vector code.
     """
-
-    def __init__(
-        self,
-        distribution: FloatArray,
-        mean_radiance: FloatArray,
-        sun_azimuth_rad: float,
-        sun_elevation_rad: float,
-        size: int,
-    ):
-        self.size = checked_size(size)
-        self._sun = world_from_enu(direction_from_angles(sun_azimuth_rad, sun_elevation_rad))
-        self._a = texel_centres(size).astype(np.float32)
-        self._numbers = fold(distribution, mean_radiance)
-
-    def top(self, out: Float32Array, first: int, last: int, offset: int = 0) -> None:
-        """Write rows of the top face into `out` (m, 3 size)."""
-        x, y, z = (np.float32(v) for v in self._sun)
-        _fill_top(out, first, last, offset, self._a, (x, y, z), self._numbers)
-
-    def sides(
-        self,
-        out: Float32Array,
-        places: NDArray[np.intp],
-        faces: NDArray[np.intp],
-        first: int,
-        last: int,
-        offset: int = 0,
-    ) -> None:
-        """Write the rows above the horizon of side faces, faces[k] to out[places[k]]."""
-        last = min(last, self.size // 2)
-        suns = _in_face_axes(self._sun, faces)
-        _fill_sides(out, places, first, last, offset, self._a, suns, self._numbers)
+    n = size + TEXELS
+    return (
+        np.empty(n, np.float32),
+        np.zeros(n, np.int32),
+        np.zeros(n, np.float32),
+        np.zeros(4 * n, np.float32),
+        np.zeros(4 * n, np.float32),
+        np.empty(3 * TEXELS + 1, dtype),
+    )
 
 
 def fill_cube(
@@ -201,44 +126,53 @@ def fill_cube(
     sun_azimuth_rad: float,
     sun_elevation_rad: float,
     size: int,
-    out: Float32Array | None,
+    out: NDArray[Any] | None,
     faces: tuple[int, ...],
     rows: tuple[int, int] | None = None,
-) -> Float32Array:
+    dtype: type[np.generic] = np.float32,
+) -> NDArray[Any]:
     """A cube map (6, size, size, 3) of the formula, clamped at 0, 0 below the horizon.
 
-    See `SkyRows` for the sky and `HosekWilkieSky.cube_map` for the rest.
+    `distribution` (3, 9) and `mean_radiance` (3,) are the formula's numbers; the sun may also be
+    below the horizon. `dtype` is float32; float16, clipped at 65504; or uint8, 255 (1 - 2^-x) of a
+    radiance x. See `HosekWilkieSky.cube_map` for the rest.
 
     Raises:
         ValueError: for an `out` of another shape, type or layout, a face not in 0 to 5, or
             rows that do not exist.
     """
-    cube = checked_cube(checked_size(size), np.float32, out, faces)
+    cube = _checked_cube(_checked_size(size), dtype, out, faces)
     first, last = _checked_rows(size, rows)
-    sky = SkyRows(distribution, mean_radiance, sun_azimuth_rad, sun_elevation_rad, size)
-    view = cube.reshape(6, size, 3 * size)
-    sides = side_faces(faces)
-    sky.sides(view, sides, sides, first, last)
+    # Compiled code has no halves: it writes their bits.
+    view = cube.view(np.uint16 if dtype == np.float16 else dtype).reshape(6, size, 3 * size)
+    sides = [face for face in SIDES if face in faces]
+    top = TOP in faces
+    if sides or top:
+        _fill(
+            view, np.array(sides, np.intp), _in_face_axes(sun_azimuth_rad, sun_elevation_rad),
+            top, (first, last), _centres(size), sky_tables(distribution, mean_radiance),
+            _spaces(size, view.dtype.type),
+        )  # fmt: skip
+    if out is None:
+        return cube
     for face in sides:
-        view[face, max(size // 2, first) : last] = 0.0
-    if TOP in faces:
-        sky.top(view[TOP], first, last)
+        view[face, max(size // 2, first) : last] = 0
     if BOTTOM in faces:
-        view[BOTTOM, first:last] = 0.0
+        view[BOTTOM, first:last] = 0
     return cube
 
 
-def side_faces(faces: tuple[int, ...]) -> NDArray[np.intp]:
-    """The side faces among `faces`."""
-    return np.array([face for face in SIDES if face in faces], dtype=np.intp)
+@lru_cache(maxsize=8)
+def _centres(size: int) -> Float32Array:
+    return texel_centres(size).astype(np.float32)
 
 
-def checked_size(size: int) -> int:
+def _checked_size(size: int) -> int:
     """The edge of a cube map's faces in texels."""
     return as_count("size", size, 1, LARGEST_SIZE)
 
 
-def checked_cube(
+def _checked_cube(
     size: int, dtype: type[np.generic], out: NDArray[Any] | None, faces: tuple[int, ...]
 ) -> NDArray[Any]:
     """`out`, or a new map of zeros if it is None; ValueError if `out` does not fit."""
@@ -263,8 +197,8 @@ def _checked_rows(size: int, rows: tuple[int, int] | None) -> tuple[int, int]:
     return first, last
 
 
-def _in_face_axes(sun: FloatArray, faces: NDArray[np.intp]) -> Float32Array:
-    """The sun (k, 3) along each side face's s axis, its normal, and up."""
-    along, out = FACE_S_AXES[faces] @ sun, FACE_NORMALS[faces] @ sun
-    axes = np.array([along, out, np.full_like(out, sun[1])])
-    return axes.T.astype(np.float32, order="C")
+def _in_face_axes(sun_azimuth_rad: float, sun_elevation_rad: float) -> Float32Array:
+    """The sun (6, 3) along each face's s axis, its normal, and up; of the top, along t."""
+    level = math.cos(sun_elevation_rad)
+    x, z = level * math.sin(sun_azimuth_rad), -level * math.cos(sun_azimuth_rad)
+    return (_AXES @ (x, math.sin(sun_elevation_rad), z)).astype(np.float32)

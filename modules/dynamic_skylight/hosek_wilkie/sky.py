@@ -1,23 +1,19 @@
 """HosekWilkieSky: the sky and the sun's disc of one turbidity, ground and solar elevation."""
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
-from dynamic_skylight.hosek_wilkie.cube_encoded import fill_bytes, fill_half
-from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows, fill_cube
+from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
+from dynamic_skylight.hosek_wilkie.towards import radiance_towards
 from vrut_lite.arguments import ROUNDING, as_number, as_numbers, broadcast
 from vrut_lite.geometry.preview import fisheyes_png
-from vrut_lite.numeric_types import FloatArray
-
-if TYPE_CHECKING:
-    from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
-
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # The disc that the solar function was fitted with; the real one is 0.2666 deg on average.
 SOLAR_DISC_RADIUS_RAD = np.deg2rad(0.51 / 2)
@@ -145,7 +141,7 @@ class HosekWilkieSky:
         """Sky radiance as a cube map (6, size, size, 3) float32, the fast path of `radiance`.
 
         World axes and face order of `vrut_lite.geometry.cube_map`; the azimuth counts from
-        -Z, clockwise seen from above. 0 below the horizon. Within 1e-4 of `radiance`, relative to
+        -Z, clockwise seen from above. 0 below the horizon. Within 1e-5 of `radiance`, relative to
         the larger of the value and 1 % of the map's maximum. `out` (C-contiguous), if given, is
         written and returned. Texels outside `faces` and `rows` (the first row and the one after
         the last, of each face) are unchanged in `out` and 0 in a new map.
@@ -154,9 +150,7 @@ class HosekWilkieSky:
             ValueError: a size outside 1 to 8192, an `out` that does not fit, a face or row that
                 does not exist; likewise for the other cube maps.
         """
-        azimuth = _azimuth(sun_azimuth_rad)
-        numbers = self.rgb_distribution, self.rgb_mean_radiance
-        return fill_cube(*numbers, azimuth, self.sun_elevation_rad, size, out, faces, rows)
+        return self._cube(np.float32, 1.0, size, sun_azimuth_rad, out, faces, rows)
 
     def cube_map_float16(
         self,
@@ -171,7 +165,7 @@ class HosekWilkieSky:
         `half_scale` of `brightest` is a good scale; values are clipped at 65504.
         """
         factor = as_number("scale", scale, 2.0**-40, 2.0**40)
-        return fill_half(self._rows(size, sun_azimuth_rad, 1.0 / factor), faces, out)
+        return self._cube(np.float16, 1.0 / factor, size, sun_azimuth_rad, out, faces)
 
     def cube_map_u8(
         self,
@@ -187,7 +181,20 @@ class HosekWilkieSky:
         never clipped for bright ones. `exposure` is in m^2 sr W^-1.
         """
         factor = as_number("exposure", exposure, 0.0, _MOST_EXPOSURE) / np.log(2.0)
-        return fill_bytes(self._rows(size, sun_azimuth_rad, factor), faces, out)
+        return self._cube(np.uint8, factor, size, sun_azimuth_rad, out, faces)
+
+    def radiance_towards(self, directions: ArrayLike, sun_azimuth_rad: float = 0.0) -> Float32Array:
+        """Sky radiance (..., 3) in world directions (..., 3), as `cube_map` has it on its texels.
+
+        A panorama is `radiance_towards(lat_long_directions(height))`, of `vrut_lite.geometry`. The
+        directions need not be of unit length; below the horizon the sky is 0.
+
+        Raises:
+            ValueError: for directions without a length, or with numbers beyond 1e18.
+        """
+        numbers = self.rgb_distribution, self.rgb_mean_radiance
+        sun = _azimuth(sun_azimuth_rad), self.sun_elevation_rad
+        return radiance_towards(*numbers, *sun, directions)
 
     @cached_property
     def brightest(self) -> float:
@@ -201,10 +208,19 @@ class HosekWilkieSky:
         gamma = np.array([0.0, zenith_angle, self.sun_elevation_rad, np.pi / 2 + zenith_angle])
         return float(self.radiance(theta, gamma).max())
 
-    def _rows(self, size: int, sun_azimuth_rad: float, factor: float) -> "SkyRows":
-        mean = self.rgb_mean_radiance * factor
-        azimuth = _azimuth(sun_azimuth_rad)
-        return SkyRows(self.rgb_distribution, mean, azimuth, self.sun_elevation_rad, size)
+    def _cube(
+        self,
+        dtype: type[np.generic],
+        factor: float,
+        size: int,
+        sun_azimuth_rad: float,
+        out: NDArray[Any] | None,
+        faces: tuple[int, ...],
+        rows: tuple[int, int] | None = None,
+    ) -> NDArray[Any]:
+        numbers = self.rgb_distribution, self.rgb_mean_radiance * factor
+        sun = _azimuth(sun_azimuth_rad), self.sun_elevation_rad
+        return fill_cube(*numbers, *sun, size, out, faces, rows, dtype)
 
     def _distribution(self, quantity: Quantity) -> FloatArray:
         albedo = self._albedo_for(quantity)

@@ -181,14 +181,13 @@ class OurHosekWilkie:
     def shots(self, views: Sequence[SkyViewpoint]) -> dict[SkyViewpoint, PeerShot]:
         """From the ground, the sun up."""
         found = {}
-        directions = lat_long_directions(HEIGHT)
         for view in views:
             if view in ON_GROUND and view.sun_deg >= 0.0:
                 elevation = float(np.radians(view.sun_deg))
 
-                def picture(e: float = elevation, v: SkyViewpoint = view) -> FloatArray:
+                def picture(e: float = elevation) -> FloatArray:
                     sky = HosekWilkieSky(equal_sky(DEPTH, e).turbidity, GROUND_ALBEDO, e)
-                    return sample_sky(sky.cube_map(_CUBE), directions)
+                    return sky.radiance_towards(lat_long_directions(HEIGHT)).astype(float)
 
                 seen, spent_s = cpu(picture, 3)
                 found[view] = PeerShot(of_picture(seen, view), spent_s)
