@@ -29,7 +29,17 @@ SAMPLES, STRIDE = 5, 2
 THIN_SAMPLES, THIN_STRIDE = 13, 5
 # Texels above the horizon up to which the limb is supersampled; a thicker limb is smooth there.
 LIMB_TEXELS = 6.0
-_compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS_IN_ORDER)
+_OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": SUMS_IN_ORDER,
+}
+_compiled = njit(**_OPTIONS)
+# Faces with the horizon in their middle, whose s axes are level, and the other two.
+SIDES, TOP, BOTTOM = (0, 1, 4, 5), 2, 3
+# What a row shows.
+SKY, GROUND, DARK = 0, 1, 2
 _FLOAT, _INT = ir.FloatType(), ir.IntType(32)
 _NODE, _FOUR = ir.VectorType(_FLOAT, 8), ir.VectorType(_FLOAT, 4)
 _FLAGS = tuple(sorted(SUMS_IN_ORDER))
@@ -48,30 +58,67 @@ def fill_faces(  # type: ignore[no-untyped-def]
     `colour` are those of `AerosolBands`, flat. `axes` (6, 3, 3): normal, s and t axis of each face.
     """
     size = centres.size
-    first_node = np.empty(size, dtype=np.int32)
-    fraction, turned = np.empty((3, size), dtype=np.float32), np.empty(size, dtype=np.int32)
-    level = np.empty(size, dtype=np.float32)
-    flat_nodes, rows = nodes.reshape(-1), cube.reshape(6, size, 3 * size)
-    for face in range(6):
-        for i in range(size):
-            if shape[1] == 0 and axes[face, 0, 1] + centres[i] * axes[face, 2, 1] < 0.0:
+    row, first_node = np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32)
+    columns, turned = np.empty((4, size), dtype=np.int32), np.empty(size, dtype=np.int32)
+    across, fraction = np.empty((4, size), _f4), np.empty((3, size), _f4)
+    level = np.empty(size, _f4)
+    flat_nodes, out = nodes.reshape(-1), cube.reshape(6, size, 3 * size)
+    ground_row = np.empty(3 * size, _f4)
+    for j in range(size):
+        for c in range(3):
+            ground_row[3 * j + c] = ground[c]
+    for side in range(4):
+        face = SIDES[side]
+        _place_columns(axes[face], centres, shape[2], sun, columns[side], across[side])
+    for i in range(size):
+        y = -centres[i]
+        kind = _kind_of_row(axes[SIDES[0]], y, centres[i], shape, horizon)
+        if kind == SKY:
+            _place_rows(centres, y, shape, horizon, row, fraction[0])
+        for side in range(4):
+            face = SIDES[side]
+            if kind == SKY:
+                _place_turns(axes[face], centres, y, sun, phase.size, turned, fraction[2])
                 for j in range(size):
-                    for c in range(3):
-                        cube[face, i, j, c] = ground[c]
-                continue
-            if horizon[1] <= _ONE and _depth(axes[face], _ZERO, centres[i]) >= horizon[1]:
-                # An observer above the air sees no light above the air's edge. A row looks down
-                # most steeply in its middle.
-                cube[face, i, :, :] = _ZERO
+                    first_node[j] = row[j] + columns[side, j]
+                fraction[1, :] = across[side]
+                _shade(
+                    flat_nodes, shape[2], phase, colour, first_node, turned, fraction,
+                    out[face, i],
+                )  # fmt: skip
+            else:
+                _fill_row(out[face, i], ground_row, kind)
+    for face in (TOP, BOTTOM):
+        for i in range(size):
+            kind = _kind_of_row(axes[face], axes[face, 0, 1], centres[i], shape, horizon)
+            if kind != SKY:
+                _fill_row(out[face, i], ground_row, kind)
                 continue
             level[:] = centres[i]
             _place(
                 axes[face], centres, level, shape, horizon, sun, phase.size,
                 first_node, turned, fraction,
             )  # fmt: skip
-            _shade(flat_nodes, shape[2], phase, colour, first_node, turned, fraction, rows[face, i])
+            _shade(flat_nodes, shape[2], phase, colour, first_node, turned, fraction, out[face, i])
     if horizon[1] <= _ONE:
         _refine_limb(flat_nodes, shape, horizon, sun, phase, colour, axes, centres, cube)
+
+
+@_compiled
+def _kind_of_row(axes, y, t, shape, horizon):  # type: ignore[no-untyped-def]
+    """What a row of a face shows, whose directions have the height y."""
+    if shape[1] == 0 and y < _ZERO:
+        return GROUND
+    # An observer above the air sees no light above the air's edge. A row looks down most steeply in
+    # its middle.
+    return DARK if horizon[1] <= _ONE and _depth(axes, _ZERO, t) >= horizon[1] else SKY
+
+
+@_compiled
+def _fill_row(out, ground, kind):  # type: ignore[no-untyped-def]
+    """A row (3 n,) of ground, or of no light."""
+    for n in range(out.size):
+        out[n] = ground[n] if kind == GROUND else _ZERO
 
 
 @_compiled
@@ -165,9 +212,6 @@ def _place(  # type: ignore[no-untyped-def]
     node.
     """
     turns = np.int32(phase_size // 4 - 1)
-    above, below, columns = shape
-    rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
-    turn = _f4(TURN_OUTSIDE if horizon[1] <= _ONE else TURN_INSIDE)
     for j in range(s_at.size):
         s, t = s_at[j], t_at[j]
         x = axes[0, 0] + s * axes[1, 0] + t * axes[2, 0]
@@ -175,38 +219,84 @@ def _place(  # type: ignore[no-untyped-def]
         z = axes[0, 2] + s * axes[1, 2] + t * axes[2, 2]
         level = x * x + z * z
         length = math.sqrt(level + y * y)
-        inverse = _ONE / length
-        # 1 + mu without cancellation at the nadir, where a far observer has all of the planet.
-        depth = length + abs(y)
-        w = level * inverse / depth if y < 0 else depth * inverse
-        height = w - horizon[0]
-        if below == 0:
-            # A texel on the level may fall below it by a last digit.
-            height = max(height, _ZERO)
-        share = min(abs(height) * (rise if height >= 0 else fall), _ONE)
-        if height < 0:
-            row = math.sqrt(share)
-        elif share < turn:
-            row = math.sqrt(share * turn)
-        else:
-            row = _ONE - math.sqrt((_ONE - share) * (_ONE - turn))
-        row = row * np.float32(above - 1 if height >= 0 else below - 1)
-        last = above - 2 if height >= 0 else below - 2
-        i = min(np.int32(row), np.int32(last))
-        # Half the chord between the level directions is the sine of half the azimuth.
-        scale = _ONE / math.sqrt(max(level, _SMALLEST))
-        along, across = x * scale - sun[3], z * scale - sun[4]
-        column = _HALF * math.sqrt(along * along + across * across) * np.float32(columns - 1)
-        k = min(np.int32(column), np.int32(columns - 2))
-        first_node[j] = (i if height >= 0 else i + above) * columns + k
-        fraction[0, j] = row - np.float32(i)
-        fraction[1, j] = column - np.float32(k)
-        # Half the chord to the sun is the sine of half the angle: exact beside it.
-        dx, dy, dz = x * inverse - sun[0], y * inverse - sun[1], z * inverse - sun[2]
-        turn_at = min(_HALF * math.sqrt(dx * dx + dy * dy + dz * dz), _ONE) * np.float32(turns)
-        first = min(np.int32(turn_at), turns - np.int32(1))
-        turned[j] = first
-        fraction[2, j] = turn_at - np.float32(first)
+        first, fraction[0, j] = _row_place(y, level, length, shape, horizon)
+        column, fraction[1, j] = _column_place(x, z, level, shape[2], sun)
+        first_node[j] = first + column
+        turned[j], fraction[2, j] = _turn_place(x, y, z, _ONE / length, turns, sun)
+
+
+@_compiled
+def _place_rows(s_at, y, shape, horizon, row, fraction):  # type: ignore[no-untyped-def]
+    """First nodes of the table's rows, for directions of a side face at a height y: all four faces
+    have the same."""
+    for j in range(s_at.size):
+        level = _ONE + s_at[j] * s_at[j]
+        row[j], fraction[j] = _row_place(y, level, math.sqrt(level + y * y), shape, horizon)
+
+
+@_compiled
+def _place_columns(axes, s_at, columns, sun, column, fraction):  # type: ignore[no-untyped-def]
+    """Columns of the table, for a side face: they do not depend on the height."""
+    for j in range(s_at.size):
+        x, z = axes[0, 0] + s_at[j] * axes[1, 0], axes[0, 2] + s_at[j] * axes[1, 2]
+        column[j], fraction[j] = _column_place(x, z, _ONE + s_at[j] * s_at[j], columns, sun)
+
+
+@_compiled
+def _place_turns(axes, s_at, y, sun, phase_size, turned, fraction):  # type: ignore[no-untyped-def]
+    """Nodes of the phase functions, for directions of a side face at a height y."""
+    turns = np.int32(phase_size // 4 - 1)
+    for j in range(s_at.size):
+        x, z = axes[0, 0] + s_at[j] * axes[1, 0], axes[0, 2] + s_at[j] * axes[1, 2]
+        inverse = _ONE / math.sqrt(_ONE + s_at[j] * s_at[j] + y * y)
+        turned[j], fraction[j] = _turn_place(x, y, z, inverse, turns, sun)
+
+
+@njit(inline="always", **_OPTIONS)
+def _row_place(y, level, length, shape, horizon):  # type: ignore[no-untyped-def]
+    """First node of the row below a direction, and the share of the next row."""
+    above, below, columns = shape
+    rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
+    turn = _f4(TURN_OUTSIDE if horizon[1] <= _ONE else TURN_INSIDE)
+    # 1 + mu without cancellation at the nadir, where a far observer has all of the planet.
+    depth, inverse = length + abs(y), _ONE / length
+    w = level * inverse / depth if y < 0 else depth * inverse
+    height = w - horizon[0]
+    if below == 0:
+        # A texel on the level may fall below it by a last digit.
+        height = max(height, _ZERO)
+    share = min(abs(height) * (rise if height >= 0 else fall), _ONE)
+    if height < 0:
+        row = math.sqrt(share)
+    elif share < turn:
+        row = math.sqrt(share * turn)
+    else:
+        row = _ONE - math.sqrt((_ONE - share) * (_ONE - turn))
+    row = row * np.float32(above - 1 if height >= 0 else below - 1)
+    last = above - 2 if height >= 0 else below - 2
+    i = min(np.int32(row), np.int32(last))
+    return np.int32((i if height >= 0 else i + above) * columns), row - np.float32(i)
+
+
+@njit(inline="always", **_OPTIONS)
+def _column_place(x, z, level, columns, sun):  # type: ignore[no-untyped-def]
+    """Column of the table before a direction, and the share of the next."""
+    # Half the chord between the level directions is the sine of half the azimuth.
+    scale = _ONE / math.sqrt(max(level, _SMALLEST))
+    along, across = x * scale - sun[3], z * scale - sun[4]
+    column = _HALF * math.sqrt(along * along + across * across) * np.float32(columns - 1)
+    k = min(np.int32(column), np.int32(columns - 2))
+    return k, column - np.float32(k)
+
+
+@njit(inline="always", **_OPTIONS)
+def _turn_place(x, y, z, inverse, turns, sun):  # type: ignore[no-untyped-def]
+    """Node of the phase functions before a direction, and the share of the next."""
+    # Half the chord to the sun is the sine of half the angle: exact beside it.
+    dx, dy, dz = x * inverse - sun[0], y * inverse - sun[1], z * inverse - sun[2]
+    at = min(_HALF * math.sqrt(dx * dx + dy * dy + dz * dz), _ONE) * np.float32(turns)
+    first = min(np.int32(at), turns - np.int32(1))
+    return first, at - np.float32(first)
 
 
 @_compiled
@@ -273,9 +363,11 @@ def shade_texel(  # type: ignore[no-untyped-def]
         # Between the nodes a colour may leave the gamut by a trace.
         none = ir.Constant(_FOUR, [0.0] * 4)
         total = builder.select(builder.fcmp_ordered(">", total, none), total, none)
-        for lane in range(3):
-            channel = builder.extract_element(total, _INT(lane))
-            builder.store(channel, pointer(0, builder.add(args[1], size(lane))))
+        first = ir.Constant(ir.VectorType(_INT, 2), [_INT(0), _INT(1)])
+        two = builder.shuffle_vector(total, ir.Constant(_FOUR, ir.Undefined), first)
+        builder.store(two, builder.bitcast(pointer(0, args[1]), two.type.as_pointer()), align=4)
+        third = builder.extract_element(total, _INT(2))
+        builder.store(third, pointer(0, builder.add(args[1], size(2))))
         return context.get_dummy_value()
 
     index, real = types.uintp, types.float32

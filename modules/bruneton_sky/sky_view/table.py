@@ -11,7 +11,7 @@ below zero, a colour outside the gamut, becomes zero.
 """
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from bruneton_sky.solver.particles import kind_phases, shares_above
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import (
     LANES,
+    WavelengthGroup,
     groups_of_air,
     in_lanes,
     is_hazy,
@@ -35,6 +36,9 @@ from bruneton_sky.solver.wavelength_groups import (
 from vrut_lite.atmosphere.aerosols.phase_table import PHASE_NODES
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
+
+if TYPE_CHECKING:
+    from bruneton_sky.solver.later_order_kernels import Source
 
 # Rows above and below the horizon for an observer on the ground, inside the air, and above it, who
 # sees all of the air as a thin limb.
@@ -163,7 +167,7 @@ def _table(
     rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
     bands = aerosol_bands(field, altitude_m)
     return SkyView(
-        _nodes(field, rows, counts, bands),
+        _nodes(field, altitude_m, rows, counts, bands),
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
@@ -198,19 +202,23 @@ def _in_this_air(
 
 
 def _nodes(
-    field: SourceField, rows: SkyViewRays, counts: tuple[int, int, int], bands: AerosolBands
+    field: SourceField,
+    altitude_m: float,
+    rows: SkyViewRays,
+    counts: tuple[int, int, int],
+    bands: AerosolBands,
 ) -> NDArray[np.float32]:
     """The nodes of a table for its rays; `counts`: steps, bins for light scattered once, and
     more."""
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
-    matrix, kinds = _in_groups(bands.matrix), _in_lanes_by_kind(bands.kinds)
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
     colours, ground = _colours(field)
-    for k, air in enumerate(groups_of_air(field.thinned)):
+    matrix, kinds = _bands_in_groups(field, _mean_above_m(field.atmosphere, altitude_m))
+    for k, (air, source) in enumerate(_sources(field)):
         for part, own in _parts(rows, counts):
             add_rows(
                 air, rows.altitude_m[part], rows.mu[part], rows.hits[part], mu_s[part], nu[part],
-                field.transmittance[k], source_of_group(field, k), own,
+                field.transmittance[k], source, own,
                 colours[k], matrix[k], kinds[k], ground[k], nodes[part],
             )  # fmt: skip
     finish_rows(nu, bands.phase, bands.colour, nodes)
@@ -261,6 +269,16 @@ def _bands(field: SourceField, above_m: float) -> AerosolBands:
         matrix,
         each / shown,
     )
+
+
+@lru_cache(maxsize=4)
+def _bands_in_groups(
+    field: SourceField, above_m: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """`AerosolBands.matrix` (groups, 4 * 4) and `kinds` (groups, n, kinds * 4) as kernels take
+    them."""
+    bands = _bands(field, above_m)
+    return _in_groups(bands.matrix), _in_lanes_by_kind(bands.kinds)
 
 
 class ChannelPhases(NamedTuple):
@@ -323,6 +341,13 @@ def channel_shares(atmosphere: Atmosphere) -> NDArray[np.float64]:
     coloured = rgb_from_spectrum(one_each, atmosphere.wavelength_nm, SKYLIGHT_EXPONENT)
     coloured = np.maximum(coloured * light[:, None], 0.0)
     return np.asarray(coloured / coloured.sum(axis=0))
+
+
+@lru_cache(maxsize=4)
+def _sources(field: SourceField) -> list[tuple[WavelengthGroup, "Source"]]:
+    """Air and source function of each group of wavelengths."""
+    airs = groups_of_air(field.thinned)
+    return [(air, source_of_group(field, k)) for k, air in enumerate(airs)]
 
 
 @lru_cache(maxsize=4)

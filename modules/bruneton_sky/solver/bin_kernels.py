@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.quadrature import FOG_TOP
-from bruneton_sky.solver.cell_kernels import fast, inner
+from bruneton_sky.solver.cell_kernels import fast, inner, making
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
     altitude_along,
@@ -58,13 +58,13 @@ class Bins(NamedTuple):
         )
 
 
-@inner
+@making
 def empty_bins(count):  # type: ignore[no-untyped-def]
     """Arrays for `count` bins."""
     return Bins(np.empty(count + 1), np.empty((count, 4)), np.empty((count, 2, 4)), np.empty(5))
 
 
-@inner
+@making
 def empty_steps(air, count):  # type: ignore[no-untyped-def]
     """Arrays for `count` fine steps of a ray; twice as many where there is fog."""
     return np.empty((2 * count if air.fog_scale_height_m > 0.0 else count, STEP_COLUMNS))

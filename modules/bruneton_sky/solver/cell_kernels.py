@@ -21,13 +21,16 @@ import numpy as np
 from llvmlite import ir
 from numpy.typing import NDArray
 
-from vrut_lite.njit import SUMS_IN_ORDER, intrinsic, njit, types
+from vrut_lite.njit import SUMS_IN_ORDER, cgutils, intrinsic, njit, types
 
 _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": SUMS_IN_ORDER}
 # For kernels that only kernels call: without the wrappers for Python they compile faster.
 _NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 fast = njit(nogil=True, **_OPTIONS)
-inner = njit(**_NO_WRAPPERS, **_OPTIONS)
+# Kernels that make no arrays and return none: their arrays are their caller's, so that none counts
+# references. The counters are atomic and took a third of a table's time.
+inner = njit(_nrt=False, **_NO_WRAPPERS, **_OPTIONS)
+making = njit(**_NO_WRAPPERS, **_OPTIONS)
 _f4 = np.float32
 ZERO, HALF, ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 _LANES = ir.VectorType(ir.FloatType(), 4)
@@ -55,7 +58,7 @@ class Cells(NamedTuple):
     shadow_to: NDArray[np.float32]
 
 
-@inner
+@making
 def empty_cells(count):  # type: ignore[no-untyped-def]
     """Arrays for `count` cells."""
     return Cells(
@@ -65,7 +68,7 @@ def empty_cells(count):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@inner
+@making
 def some_cells(cells, start, stop):  # type: ignore[no-untyped-def]
     """The cells from `start` to before `stop`."""
     return Cells(
@@ -128,6 +131,42 @@ def add_four(typingctx, out, place, table, offset, across, w00, w01, w10, w11): 
 
     index, real = types.uintp, types.float32
     return types.void(out, index, table, index, index, real, real, real, real), codegen
+
+
+@intrinsic
+def add_weighed(typingctx, out, place, weight, tables, offset, w00, w01, w10, w11):  # type: ignore[no-untyped-def]
+    """out[place:+4] += weight[:4] * a blend of four tables (a tuple) at offset:+4."""
+
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        kinds = (*signature.args[:3], *signature.args[3], *signature.args[4:])
+        tables = cgutils.unpack_tuple(builder, args[3], 4)
+        values = [*args[:3], *tables, *args[4:]]
+        load, store, splat = _tools(context, builder, types.void(*kinds), values)
+        none = args[4].type(0)
+        products = [(splat(blend), load(3 + k, args[4])) for k, blend in enumerate(args[5:])]
+        light = _sum(builder, products)
+        store(0, args[1], _sum(builder, [(load(2, none), light)], load(0, args[1])))
+        return context.get_dummy_value()
+
+    index, real = types.uintp, types.float32
+    return types.void(out, index, weight, tables, index, real, real, real, real), codegen
+
+
+@intrinsic
+def set_polynomial(typingctx, out, place, rows, offset, x):  # type: ignore[no-untyped-def]
+    """out[place:+4] = a + x (b + x c), of the numbers of three rows (a tuple) at offset:+4."""
+
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        kinds = (*signature.args[:2], *signature.args[2], *signature.args[3:])
+        values = [*args[:2], *cgutils.unpack_tuple(builder, args[2], 3), *args[3:]]
+        load, store, splat = _tools(context, builder, types.void(*kinds), values)
+        power = splat(args[4])
+        a, b, c = (load(2 + k, args[3]) for k in range(3))
+        store(0, args[1], _sum(builder, [(power, _sum(builder, [(power, c)], b))], a))
+        return context.get_dummy_value()
+
+    index, real = types.uintp, types.float32
+    return types.void(out, index, rows, index, real), codegen
 
 
 def _tools(

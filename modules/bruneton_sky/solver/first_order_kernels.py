@@ -14,7 +14,7 @@ from bruneton_sky.path_kernels import (
     layers_density,
     make_ray,
 )
-from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner
+from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner, making
 from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place, tent_at
 
 _f4 = np.float32
@@ -74,7 +74,7 @@ def _path_to_top(scale, top, ray, end):  # type: ignore[no-untyped-def]
     return exponential_path(ray, here, top, end, math.exp(-top / scale), scale)
 
 
-@inner
+@making
 def gather_first(air, altitude, mu, bins, cells, table, row, once):  # type: ignore[no-untyped-def]
     """Light scattered once toward a ray's start, by molecules over Rayleigh's phase function
     3 / (16 pi) (1 + nu^2), by particles over their own.
@@ -82,10 +82,17 @@ def gather_first(air, altitude, mu, bins, cells, table, row, once):  # type: ign
     `once` (parts * cells * 4,): by molecules; then by all particles, or by each of their kinds.
     `table` is the transmittance (altitudes, columns * 4), `row` (columns * 4,) is scratch.
     """
+    weight, share = np.empty(20, _f4), np.empty((4, 4))
+    _gather_first(air, altitude, mu, bins, cells, table, row, weight, share, once)
+
+
+@inner
+def _gather_first(  # type: ignore[no-untyped-def]
+    air, altitude, mu, bins, cells, table, row, weight, share, once
+):
     _find_shadow(air, altitude, mu, cells)
     once[:] = ZERO
     parts = once.size // (4 * cells.nu.size)
-    weight, share = np.empty(20, _f4), np.empty((4, 4))
     for b in range(bins.centre.shape[0]):
         if bins.centre[b, 3] > 0.0:
             for c in range(4):

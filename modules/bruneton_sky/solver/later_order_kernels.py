@@ -14,7 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.solver.between_suns import SUN_TILT
-from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_four, inner
+from bruneton_sky.solver.cell_kernels import (
+    HALF,
+    ONE,
+    ZERO,
+    add_four,
+    add_weighed,
+    inner,
+    making,
+    set_polynomial,
+)
 from bruneton_sky.solver.ray_kernels import altitude_place
 
 _f4 = np.float32
@@ -49,7 +58,7 @@ class Slab(NamedTuple):
     tilt: NDArray[np.float32]
 
 
-@inner
+@making
 def empty_slab(source):  # type: ignore[no-untyped-def]
     """Arrays for the light of one bin."""
     columns = source.rayleigh.shape[2]
@@ -152,11 +161,12 @@ def _set_rayleigh(source, i, u, mu, weight, low, high, slab):  # type: ignore[no
         row0[n] = weights[n] * (level - twice)
         row1[n] = weights[n] * k2 * (near * b2[n] + far * a2[n])
         row2[n] = weights[n] * (twice + twice)
-    columns = slab.rows.shape[1]
+    columns, four = np.uintp(slab.rows.shape[1]), np.uintp(4)
     for t in range(source.azimuth_cosine.size):
-        cosine, out = source.azimuth_cosine[t], slab.light[t * columns + low : t * columns + high]
-        for n in range(out.size):
-            out[n] = row0[n] + cosine * (row1[n] + cosine * row2[n])
+        first = np.uintp(t) * columns + np.uintp(low)
+        for k in range(np.uintp(row0.size) // four):
+            at = four * k
+            set_polynomial(slab.light, first + at, (row0, row1, row2), at, source.azimuth_cosine[t])
 
 
 @inner
@@ -167,16 +177,18 @@ def add_mie(table, i, u, mu, weight, low, high, slab):  # type: ignore[no-untype
     v = place - j
     w00, w01 = _f4((1.0 - u) * (1.0 - v)), _f4((1.0 - u) * v)
     w10, w11 = _f4(u * (1.0 - v)), _f4(u * v)
-    weights = slab.rows[3][low:high]
-    repeat_weights(weight, weights)
-    columns = slab.rows.shape[1]
+    weights = slab.rows[3]
+    repeat_weights(weight, weights[:4])
+    tables = (
+        table[i, j].reshape(-1), table[i, j + 1].reshape(-1),
+        table[i + 1, j].reshape(-1), table[i + 1, j + 1].reshape(-1),
+    )  # fmt: skip
+    columns, four = np.uintp(slab.rows.shape[1]), np.uintp(4)
     for t in range(table.shape[2]):
-        out = slab.light[t * columns + low : t * columns + high]
-        p00, p01 = table[i, j, t][low:high], table[i, j + 1, t][low:high]
-        p10, p11 = table[i + 1, j, t][low:high], table[i + 1, j + 1, t][low:high]
-        for n in range(out.size):
-            blend = w00 * p00[n] + w01 * p01[n] + w10 * p10[n] + w11 * p11[n]
-            out[n] += weights[n] * blend
+        first = np.uintp(t) * columns + np.uintp(low)
+        for k in range(np.uintp(high - low) // four):
+            at = first + four * k
+            add_weighed(slab.light, at, weights, tables, at, w00, w01, w10, w11)
 
 
 @inner

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from bruneton_sky.solver.bin_kernels import Bins, empty_steps, fill_steps, merge_steps
-from bruneton_sky.solver.cell_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner
+from bruneton_sky.solver.cell_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner, making
 from bruneton_sky.solver.first_order_kernels import apply_phases, gather_first
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later, sun_place
 from bruneton_sky.solver.ray_kernels import altitude_along, altitude_place, ray_length
@@ -65,7 +65,7 @@ def _share_crossed(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
     return start + 1.0 - 2.0 * altitude_place(air, lowest) + suns
 
 
-@inner
+@making
 def bins_at(bins, i, q, count):  # type: ignore[no-untyped-def]
     """The first `count` bins of a node's ray."""
     edge, centre = bins.edge[i, q, : count + 1], bins.centre[i, q, :count]
@@ -110,7 +110,7 @@ def next_radiance(  # type: ignore[no-untyped-def]
                 _add_ground(air, altitude[i], here, cells, ground, source.grid, radiance[i, q])
 
 
-@inner
+@making
 def _add_ground(air, altitude, bins, cells, ground, grid, out):  # type: ignore[no-untyped-def]
     """Add what the ground at the ray's end reflects: `ground` (suns, 4) is its irradiance."""
     factor, brightest = np.empty(4, _f4), ZERO
