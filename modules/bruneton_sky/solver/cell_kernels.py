@@ -30,7 +30,8 @@ fast = njit(nogil=True, **_OPTIONS)
 # Kernels that make no arrays and return none: their arrays are their caller's, so that none counts
 # references. The counters are atomic and took a third of a table's time.
 inner = njit(_nrt=False, **_NO_WRAPPERS, **_OPTIONS)
-making = njit(**_NO_WRAPPERS, **_OPTIONS)
+# Kernels that do. An inner kernel must not call them: it would never free what they return.
+making = njit(_nrt=True, **_NO_WRAPPERS, **_OPTIONS)
 _f4 = np.float32
 ZERO, HALF, ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 _LANES = ir.VectorType(ir.FloatType(), 4)
