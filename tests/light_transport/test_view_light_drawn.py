@@ -13,7 +13,10 @@ from vrut_lite.messages.view_light import ViewLightChanged
 
 pytestmark = pytest.mark.gl
 SIZE = 48
-ABOVE = ((0.0, 1.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(0.4))
+HALF_M = 0.3
+ABOVE = ((0.0, 1.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(HALF_M))
+# Of the map, along the square's edge of a metre.
+TEXELS_A_METRE = 7.0
 # From the eye 1 m below it, upwards.
 LEVEL = (0.0, 1.0, 0.0, -1.0)
 
@@ -120,6 +123,31 @@ def test_coats_and_metals_mirror_what_points_tell(backend, tmp_path, metallic, m
     more = 1.0 + f0 * (1.0 / (a + b) - 1.0)
     assert found[0] == pytest.approx(3.0 * f0 * a * more, rel=0.02)
     assert found[1] == pytest.approx(5.0 * b * more, rel=0.02)
+
+
+@pytest.mark.parametrize("edge_px", [4, 5, 6, 8, 10, 12, 16])
+def test_points_farther_apart_than_texels_leave_the_light_to_the_map(backend, edge_px):
+    """They leap over what the map shows: from half a texel on it mixes in, from a whole one it is
+    alone."""
+    count = -(-SIZE // edge_px)
+    of_view(backend, np.full((count, count), 3.0), edge_px=edge_px)
+    found = look(backend, *ABOVE).radiance / backend.by_map
+    apart = edge_px * 2.0 * HALF_M * TEXELS_A_METRE / SIZE
+    x = np.clip((apart - 0.5) / 0.5, 0.0, 1.0)
+    of_map = x * x * (3.0 - 2.0 * x)
+    np.testing.assert_allclose(found, 3.0 - 2.0 * of_map, rtol=1e-2)
+
+
+def test_slanted_surfaces_have_the_map_where_points_lie_far_apart_along_the_view(backend):
+    """As dense across as before, four times as far apart away from the eye."""
+    slanted = ((0.0, 0.25, 1.0), (0.0, 0.0, 0.0), 2 * np.arctan(HALF_M / 2.0))
+    for edge_px, most_of_points in ((2, True), (12, False)):
+        look(backend, *slanted)
+        by_map = look(backend, *slanted, still=False).radiance[24, 24, 1]
+        count = -(-SIZE // edge_px)
+        of_view(backend, np.full((count, count), 3.0), (0.0, 1.0, 0.0, -0.25), edge_px)
+        times = look(backend, *slanted).radiance[24, 24, 1] / by_map
+        assert times == pytest.approx(3.0 if most_of_points else 1.0, rel=0.02)
 
 
 def test_light_of_another_view_is_not_shown(backend):

@@ -38,15 +38,21 @@ vec3 open_irradiance(vec3 n) {
 }
 
 #ifdef GROUND_LIGHT
-// At a point relative to the eye: messages/light_map.py says where it lies in the map.
-Reached ground_light(vec3 point) {
-    vec2 away_m = surface.ground_eye_m + point.xz;
-    vec2 reach = away_m / surface.ground_half_width_m;
-    vec2 x = abs(reach) * surface.ground_slope;
+vec2 ground_reach(vec3 point) {
+    return (surface.ground_eye_m + point.xz) / surface.ground_half_width_m;
+}
+
+// Of a point relative to the eye: messages/light_map.py says where it lies in the map.
+vec2 ground_px(vec3 point) {
+    vec2 reach = ground_reach(point), x = abs(reach) * surface.ground_slope;
     vec2 along = sign(reach) * log(x + sqrt(x * x + 1.0)) / surface.ground_warp;  // asinh
-    vec2 at_px = surface.ground_first + clamp(0.5 + 0.5 * along, 0.0, 1.0) * surface.ground_steps;
+    return surface.ground_first + clamp(0.5 + 0.5 * along, 0.0, 1.0) * surface.ground_steps;
+}
+
+Reached ground_light(vec3 point) {
+    vec2 reach = ground_reach(point);
     float far = smoothstep(GROUND_FADE, 1.0, max(abs(reach.x), abs(reach.y)));
-    Reached near = map_light(at_px);
+    Reached near = map_light(ground_px(point));
     vec4 open = vec4(surface.open_ground, 1.0);
     return by_map(mix(near.light, open, far), mix(near.sky, vec4(0.0, 0.0, 0.0, 1.0), far));
 }
@@ -60,6 +66,7 @@ Reached ground_light(vec3 point) {
 const float SAME_PLANE = 2e-3;  // of the distance from the eye
 const float SAME_FACING = 0.97;
 const float FEW_POINTS = 0.1;     // share of a fragment that the four points about it have
+const float FINE_POINTS = 0.5;    // texels between points up to which these alone light a surface
 
 // What the points around a fragment have that lie on its triangle's plane: linear between the four
 // points about it, and beyond where these hardly count. One loop serves both, as a software renderer
@@ -96,6 +103,20 @@ bool add_points_of_view(vec3 point, vec3 face, inout Reached found) {
     found.direct = direct.rgb * (surface.view_scale / direct.a);
     found.grazing = grazing.rgb * (surface.view_scale / grazing.a);
     return true;
+}
+
+// Share of the map's light where its texels are finer than the points: on far and slanted surfaces
+// these leap over the dark foot of a wall, and others light it.
+float share_of_map() {
+#if defined(GROUND_LIGHT)
+    vec2 at_px = ground_px(eye_to_point);
+#elif defined(LIGHT_MAP)
+    vec2 at_px = place_px;
+#else
+    vec2 at_px = vec2(0.0);
+#endif
+    float texels_apart = surface.view_edge_px * max(length(dFdx(at_px)), length(dFdy(at_px)));
+    return smoothstep(FINE_POINTS, 2.0 * FINE_POINTS, texels_apart);
 }
 #endif
 
@@ -170,10 +191,14 @@ Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind, float occlusion) {
     Reached found = light_of_scene(face, smooth_n, n, behind);
 #ifdef VIEW_LIGHT
+    vec4 by_map = found.light;
+    // Backs of sheets have none of their own in the map.
+    float of_map = behind ? 0.0 : share_of_map();
     if (add_points_of_view(point_in_triangle(face), face, found)) {
 #ifdef HAS_NORMAL_TEX
         found.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
 #endif
+        found.light = mix(found.light, by_map, of_map);
     }
 #endif
 #ifndef LIGHT_MAP
