@@ -143,6 +143,7 @@ def frames_of(strip: Strip) -> list[ShownFrame]:
     """All pictures of an act, in a new window."""
     stages, frames = list[NotedStage](), list[ShownFrame]()
     began_s = last_s = perf_counter()
+    waits = ""
 
     def open_stage() -> Stage:
         stages.append(NotedStage())
@@ -151,7 +152,7 @@ def frames_of(strip: Strip) -> list[ShownFrame]:
     session = Session(open_stage)
 
     def take(shown: Shown) -> None:
-        nonlocal last_s
+        nonlocal last_s, waits
         last_s = perf_counter()
         state, pixels = stages[0].states[id(shown.picture)], shown.picture.display
         key = state.key_light
@@ -192,7 +193,8 @@ def frames_of(strip: Strip) -> list[ShownFrame]:
                     step(window)
                 else:
                     session.send(*step)
-            return not steps and len(frames) > 1 and now_s - last_s > _REST_S
+            # A busy machine shows nothing for seconds; the last picture says whether more come.
+            return not (steps or waits) and len(frames) > 1 and now_s - last_s > _REST_S
 
         _run(over)
         window.close()
