@@ -37,6 +37,8 @@ SCENE = str(Path(__file__).parents[2] / "scenes/work/room.glb")
 DAY = datetime(2026, 6, 21, tzinfo=UTC)
 SIZE = (96, 64)
 PATIENCE_S = 240.0
+# Longest time from an input to its picture on a busy machine.
+BUSY_S = 15.0
 BEGINNING = (
     Resize(width_px=SIZE[0], height_px=SIZE[1]),
     SetPlace(latitude_deg=50.0, longitude_deg=14.4),
@@ -131,12 +133,24 @@ class HurriedWindow:
             self.problems.append(value)
 
     def rest(self):
-        """Wait until nothing more is drawn, and no light grows finer."""
-        count = 0
-        while not count or count != len(self.pictures) or self.pictures[-1][0].refining:
-            count = len(self.pictures)
+        """Wait until nothing more is drawn, and no light grows finer.
+
+        A busy machine shows nothing for seconds after an input; some inputs change nothing at all.
+        """
+        count, end_s = 0, time.monotonic()
+        while count != len(self.pictures) or self._waits(end_s):
+            if count != len(self.pictures):
+                count, end_s = len(self.pictures), time.monotonic() + BUSY_S
             self.rested.clear()
             self.rested.wait(1.0)
+
+    def _waits(self, end_s):
+        """Whether the last picture is to be followed, or, until `end_s`, is older than an input."""
+        if not self.pictures:
+            return True
+        last = self.pictures[-1][0]
+        is_older = any(number > last.revision for number, _ in self.admitted)
+        return bool(last.refining or last.drafts) or (is_older and time.monotonic() < end_s)
 
     def see_another(self):
         """Wait until one more picture is shown; not for long, as an input may change nothing."""
