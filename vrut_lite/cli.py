@@ -18,7 +18,14 @@ from vrut_lite.interrupts import (
     Terminated,
     interrupted_during,
     interrupts_held,
+    pass_interrupt,
     terminations_raised,
+)
+from vrut_lite.package_facts import (
+    SAFE_MODE_OPTION,
+    SAFE_MODE_VARIABLE,
+    load_fitting,
+    usable,
 )
 
 GROUP = "vrut_lite.commands"
@@ -35,7 +42,7 @@ class EntryPointGroup(click.Group):
     """Subcommands that installed packages contribute; each is imported only when used."""
 
     def _points(self) -> dict[str, EntryPoint]:
-        return {point.name: point for point in entry_points(group=GROUP)}
+        return {point.name: point for point in usable(entry_points(group=GROUP))}
 
     def list_commands(self, context: click.Context) -> list[str]:
         """Names of all contributed commands."""
@@ -50,10 +57,11 @@ class EntryPointGroup(click.Group):
             return None
         try:
             with interrupts_held():
-                return _with_help(point.load())
+                return _with_help(_command(load_fitting(point)))
         except UserError as error:
             return _broken(name, error)
-        except Exception as error:
+        except BaseException as error:
+            pass_interrupt(error)
             return _broken(name, ModuleFailed(f"the command {name} failed to load: {error}"))
 
     def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
@@ -71,9 +79,16 @@ def _described(point: EntryPoint) -> click.Command:
             for statement in ast.parse(Path(found.origin).read_bytes()).body:
                 if isinstance(statement, ast.FunctionDef) and statement.name == point.attr:
                     said = ast.get_docstring(statement)
-    except Exception:  # Its package may raise anything; calling the command reports it.
+    except BaseException as error:  # Its package may raise anything; a call reports it.
+        pass_interrupt(error)
         return click.Command(point.name)
     return click.Command(point.name, help=said if sys.flags.optimize < 2 else NO_HELP)
+
+
+def _command(loaded: object) -> click.Command:
+    if not isinstance(loaded, click.Command):
+        raise UserError("it names no click.Command")
+    return loaded
 
 
 def _with_help(command: click.Command) -> click.Command:
@@ -114,6 +129,9 @@ def main() -> None:
     # Matrices are small: threads of numpy's BLAS would only wait for each other, for seconds on a
     # busy machine. BLAS reads the variable when numpy is imported, after this line.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Before the options are made, of which modules bring some.
+    if SAFE_MODE_OPTION in sys.argv[1:]:
+        os.environ[SAFE_MODE_VARIABLE] = "1"
     if any("\0" in argument for argument in sys.argv):
         _end("an argument holds a null character, which no text or name can: leave it out", 2)
     try:

@@ -9,22 +9,39 @@ from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import interrupts_held, pass_interrupt
 from vrut_lite.kernel.contract import check_module_type
 from vrut_lite.kernel.module import Module
+from vrut_lite.package_facts import (
+    MODULES_GROUP,
+    SAFE_MODE_OPTION,
+    in_safe_mode,
+    load_fitting,
+    package_of,
+    usable,
+)
 
-GROUP = "vrut_lite.modules"
 FOLDERS_VARIABLE = "VRUT_LITE_MODULES"
 # Reserved names: the host itself, its scene manager, its queue of GPU jobs, its sum of skies.
-_NAMES_OF_THE_HOST = ("host", "scene", "gl_jobs", "sky_sum")
-Loader = Callable[[], object]
+NAMES_OF_THE_HOST = ("host", "scene", "gl_jobs", "sky_sum")
+
+
+class Candidate(NamedTuple):
+    """A module that may be loaded; `remedy` ends the sentence if it cannot be."""
+
+    title: str
+    load: Callable[[], object]
+    remedy: str = ""
 
 
 def module_folders() -> list[str]:
-    """Folders of modules that are not installed, from the environment."""
+    """Folders of modules that are not installed, from the environment; none in safe mode."""
+    if in_safe_mode():
+        return []
     return [folder for folder in os.environ.get(FOLDERS_VARIABLE, "").split(os.pathsep) if folder]
 
 
@@ -37,33 +54,40 @@ def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Mod
     """
     found: dict[str, type[Module]] = {}
     failures: list[str] = []
-    for title, load in (
+    for title, load, remedy in (
         *_by_entry_point(),
         *_by_folders(module_folders() if folders is None else folders),
     ):
         try:
             with interrupts_held():
-                module_type = _checked(load())
+                module_type = checked(load())
             name = module_type.manifest.name
             if name in found:
                 raise UserError(f"another module is called '{name}' too: rename one")
             found[name] = module_type
         except BaseException as error:
             pass_interrupt(error)
-            failures.append(f"module {title} failed to load: {sentence_of(error)}")
+            failures.append(f"module {title} failed to load: {sentence_of(error)}{remedy}")
     return list(found.values()), failures
 
 
-def _by_entry_point() -> Iterator[tuple[str, Loader]]:
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        yield f"'{point.name}' ({point.value})", point.load
+def _by_entry_point() -> Iterator[Candidate]:
+    for point in usable(entry_points(group=MODULES_GROUP)):
+        title, remedy = f"'{point.name}' ({point.value})", ""
+        if (package := package_of(point)) is not None:
+            title = f"{title} of {package.title},"
+            remedy = (
+                f"; `vrut-lite run {SAFE_MODE_OPTION}` starts without modules of others, "
+                f"`vrut-lite modules remove {point.name}` removes this one"
+            )
+        yield Candidate(title, partial(load_fitting, point), remedy)
 
 
-def _by_folders(folders: Iterable[str | Path]) -> Iterator[tuple[str, Loader]]:
+def _by_folders(folders: Iterable[str | Path]) -> Iterator[Candidate]:
     for folder in map(Path, folders):
         for path in _files_of(folder):
             if path.suffix == ".py" or (path / "__init__.py").is_file():
-                yield str(path), partial(_load_file, path.resolve())
+                yield Candidate(str(path), partial(_load_file, path.resolve()))
 
 
 def _files_of(folder: Path) -> list[Path]:
@@ -108,10 +132,11 @@ def class_in(python_module: ModuleType) -> object:
     return own[0]
 
 
-def _checked(candidate: object) -> type[Module]:
+def checked(candidate: object) -> type[Module]:
+    """The candidate, if it is a module class that may be loaded."""
     check_module_type(candidate)
     assert isinstance(candidate, type)
     assert issubclass(candidate, Module)
-    if candidate.manifest.name in _NAMES_OF_THE_HOST:
+    if candidate.manifest.name in NAMES_OF_THE_HOST:
         raise UserError(f"'{candidate.manifest.name}' is the host's own name: choose another")
     return candidate

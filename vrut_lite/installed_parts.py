@@ -18,6 +18,7 @@ from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.package_facts import load_fitting, usable
 
 GROUP = "vrut_lite.frame_parts"
 # GLSL of parts, which `//!include HOOK.glsl` brings: of one installed part, or of several.
@@ -38,9 +39,9 @@ class FoundParts(NamedTuple):
 def find_parts() -> FoundParts:
     """Load the installed parts, once for each process."""
     found = FoundParts({}, {})
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+    for point in usable(entry_points(group=GROUP)):
         try:
-            part = point.load()
+            part = load_fitting(point)
             if not (isinstance(part, type) and issubclass(part, FramePart)):
                 raise UserError("it names no subclass of FramePart")
             for hook in HOOKS_OF_ONE:

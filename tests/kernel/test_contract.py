@@ -69,6 +69,9 @@ CLASSES = {
     "engine is a number": ("manifest = manifest(engine=5)", "engine of a manifest"),
     "engine without a maker": ("manifest = manifest(engine='x')", "needs a method open_engine"),
     "auxiliary by text": ("manifest = manifest(auxiliary='yes')", "auxiliary of a manifest"),
+    "host is a number": ("manifest = manifest(host=1)", "host of a manifest"),
+    "host is a word": ("manifest = manifest(host='any')", "'any' on vrut_lite is none"),
+    "host of the future": ("manifest = manifest(host='>=99')", "it needs vrut_lite >=99"),
     "injects a text": ("injects = 'Tick'", "injects must be a tuple of types of inputs"),
     "injects a message": ("injects = (Manifest,)", "injects must be a tuple of types of inputs"),
 }  # fmt: skip

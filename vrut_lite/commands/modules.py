@@ -1,10 +1,13 @@
 """`vrut-lite modules`: the installed modules, their slots and settings."""
 
+from importlib.metadata import entry_points
+
 import click
 
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.installed_parts import parts_left_out
 from vrut_lite.kernel.settings import describe
+from vrut_lite.package_facts import MODULES_GROUP, in_safe_mode, package_of
 
 
 @click.command(name="modules")
@@ -14,6 +17,7 @@ def modules() -> None:
     Example: vrut-lite modules
     """
     kernel, failures = daylight_kernel()
+    packages = {point.name: package_of(point) for point in entry_points(group=MODULES_GROUP)}
     for seat in kernel.seats.values():
         manifest = seat.manifest
         slots = [
@@ -21,6 +25,8 @@ def modules() -> None:
             for slot in manifest.provides
         ]
         click.echo(f"{manifest.name} {manifest.version}: {manifest.title}; {seat.state}")
+        if (package := packages.get(manifest.name)) is not None:
+            click.echo(f"  package: {package.title}")
         click.echo(f"  slots: {', '.join(slots) or 'none'}")
         for slot in manifest.requires:
             holder = kernel.slots.holder(slot) or "nobody holds it"
@@ -34,3 +40,6 @@ def modules() -> None:
             click.echo(f"  fault: {seat.last_fault.error}")
     for failure in failures:
         click.echo(failure)
+    if in_safe_mode():
+        for package in {facts.name: facts for facts in packages.values() if facts}.values():
+            click.echo(f"left out by safe mode: {package.title}")

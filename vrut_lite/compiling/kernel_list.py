@@ -17,9 +17,9 @@ import msgspec
 
 from vrut_lite import compiled_code
 from vrut_lite.njit import types
+from vrut_lite.package_facts import MODULES_GROUP, usable
 
 FILE = Path("data") / "kernels.json"
-_MODULES = "vrut_lite.modules"
 _NAMED = re.compile(r"\w+(\.\w+)+:\w+")
 _ARRAY = re.compile(r"(\w+)\[(\d+)([CFA])(r?)(u?)\]")
 
@@ -94,7 +94,7 @@ def announced_kernels() -> Announced:
 
 def packages() -> tuple[str, ...]:
     """The host, and the packages of installed modules."""
-    points = entry_points(group=_MODULES)
+    points = usable(entry_points(group=MODULES_GROUP))
     return ("vrut_lite", *sorted({point.value.partition(".")[0] for point in points}))
 
 

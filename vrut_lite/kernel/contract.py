@@ -14,6 +14,7 @@ import msgspec
 from vrut_lite import checks
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import safe_text, sentence_of
+from vrut_lite.host_version import check_host
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import settings as setting_rules
 from vrut_lite.kernel.messages import Input, Message
@@ -83,6 +84,9 @@ def _check_manifest(manifest: object) -> None:
     if manifest.engine != "" and not _is_name(manifest.engine):
         checks.refuse(manifest, "engine", "be a name of letters, digits, - and _", of)
     checks.flag(manifest, "stand_in", "auxiliary", of=of)
+    if not isinstance(manifest.host, str):
+        checks.refuse(manifest, "host", "be a text such as '>=0.1,<2'", of)
+    check_host(manifest.host)
 
 
 def _check_handlers(module_type: type[Module]) -> None:

@@ -22,7 +22,8 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     It holds none before each slot that it `requires` has had a holder. One that does not `stand_in`
     holds a slot only when it is chosen, never as a replacement. An `auxiliary` module is a tool:
     commands offer its settings by `--set` alone, and the window hides its panel at first. A module
-    that has `open_engine` is chosen to draw by the name of its `engine`.
+    that has `open_engine` is chosen to draw by the name of its `engine`. `host` names the versions
+    of vrut_lite that it is for, such as ">=0.1,<2"; an empty one fits all.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     stand_in: bool = True
     auxiliary: bool = False
     engine: str = ""
+    host: str = ""
 
 
 class NoSettings(msgspec.Struct, frozen=True):

@@ -16,6 +16,7 @@ from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import Vector
+from vrut_lite.package_facts import load_fitting, usable
 
 GROUP = "vrut_lite.sky_layers"
 _log = logging.getLogger(__name__)
@@ -63,9 +64,9 @@ class SkyLayer(ABC):
 def sky_layers() -> dict[str, SkyLayer]:
     """Layers by the names of their entry points; one that fails to load is left out, warned."""
     found = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+    for point in usable(entry_points(group=GROUP)):
         try:
-            layer = point.load()
+            layer = load_fitting(point)
             if not (isinstance(layer, type) and issubclass(layer, SkyLayer)):
                 raise UserError("it names no subclass of SkyLayer")
             found[point.name] = layer()

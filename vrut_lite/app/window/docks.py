@@ -31,6 +31,7 @@ from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.package_facts import load_fitting, usable
 from vrut_lite.scene.settings import SCENE
 
 PANEL_GROUP = "vrut_lite.panels"
@@ -104,10 +105,10 @@ def module_docks(catalogue: ModuleCatalogue) -> ModulePanels:
         if module.specs and SHOWN_SLOT not in module.provides
     ]
     failures = []
-    for point in sorted(entry_points(group=PANEL_GROUP), key=lambda point: point.name):
+    for point in usable(entry_points(group=PANEL_GROUP)):
         if point.name.partition(".")[0] in catalogue.modules:
             try:
-                docks.append(_own_dock(point.name, point.load()))
+                docks.append(_own_dock(point.name, load_fitting(point)))
             except BaseException as error:
                 pass_interrupt(error)
                 failures.append(f"the panel of module {point.name} failed: {sentence_of(error)}")

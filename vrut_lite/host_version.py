@@ -1,0 +1,36 @@
+"""Whether this version of vrut_lite is one that a module was written for."""
+
+from vrut_lite import __version__
+from vrut_lite.errors import UserError
+from vrut_lite.lazy import lazy
+
+# packaging takes 10 ms to import; most starts meet no requirement.
+SpecifierSet = lazy("packaging.specifiers:SpecifierSet")
+
+
+def check_host(requirement: str) -> None:
+    """Pass if this version fits a requirement such as ">=0.1,<2"; an empty one fits all.
+
+    Raises:
+        UserError: it does not, or the requirement is none.
+    """
+    if not requirement:
+        return
+    try:
+        fits = SpecifierSet(requirement).contains(__version__, prereleases=True)
+    except ValueError:
+        raise UserError(
+            f"its requirement {requirement!r} on vrut_lite is none: write one such as '>=0.1,<2'"
+        ) from None
+    if not fits:
+        raise UserError(
+            f"it needs vrut_lite {requirement}, and this is {__version__}: update the one or the "
+            "other"
+        )
+
+
+def host_range() -> str:
+    """The versions for which a module is written that is begun today: up to the next breach."""
+    major, minor = (int(part) for part in __version__.split(".")[:2])
+    # Before 1.0 each minor version may change what modules use.
+    return f">={major}.{minor},<{major + 1}" if major else f">=0.{minor},<0.{minor + 1}"

@@ -1,0 +1,138 @@
+"""Facts on installed packages that bring modules, from their metadata: nothing is imported.
+
+In safe mode, which the environment carries on to other processes, packages of others are left out.
+"""
+
+import os
+from collections.abc import Iterable
+from functools import lru_cache
+from importlib.metadata import Distribution, EntryPoint, PackageMetadata
+from typing import Any
+
+import msgspec
+
+from vrut_lite.errors import one_line
+from vrut_lite.host_version import check_host
+from vrut_lite.lazy import lazy
+
+canonicalize_name = lazy("packaging.utils:canonicalize_name")
+Requirement = lazy("packaging.requirements:Requirement")
+
+# The host's distribution, and that of its laboratory, by their canonical names.
+HOST = "vrut-lite"
+OWN = (HOST, "vrut-lite-lab")
+MODULES_GROUP = "vrut_lite.modules"
+SAFE_MODE_VARIABLE = "VRUT_LITE_SAFE_MODE"
+SAFE_MODE_OPTION = "--safe-mode"
+_LONGEST_FACT = 120
+
+
+class PackageFacts(msgspec.Struct, frozen=True):
+    """A package as its metadata describe it; texts are empty where they say nothing.
+
+    `host`: its requirement on vrut_lite. `brings`: names of entry points by group, those of
+    vrut_lite alone. `sha256`: of its wheel, empty for an installed package.
+    """
+
+    name: str
+    version: str
+    author: str
+    licence: str
+    host: str
+    brings: dict[str, tuple[str, ...]]
+    sha256: str = ""
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Names of its modules."""
+        return self.brings.get(MODULES_GROUP, ())
+
+    @property
+    def title(self) -> str:
+        """Name, version, author and licence in one phrase."""
+        return (
+            f"{self.name} {self.version}, by {self.author or 'an author it does not name'}, "
+            f"{self.licence or 'without a licence'}"
+        )
+
+
+@lru_cache(maxsize=64)
+def facts_of(distribution: Distribution) -> PackageFacts:
+    """The facts of a distribution, installed or a wheel's."""
+    metadata = distribution.metadata
+    brings: dict[str, tuple[str, ...]] = {}
+    for point in sorted(distribution.entry_points, key=lambda point: point.name):
+        if point.group.startswith("vrut_lite."):
+            brings[point.group] = (*brings.get(point.group, ()), point.name)
+    licence = _first(metadata, "License-Expression", "License")
+    if not licence:
+        classified = (text.split(" :: ") for text in metadata.get_all("Classifier") or ())
+        licence = next((words[-1] for words in classified if words[0] == "License"), "")
+    return PackageFacts(
+        name=_fact(_first(metadata, "Name")),
+        version=_fact(_first(metadata, "Version")),
+        author=_fact(_first(metadata, "Author", "Author-email")),
+        licence=_fact(licence.partition("\n")[0]),
+        host=_requirement_on_host(distribution.requires or ()),
+        brings=brings,
+    )
+
+
+def package_of(point: EntryPoint) -> PackageFacts | None:
+    """The package of somebody else that an entry point is of; None for our own."""
+    if point.dist is None:
+        return None
+    facts = facts_of(point.dist)
+    return None if is_own(facts.name) else facts
+
+
+def is_own(package: str) -> bool:
+    """Whether a distribution is vrut_lite's own."""
+    return canonicalize_name(package) in OWN
+
+
+def usable(points: Iterable[EntryPoint]) -> list[EntryPoint]:
+    """Entry points by name; in safe mode only those of our own packages."""
+    in_order = sorted(points, key=lambda point: point.name)
+    if in_safe_mode():
+        return [point for point in in_order if package_of(point) is None]
+    return in_order
+
+
+def load_fitting(point: EntryPoint) -> Any:
+    """Import what an entry point names, if its package is for this version of vrut_lite.
+
+    Raises:
+        UserError: it is for another version.
+        BaseException: whatever its import raises.
+    """
+    package = package_of(point)
+    if package is not None:
+        check_host(package.host)
+    return point.load()
+
+
+def in_safe_mode() -> bool:
+    """Whether packages of others are left out."""
+    return bool(os.environ.get(SAFE_MODE_VARIABLE))
+
+
+def _requirement_on_host(requirements: Iterable[str]) -> str:
+    found = []
+    for text in requirements:
+        # The name comes first; packaging is imported only for the one that may be meant.
+        if text.replace("_", "-").replace(".", "-").lower().startswith(HOST):
+            requirement = Requirement(text)
+            if canonicalize_name(requirement.name) == HOST and requirement.marker is None:
+                found.append(str(requirement.specifier))
+    return ",".join(filter(None, found))
+
+
+def _first(metadata: PackageMetadata, *rows: str) -> str:
+    """The first of some rows that says something, or an empty text."""
+    texts = (str(metadata[row]).strip() for row in rows if row in metadata)
+    return next(filter(None, texts), "")
+
+
+def _fact(text: str) -> str:
+    return one_line(text.strip(), _LONGEST_FACT)
