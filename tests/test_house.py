@@ -78,6 +78,7 @@ BELOW = {
         "installed_parts",
     },
     "testing": {"kernel", "geometry", "messages", "sky", "recording", "discovery"},
+    "module_packages": {"kernel", "discovery"},
 }
 
 

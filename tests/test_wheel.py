@@ -52,7 +52,9 @@ def test_every_file_of_the_packages_is_in_the_wheel(wheel, package):
     """Code, data, shaders and py.typed alike, byte for byte."""
     folder = PACKAGES[package]
     files = [
-        path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+        path
+        for path in folder.rglob("*")
+        if path.is_file() and not {"__pycache__", ".ruff_cache"} & {*path.parts}
     ]
     assert files
     for path in files:

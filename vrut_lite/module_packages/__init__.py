@@ -1,0 +1,1 @@
+"""Packages of modules: writing a new one, installing, updating and removing those of others."""

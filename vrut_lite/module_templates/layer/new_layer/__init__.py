@@ -1,0 +1,1 @@
+"""New layer: the rainbow of the sun in rain, drawn over the sky."""

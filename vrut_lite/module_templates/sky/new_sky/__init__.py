@@ -1,0 +1,1 @@
+"""New sky: the overcast sky of Moon and Spencer."""

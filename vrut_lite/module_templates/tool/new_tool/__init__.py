@@ -1,0 +1,1 @@
+"""New tool: a log of the light on level ground, and its panel."""
