@@ -6,7 +6,7 @@ In safe mode, which the environment carries on to other processes, packages of o
 import os
 from collections.abc import Iterable
 from functools import lru_cache
-from importlib.metadata import Distribution, EntryPoint, PackageMetadata
+from importlib.metadata import Distribution, EntryPoint, PackageMetadata, entry_points
 from typing import Any
 
 import msgspec
@@ -84,6 +84,13 @@ def package_of(point: EntryPoint) -> PackageFacts | None:
         return None
     facts = facts_of(point.dist)
     return None if is_own(facts.name) else facts
+
+
+def packages_of_others() -> dict[str, PackageFacts]:
+    """The packages of somebody else that bring modules, by the names of these."""
+    points = sorted(entry_points(group=MODULES_GROUP), key=lambda point: point.name)
+    found = {point.name: package_of(point) for point in points}
+    return {name: facts for name, facts in found.items() if facts is not None}
 
 
 def is_own(package: str) -> bool:

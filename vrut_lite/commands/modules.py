@@ -1,7 +1,6 @@
 """`vrut-lite modules`: lists, writes, installs, updates and removes modules."""
 
 import tempfile
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +10,7 @@ from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.installed_parts import parts_left_out
 from vrut_lite.kernel.settings import describe
 from vrut_lite.lazy import lazy
-from vrut_lite.package_facts import (
-    MODULES_GROUP,
-    PackageFacts,
-    in_safe_mode,
-    package_of,
-)
+from vrut_lite.package_facts import PackageFacts, in_safe_mode, packages_of_others
 
 # Only `new` needs the one, and only those that change what is installed need the other.
 writing: Any = lazy("vrut_lite.module_packages.writing")
@@ -115,7 +109,7 @@ def remove(name: str, yes: bool) -> None:
 
 def _list() -> None:
     kernel, failures = daylight_kernel()
-    packages = {point.name: package_of(point) for point in entry_points(group=MODULES_GROUP)}
+    packages = packages_of_others()
     for seat in kernel.seats.values():
         manifest = seat.manifest
         slots = [
@@ -139,7 +133,7 @@ def _list() -> None:
     for failure in failures:
         click.echo(failure)
     if in_safe_mode():
-        for package in {facts.name: facts for facts in packages.values() if facts}.values():
+        for package in {facts.name: facts for facts in packages.values()}.values():
             click.echo(f"left out by safe mode: {package.title}")
 
 

@@ -25,6 +25,10 @@ class Memory:
         found = [(*entry, place[1]) for place, entry in self._kept.items() if place[0] in wanted]
         return [(message, sender) for _, message, sender in sorted(found, key=lambda e: e[0])]
 
+    def kinds_of(self, sender: str) -> set[type[Message]]:
+        """Types of which a message of this sender is remembered."""
+        return {place[0] for place in self._kept if place[1] == sender}
+
     def keep_only(self, slot: str, holder: str) -> None:
         """Forget messages of a slot that others than the holder posted."""
         self._forget(

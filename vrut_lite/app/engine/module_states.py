@@ -1,9 +1,10 @@
 """The state of each module, for the module manager; taken on the engine's thread."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.kernel.messages import EnableModule, Fault, Input
+from vrut_lite.kernel.messages import EnableModule, Fault, Input, Message
 from vrut_lite.kernel.module import Manifest
 from vrut_lite.kernel.reload import root_package
 
@@ -11,7 +12,11 @@ _HOST_PACKAGE = __name__.partition(".")[0]
 
 
 class ModuleState(NamedTuple):
-    """One module; `needed` marks the host's own and the default holders of slots."""
+    """One module; `needed` marks the host's own and the default holders of slots.
+
+    `posts`: names of the types that it has posted so far, and of its own; `hears`: those that it
+    handles.
+    """
 
     name: str
     title: str
@@ -21,6 +26,8 @@ class ModuleState(NamedTuple):
     fault: Fault | None
     of_host: bool
     needed: bool
+    posts: tuple[str, ...]
+    hears: tuple[str, ...]
 
 
 class ModuleStates(NamedTuple):
@@ -50,8 +57,14 @@ def states_of(stage: Stage) -> ModuleStates:
             fault=seat.last_fault,
             of_host=of_host,
             needed=of_host or _holds_alone(seat.manifest),
+            posts=_names({*seat.module_type.speaks, *kernel.dispatcher.memory.kinds_of(name)}),
+            hears=_names({kind for kind, _ in seat.module_type.handlers()}),
         )
     return ModuleStates(modules, tuple(stage.failures))
+
+
+def _names(kinds: Iterable[type[Message]]) -> tuple[str, ...]:
+    return tuple(sorted({kind.__name__ for kind in kinds}))
 
 
 def _holds_alone(manifest: Manifest) -> bool:

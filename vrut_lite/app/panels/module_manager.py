@@ -16,16 +16,23 @@ from PySide6.QtWidgets import (
 from vrut_lite.app import theme
 from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
 from vrut_lite.app.engine.session import Session, fault_line, one_line
-from vrut_lite.app.widgets import heading, panel_column
+from vrut_lite.app.panels.package_bar import PackageBar
+from vrut_lite.app.widgets import faint_label, heading, panel_column
 from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
+from vrut_lite.package_facts import PackageFacts, packages_of_others
 
+_NOT_LOADED = "not loaded"
 _NAME = Qt.ItemDataRole.UserRole
 _COLOURS = {"running": theme.TEXT, "disabled": theme.FAINT, "suspended": theme.ALARM}
 _TELLING = (Fault, EnableModule, RestartModule, ReloadModule, SlotChanged)
 
 
 class ModuleManager(QWidget):
-    """A row for each module; below, the actions and the last fault of the chosen one."""
+    """A row for each module, those that could not be loaded too; below, all about the chosen one.
+
+    Its package, what it posts and hears, its last fault, and the actions; last, what installs and
+    removes packages of somebody else.
+    """
 
     def __init__(self, session: Session):
         super().__init__()
@@ -33,12 +40,13 @@ class ModuleManager(QWidget):
         self._states = ModuleStates({}, ())
         self._asking = False
         self._before_safe_mode: set[str] = set()
+        self._packages: dict[str, PackageFacts] | None = None
         # The last fault of each module before it was restarted or reloaded.
         self._before_restart: dict[str, Fault | None] = {}
         self._make_parts()
         self._lay_out()
         self.list.itemChanged.connect(self._checked)
-        self.list.currentItemChanged.connect(lambda *_: self._show_chosen())
+        self.list.currentItemChanged.connect(lambda *_: self._choose())
         self.restart.clicked.connect(lambda: self._session.send(RestartModule(module=self.chosen)))
         self.reload.clicked.connect(lambda: self._session.send(ReloadModule(module=self.chosen)))
         self.safe_mode.clicked.connect(self.set_safe_mode)
@@ -91,6 +99,9 @@ class ModuleManager(QWidget):
         self.restart.setToolTip("Start the module anew with its present settings")
         self.reload = QPushButton("Reload")
         self.reload.setToolTip("Import the module's files afresh; its settings stay")
+        self.facts = faint_label(wraps=True)
+        self.facts.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.packages = PackageBar()
         self.status = QLabel()
         self.status.setWordWrap(True)
         self.status.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -114,9 +125,11 @@ class ModuleManager(QWidget):
         column.addLayout(top)
         column.addWidget(self.list, 3)
         column.addLayout(middle)
+        column.addWidget(self.facts)
         column.addWidget(self.status)
         column.addWidget(self.trace, 2)
         column.addWidget(self.failures)
+        column.addWidget(self.packages)
 
     # --- messages ----------------------------------------------------------------------------
 
@@ -140,13 +153,28 @@ class ModuleManager(QWidget):
         self.list.blockSignals(True)
         for module in states.modules.values():
             self._show_row(self._item(module.name) or self._new_item(module), module)
+        for name, package in self._not_loaded().items():
+            self._show_missing(name, package)
         self.list.blockSignals(False)
         if self.list.currentItem() is None:
             self.choose(next(iter(states.modules), ""))
         self.safe_mode.setChecked(states.safe)
-        self.failures.setText("\n".join(states.failures))
-        self.failures.setVisible(bool(states.failures))
         self._show_chosen()
+
+    def _not_loaded(self) -> dict[str, PackageFacts]:
+        """Packages of somebody else, as this process found them, by names of missing modules."""
+        if self._packages is None:
+            self._packages = packages_of_others()
+        loaded = self._states.modules
+        return {name: facts for name, facts in self._packages.items() if name not in loaded}
+
+    def _show_missing(self, name: str, package: PackageFacts) -> None:
+        item = self._item(name) or QTreeWidgetItem(self.list)
+        item.setData(0, _NAME, name)
+        item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
+        for column, text in enumerate((name, _NOT_LOADED, "", package.version)):
+            item.setText(column, text)
+        item.setForeground(1, QColor(theme.ALARM))
 
     def _new_item(self, module: ModuleState) -> QTreeWidgetItem:
         item = QTreeWidgetItem(self.list)
@@ -170,11 +198,26 @@ class ModuleManager(QWidget):
         items = (self.list.topLevelItem(row) for row in range(self.list.topLevelItemCount()))
         return next((item for item in items if item and item.data(0, _NAME) == name), None)
 
+    def _choose(self) -> None:
+        self._show_chosen()
+        # What it has posted meanwhile.
+        self._ask()
+
     def _show_chosen(self) -> None:
         module = self._states.modules.get(self.chosen)
+        others = [line for line in self._states.failures if line != self._why_missing]
+        self.failures.setText("\n".join(others))
+        self.failures.setVisible(bool(others))
+        package = (self._packages or {}).get(self.chosen)
+        self.packages.choose(package)
+        self.facts.setText(facts_text(module, package))
         for button in (self.restart, self.reload):
             button.setEnabled(module is not None)
         if module is None:
+            self.title.setText(self.chosen)
+            self.status.setText(self._why_missing)
+            self.status.setStyleSheet(f"color: {theme.ALARM};")
+            self.trace.setVisible(False)
             return
         self.reload.setEnabled(not module.of_host)
         self.title.setText(module.title)
@@ -188,11 +231,31 @@ class ModuleManager(QWidget):
         if trace != self.trace.toPlainText():
             self.trace.setPlainText(trace)
 
+    @property
+    def _why_missing(self) -> str:
+        """The sentence on the chosen module if it is not loaded; empty if it is."""
+        name = self.chosen
+        if not name or name in self._states.modules:
+            return ""
+        told = (line for line in self._states.failures if line.startswith(f"module '{name}' "))
+        return next(told, "Left out by safe mode.")
+
     # --- inputs ------------------------------------------------------------------------------
 
     def _checked(self, item: QTreeWidgetItem) -> None:
         wanted = item.checkState(0) == Qt.CheckState.Checked
         self._session.send(EnableModule(module=str(item.data(0, _NAME)), enabled=wanted))
+
+
+def facts_text(module: ModuleState | None, package: PackageFacts | None) -> str:
+    """The lines on a module's package, and on what it posts and hears."""
+    lines = []
+    if package is not None:
+        lines.append(f"Package: {package.title}")
+    if module is not None:
+        lines.append(f"Posts: {', '.join(module.posts) or 'nothing so far'}")
+        lines.append(f"Hears: {', '.join(module.hears) or 'nothing'}")
+    return "\n".join(lines)
 
 
 def status_line(fault: Fault | None, mended: bool) -> str:
