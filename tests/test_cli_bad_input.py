@@ -198,7 +198,7 @@ def test_without_a_sun_the_reason_is_told(monkeypatch, capsys, good_scene, tmp_p
     from vrut_lite import discovery
 
     def broken():
-        yield "'dynamic_skylight' (broken)", lambda: 1 / 0
+        yield discovery.Candidate("'dynamic_skylight' (broken)", lambda: 1 / 0)
 
     monkeypatch.setattr(discovery, "_by_entry_point", broken)
     monkeypatch.chdir(tmp_path)

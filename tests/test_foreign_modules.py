@@ -100,6 +100,45 @@ def test_a_package_for_another_version_is_never_imported(tmp_path):
     assert not marker.exists()
 
 
+@pytest.mark.parametrize(
+    ("metadata", "title"),
+    [
+        (
+            b"Metadata-Version: 2.4\nName: odd\nVersion: 1\nRequires-Dist: vrut-lite >=>= 3\n",
+            "odd 1,",
+        ),
+        (b"Name: odd\nVersion: \xff\xfe\n", "a package without metadata"),
+        (None, "a package without metadata"),
+    ],
+    ids=["requirement", "letters", "none"],
+)
+def test_metadata_that_cannot_be_read_stop_no_other_module(tmp_path, metadata, title):
+    """They fit no version; whoever damaged the file gets a sentence."""
+    put(tmp_path, "odd", EXITING)
+    put(tmp_path, "sound")
+    file = tmp_path / "odd-1.0.dist-info" / "METADATA"
+    file.unlink()
+    if metadata is not None:
+        file.write_bytes(metadata)
+    with on_path(tmp_path):
+        modules, failures = discover()
+    assert "sound" in {module.manifest.name for module in modules}
+    assert len(failures) == 1
+    assert title in failures[0]
+    assert "its requirement '(it cannot be read)' on vrut_lite is none" in failures[0]
+
+
+def test_a_requirement_of_this_python_alone_counts_and_one_of_an_extra_does_not(tmp_path):
+    """As pip reads them."""
+    holds, other = "python_version>='3'", "extra=='old'"
+    put(tmp_path, "sound", requires=[f"vrut-lite[app]>=0.1; {holds}", f"vrut-lite<0.0.1; {other}"])
+    put(tmp_path, "later", requires=[f"vrut-lite>=99; {holds}"])
+    with on_path(tmp_path):
+        modules, failures = discover()
+    assert "sound" in {module.manifest.name for module in modules}
+    assert ["of later 1.0" in failure for failure in failures] == [True]
+
+
 def test_a_manifest_names_versions_too(tmp_path):
     """For modules in folders, which have no metadata."""
     code = MODULE.replace('version="1"', 'version="1", host=">=99"').replace("{name}", "later")

@@ -25,6 +25,7 @@ MODULES_GROUP = "vrut_lite.modules"
 SAFE_MODE_VARIABLE = "VRUT_LITE_SAFE_MODE"
 SAFE_MODE_OPTION = "--safe-mode"
 _LONGEST_FACT = 120
+_NAMELESS, _UNREADABLE = "a package without metadata", "(it cannot be read)"
 
 
 class PackageFacts(msgspec.Struct, frozen=True):
@@ -58,8 +59,20 @@ class PackageFacts(msgspec.Struct, frozen=True):
 
 @lru_cache(maxsize=64)
 def facts_of(distribution: Distribution) -> PackageFacts:
-    """The facts of a distribution, installed or a wheel's."""
+    """The facts of a distribution, installed or a wheel's.
+
+    Metadata that cannot be read make a package without a name that fits no version.
+    """
+    try:
+        return _read(distribution)
+    except Exception:
+        return PackageFacts(_NAMELESS, "", "", "", _UNREADABLE, {})
+
+
+def _read(distribution: Distribution) -> PackageFacts:
     metadata = distribution.metadata
+    if "Name" not in metadata:
+        raise ValueError("it has no name")
     brings: dict[str, tuple[str, ...]] = {}
     for point in sorted(distribution.entry_points, key=lambda point: point.name):
         if point.group.startswith("vrut_lite."):
@@ -129,8 +142,12 @@ def _requirement_on_host(requirements: Iterable[str]) -> str:
     for text in requirements:
         # The name comes first; packaging is imported only for the one that may be meant.
         if text.replace("_", "-").replace(".", "-").lower().startswith(HOST):
-            requirement = Requirement(text)
-            if canonicalize_name(requirement.name) == HOST and requirement.marker is None:
+            try:
+                requirement = Requirement(text)
+            except ValueError:
+                return _UNREADABLE
+            holds = requirement.marker is None or requirement.marker.evaluate({"extra": ""})
+            if canonicalize_name(requirement.name) == HOST and holds:
                 found.append(str(requirement.specifier))
     return ",".join(filter(None, found))
 
