@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+import zipfile
 
 import pytest
 from command_output import output_of
@@ -73,8 +74,10 @@ def test_a_folder_is_installed_as_the_wheel_that_it_makes(environment, tmp_path)
     folder = tmp_path / "own_tool"
     done = environment.vrut_lite("modules", "new", "own_tool", "--kind", "tool", "--into", folder)
     assert done.returncode == 0, done.stderr
+    before = sorted(folder.rglob("*"))
     done = environment.vrut_lite("modules", "install", folder, "--yes")
     assert done.stdout.endswith("own-tool 0.1.0 is installed and loads\n"), done.stderr
+    assert sorted(folder.rglob("*")) == before
     assert "panels: own_tool" in done.stdout
     done = environment.vrut_lite("modules", "remove", "own_tool", "--yes")
     assert done.returncode == 0, done.stderr
@@ -160,6 +163,16 @@ def test_bad_names_end_in_a_sentence(tmp_path, monkeypatch, arguments, reason):
     (tmp_path / "lib").mkdir()
     with pytest.raises(UserError, match=re.escape(reason)):
         output_of(modules, *arguments)
+
+
+def test_a_package_outside_the_environment_is_not_said_to_be_removed(environment, tmp_path):
+    """pip leaves it alone, and calls that a success."""
+    site = tmp_path / "site"
+    with zipfile.ZipFile(wheel_of(tmp_path, "rain")) as archive:
+        archive.extractall(site)
+    done = environment.vrut_lite("modules", "remove", "rain", "--yes", PYTHONPATH=str(site))
+    assert f"pip leaves rain in {site}, outside the environment" in refused(done)
+    assert (site / "rain.py").is_file()
 
 
 def test_without_pip_the_sentence_says_where_it_is_missing(environment, tmp_path):

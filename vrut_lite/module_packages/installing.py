@@ -3,9 +3,10 @@
 A process that runs keeps the modules that it has loaded: changes count from its next start.
 """
 
+import importlib
 import subprocess
 import sys
-from importlib.metadata import entry_points
+from importlib.metadata import PackageNotFoundError, distribution, entry_points
 from pathlib import Path
 
 from vrut_lite.errors import UserError, one_line
@@ -96,9 +97,17 @@ def remove(facts: PackageFacts, folder: Path) -> None:
     """Remove a package of others; `folder` holds no python files.
 
     Raises:
-        UserError: pip says why not.
+        UserError: pip says why not, or leaves it where it is.
     """
     run_pip(["uninstall", "--yes", facts.name], folder)
+    importlib.invalidate_caches()
+    try:
+        place = distribution(facts.name).locate_file("")
+    except PackageNotFoundError:
+        return
+    raise UserError(
+        f"pip leaves {facts.name} in {place}, outside the environment {sys.prefix}: remove it there"
+    )
 
 
 def try_loading(package: str, folder: Path) -> None:

@@ -3,6 +3,7 @@
 import hashlib
 import importlib.util
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -21,6 +22,7 @@ Requirement = lazy("packaging.requirements:Requirement")
 canonicalize_name = lazy("packaging.utils:canonicalize_name")
 
 _LONGEST_REASON = 500
+_NOT_SOURCES = ("build", "dist", "*.egg-info", "__pycache__", ".venv", ".*_cache")
 _NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?\s*([<>=!~].*)?")
 
 
@@ -68,7 +70,7 @@ def make_wheel(what: str, folder: Path) -> ModuleWheel:
     Raises:
         UserError: it is none of these, pip cannot make a wheel, or the wheel brings no module.
     """
-    run_pip(["wheel", "--no-deps", "--wheel-dir", str(folder), _source(what)], folder)
+    run_pip(["wheel", "--no-deps", "--wheel-dir", str(folder), _source(what, folder)], folder)
     wheels = sorted(folder.glob("*.whl"))
     if len(wheels) != 1:
         raise UserError(f"pip made {len(wheels)} wheels of {what}, where one is needed")
@@ -134,13 +136,19 @@ def check_installable(wheel: ModuleWheel) -> None:
             )
 
 
-def _source(what: str) -> str:
-    """The argument for pip: an absolute path, or a requirement by name alone."""
+def _source(what: str, folder: Path) -> str:
+    """The argument for pip: an absolute path, or a requirement by name alone.
+
+    Of a folder it is a copy: a build there would leave its files, and take up those of an earlier
+    one that the package has no more.
+    """
     path = Path(what).expanduser()
     if path.is_dir():
         if not any((path / file).is_file() for file in ("pyproject.toml", "setup.py")):
             raise UserError(f"{what} is no package: the folder has no pyproject.toml")
-        return str(path.absolute())
+        copy = folder / "source"
+        shutil.copytree(path, copy, symlinks=True, ignore=shutil.ignore_patterns(*_NOT_SOURCES))
+        return str(copy)
     if path.suffix == ".whl":
         if not path.is_file():
             raise UserError(f"cannot open {what}: there is no such file")
