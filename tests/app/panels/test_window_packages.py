@@ -127,6 +127,7 @@ def test_a_module_says_what_it_posts_and_hears(shared_headless_window):
     driver.until(lambda: "SunMoved" in manager.facts.text())
     posts, hears = manager.facts.text().splitlines()
     assert posts.startswith("Posts: ")
+    assert "Demand" not in posts
     assert "KeyLightChanged" in posts
     assert "ClockMoved" in hears
     assert not manager.packages.remove.isEnabled()

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.kernel.messages import EnableModule, Fault, Input, Message
+from vrut_lite.kernel.messages import Demand, EnableModule, Fault, Input, Message
 from vrut_lite.kernel.module import Manifest
 from vrut_lite.kernel.reload import root_package
 
@@ -57,7 +57,10 @@ def states_of(stage: Stage) -> ModuleStates:
             fault=seat.last_fault,
             of_host=of_host,
             needed=of_host or _holds_alone(seat.manifest),
-            posts=_names({*seat.module_type.speaks, *kernel.dispatcher.memory.kinds_of(name)}),
+            # Its demands are for what it hears.
+            posts=_names(
+                {*seat.module_type.speaks, *kernel.dispatcher.memory.kinds_of(name)} - {Demand}
+            ),
             hears=_names({kind for kind, _ in seat.module_type.handlers()}),
         )
     return ModuleStates(modules, tuple(stage.failures))

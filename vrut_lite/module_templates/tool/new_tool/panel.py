@@ -9,6 +9,7 @@ from pathlib import Path
 from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
+    QHeaderView,
     QPushButton,
     QTreeWidget,
     QTreeWidgetItem,
@@ -35,6 +36,7 @@ class NewToolPanel(QWidget):
         self.list.setHeaderLabels(["Time (UTC)", "lx", "lx by the sky"])
         self.list.setRootIsDecorated(False)
         self.list.setUniformRowHeights(True)
+        self.list.header().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         self.save, self.clear = QPushButton("Save as CSV..."), QPushButton("Clear")
         self.status = faint_label("No value so far: move the hour.", wraps=True)
         buttons = QHBoxLayout()
@@ -66,7 +68,7 @@ class NewToolPanel(QWidget):
     def _show(self, logged: LuxLogged) -> None:
         self.values.append(logged)
         time = f"{logged.instant:%Y-%m-%d %H:%M}"
-        row = QTreeWidgetItem([time, f"{logged.total_lx:,.5g}", f"{logged.sky_lx:,.5g}"])
+        row = QTreeWidgetItem([time, lux_text(logged.total_lx), lux_text(logged.sky_lx)])
         self.list.insertTopLevelItem(0, row)
         if self.list.topLevelItemCount() > _MOST_ROWS:
             self.list.takeTopLevelItem(_MOST_ROWS)
@@ -76,3 +78,8 @@ class NewToolPanel(QWidget):
         name, _ = QFileDialog.getSaveFileName(self, "Save the log", "lux.csv", "Tables (*.csv)")
         if name:
             self.write(Path(name))
+
+
+def lux_text(lux: float) -> str:
+    """An illuminance as people write it: whole from 100 lx on, three digits below."""
+    return f"{lux:,.0f}" if lux >= 100.0 else f"{lux:.3g}"

@@ -74,9 +74,10 @@ def test_the_panel_lists_and_saves_what_is_posted(tmp_path, monkeypatch):
     panel = NewToolPanel(session)
     for hour in (6, 7):
         instant = datetime(2026, 6, 21, hour, tzinfo=UTC)
-        session.post(LuxLogged(instant=instant, total_lx=1000.0, sky_lx=600.0))
+        session.post(LuxLogged(instant=instant, total_lx=106_473.2, sky_lx=0.25))
     assert panel.list.topLevelItemCount() == 2
-    assert panel.list.topLevelItem(0).text(0) == "2026-06-21 07:00"
+    row = panel.list.topLevelItem(0)
+    assert [row.text(column) for column in range(3)] == ["2026-06-21 07:00", "106,473", "0.25"]
     panel.write(tmp_path / "lux.csv")
     assert (tmp_path / "lux.csv").read_text() == as_csv(panel.values)
     panel.forget()
