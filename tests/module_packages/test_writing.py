@@ -41,7 +41,9 @@ def installed(package, site):
     return site
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.long] * (kind != "sky")) for kind in KINDS]
+)
 def test_its_tests_pass_at_once(tmp_path, kind):
     """As its author runs them, on the package as a wheel installs it, its recorded session too."""
     pytest.importorskip("pip")
