@@ -144,7 +144,7 @@ def _work(qtbot, control):
     if isinstance(control, _DRAWN):
         spot = QPoint(round(0.3 * control.width()), control.height() // 2)
         qtbot.mouseClick(control, Qt.MouseButton.LeftButton, pos=spot)
-    elif isinstance(control, QToolButton) and control.menu() is not None:
+    elif isinstance(control, QPushButton | QToolButton) and control.menu() is not None:
         control.menu().aboutToShow.emit()
         actions = [action for action in control.menu().actions() if action.isEnabled()]
         actions[-1].trigger()
