@@ -12,7 +12,7 @@ def check_host(requirement: str) -> None:
     """Pass if this version fits a requirement such as ">=0.1,<2"; an empty one fits all.
 
     Raises:
-        UserError: it does not, or the requirement is none.
+        UserError: it does not, or the requirement is malformed.
     """
     if not requirement:
         return

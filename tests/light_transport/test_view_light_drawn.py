@@ -15,7 +15,7 @@ pytestmark = pytest.mark.gl
 SIZE = 48
 HALF_M = 0.3
 ABOVE = ((0.0, 1.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(HALF_M))
-# Of the map, along the square's edge of a metre.
+# Texels of the map along the square's edge of a metre.
 TEXELS_A_METRE = 7.0
 # From the eye 1 m below it, upwards.
 LEVEL = (0.0, 1.0, 0.0, -1.0)

@@ -6,5 +6,5 @@ from foreign_packages import ScratchEnvironment
 
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory):
-    """Shared: each test installs packages of its own names."""
+    """Fixtures shared by tests, each of which installs packages under different names."""
     return ScratchEnvironment(tmp_path_factory.mktemp("environment"))

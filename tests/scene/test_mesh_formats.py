@@ -532,5 +532,5 @@ def test_off_colours(tmp_path: Path, head: str, tail: str, colours: list[tuple])
     ],
 )
 def test_broken_ply_and_off_name_the_place(name: str, data: bytes, fault: str) -> None:
-    """What cannot be right in a head, a row or a face is named."""
+    """The refusal names the head, row or face that is wrong."""
     assert fault in answered(polygon_process.read, Path(name).suffix, data).fault

@@ -23,7 +23,7 @@ _LONGEST_TRIAL_S = 120.0
 
 
 def installed_package(name: str) -> PackageFacts | None:
-    """The package that has a name, or brings a module of that name; None if there is none."""
+    """Returns the package that has a name or brings a module of that name, else None."""
     for point in entry_points(group=MODULES_GROUP):
         if point.dist is not None:
             facts = facts_of(point.dist)
@@ -36,7 +36,7 @@ def package_of_others(name: str) -> PackageFacts:
     """An installed package that is not vrut_lite's own.
 
     Raises:
-        UserError: there is none of that name.
+        UserError: no package has that name.
     """
     facts = installed_package(name)
     if facts is None:
@@ -86,7 +86,7 @@ def install(wheel: ModuleWheel) -> None:
     """Install a prepared wheel, in place of another version, with what it requires.
 
     Raises:
-        UserError: pip says why not, or the package cannot be loaded in a process of its own.
+        UserError: pip fails (with its reason), or a fresh process cannot load the package.
     """
     path = Path(wheel.path)
     run_pip(["install", "--upgrade", str(path)], path.parent)
@@ -111,7 +111,7 @@ def remove(facts: PackageFacts, folder: Path) -> None:
 
 
 def try_loading(package: str, folder: Path) -> None:
-    """Load a package's modules and what they draw by in a process of its own.
+    """Load a package's modules and frame parts in a fresh process.
 
     Raises:
         UserError: one cannot be loaded; the sentence says how to remove it.

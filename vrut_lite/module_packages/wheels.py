@@ -68,7 +68,7 @@ def make_wheel(what: str, folder: Path) -> ModuleWheel:
     Nothing is installed. A folder or an archive of sources runs its own build.
 
     Raises:
-        UserError: it is none of these, pip cannot make a wheel, or the wheel brings no module.
+        UserError: the source is unknown, pip cannot make a wheel, or the wheel brings no module.
     """
     run_pip(["wheel", "--no-deps", "--wheel-dir", str(folder), _source(what, folder)], folder)
     wheels = sorted(folder.glob("*.whl"))

@@ -33,7 +33,7 @@ def write_package(name: str, kind: Kind, folder: Path) -> list[Path]:
     """Write the package of a module into an empty or a new folder; returns its files.
 
     Raises:
-        UserError: the name is none or taken, or the folder cannot be written or is not empty.
+        UserError: the name is invalid or taken, or the folder is not writable or not empty.
         ModuleFailed: the session could not be recorded.
     """
     _check_name(name)
@@ -95,7 +95,7 @@ def _renamed(text: str, words: dict[str, str]) -> str:
 
 
 def _record_session(package: Path) -> None:
-    """Run the package's script in a process of its own, as its author will."""
+    """Run the package's script in a fresh process, as its author will."""
     paths = filter(None, [str(package), os.environ.get("PYTHONPATH")])
     done = subprocess.run(
         [sys.executable, str(package / "tests" / "session.py")],

@@ -103,7 +103,7 @@ class CardTargets:
         self.display = context.framebuffer([self.display_texture])
 
     def resolve(self) -> tuple[Any, LentRadiance]:
-        """Resolve what was drawn into a texture that no picture refers to."""
+        """Resolve the drawn frame into a texture that no picture refers to."""
         free = next((each for each in self._resolved if each.is_free), None)
         if free is None:
             free = _Radiance(self._context, self.size)

@@ -20,7 +20,7 @@ def open_context() -> Any:
     """A context of OpenGL 4.3 with clip control, current to this thread.
 
     Raises:
-        UserError: there is none, or none that the user's variable names.
+        UserError: no device is sufficient, or the user's variable names no such device.
     """
     wish = os.environ.get(VARIABLE, "").strip()
     seen: list[str] = []

@@ -1,6 +1,6 @@
 """STL, PLY, OFF, 3MF and COLLADA as placed meshes.
 
-They are read in a process of their own under the scene's memory limit: PLY and OFF by our readers,
+A separate process reads them under the scene's memory limit: PLY and OFF by our readers,
 the others by trimesh. Colours of vertices and faces are sRGB, as programs show them; those of
 COLLADA's materials are linear, as an MTL's Kd.
 """

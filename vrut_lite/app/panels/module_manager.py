@@ -200,7 +200,7 @@ class ModuleManager(QWidget):
 
     def _choose(self) -> None:
         self._show_chosen()
-        # What it has posted meanwhile.
+        # Types posted since the last look.
         self._ask()
 
     def _show_chosen(self) -> None:

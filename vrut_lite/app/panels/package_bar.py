@@ -34,7 +34,7 @@ Rows = Sequence[tuple[str, str]]
 
 
 class PackageBar(QWidget):
-    """Buttons for what is installed, the step that runs, and its outcome in a sentence."""
+    """Buttons to change packages, the running step, and its outcome in a sentence."""
 
     def __init__(self) -> None:
         super().__init__()

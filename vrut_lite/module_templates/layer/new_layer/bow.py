@@ -69,7 +69,7 @@ def phase_rgb() -> FloatArray:
 
 
 def refractive_index(nm: float) -> float:
-    """Of water, within 5e-4 of Hale and Querry (Applied Optics 12, 1973) from 400 to 700 nm."""
+    """Refractive index of water, 400 to 700 nm, within 5e-4 of Hale and Querry (1973)."""
     return 1.3252 + 2490.0 / nm**2
 
 
