@@ -7,6 +7,7 @@ picture: `prepare`, opaque surfaces and the sky, `draw_over_sky`, `draw_over_sol
 surfaces. No other code refers to it.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,9 @@ Size = tuple[int, int]
 D = TypeVar("D", bound=Derived)
 # Number of the ground disc among the scene's parts.
 GROUND = -1
+# Angle from the sun up to which surfaces shade the air before them without light shafts too: there
+# particles scatter so much forward that the unshaded air would outshine what hides the sun.
+SUN_GLOW_RAD = math.radians(25.0)
 
 
 # Whether a point has no surface in a unit direction (3,) up to a distance (m).
@@ -145,7 +149,9 @@ class PartFrame:
         whole_sky: irradiance of the sky with its layers.
         ground_is_bare: whether the background shows that ground without air in front of it.
         casters: the shadow casters of the scene.
-        shadow: the scene's shadow map if its shadows are visible in the air; otherwise None.
+        shadow: the scene's shadow map if its shadows are visible in the air: all of them, or those
+            in the glow around the sun (`SUN_GLOW_RAD`) if that may be in the picture.
+        light_shafts: whether all shadows of the scene are visible in the air.
         air: defines with which a part's own shader includes `through_air.glsl`; empty without
             air, and in `prepare`.
     """
@@ -164,6 +170,7 @@ class PartFrame:
     ground_is_bare: bool
     casters: Casters
     shadow: PartShadow | None
+    light_shafts: bool
     air: tuple[str, ...] = ()
 
 
@@ -297,8 +304,8 @@ class FramePart:
             distance, through air with a share of the light of open air;
             `float ground_horizon()` is the sine of the elevation that divides the sky from the
             ground behind the scene, `void background_through_air(vec3 direction, inout vec3
-            ground, inout vec3 sky)` adds the air that both lack. LIGHT_SHAFTS is defined where
-            there is a `PartFrame.shadow`, SUN_FACTOR where a part dims the sun.
+            ground, inout vec3 sky)` adds the air that both lack. LIGHT_SHAFTS is defined with
+            `PartFrame.light_shafts`, SUN_FACTOR where a part dims the sun.
         switch: name of the scene's setting that switches the part; its messages are demanded only
             while that is on and a scene is open. Empty: always.
 

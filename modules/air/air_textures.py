@@ -1,12 +1,13 @@
 """The air of a picture on the GPU: tables as textures, and the block of numbers beside them."""
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from air.block import AIR, BLOCK
-from vrut_lite.frame_part import PartFrame, PartGl
+from vrut_lite.frame_part import SUN_GLOW_RAD, PartFrame, PartGl
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import Vector
@@ -145,6 +146,7 @@ def _packed(volume: AirVolume, frame: PartFrame) -> bytes:
         ground_is_bare=float(bare),
         rows_down=rows_below(volume),
         picture_px=frame.size_px,
+        glow_cosines=(math.cos(SUN_GLOW_RAD), math.cos(0.5 * SUN_GLOW_RAD)),
         shadow_from_eye=np.eye(4) if frame.shadow is None else frame.shadow.clip_from_eye,
     )
 

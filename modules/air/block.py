@@ -33,6 +33,7 @@ AIR = UniformBlock(
         "ground_is_bare": ("float", "1: air is drawn before it"),
         "rows_down": ("vec3", "crowding, x and place of the row that is moved: air_rows.py"),
         "picture_px": ("vec2", "width and height"),
+        "glow_cosines": ("vec2", "of the angles to the sun where glow begins and is whole"),
         "shadow_from_eye": ("mat4", "into the shadow map, from positions relative to the eye"),
     },
 )

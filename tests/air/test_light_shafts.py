@@ -7,6 +7,8 @@ from air_stage import air_of, volume_of
 from scene_stage import light, look
 from stateful_backend import opened
 
+from vrut_lite.messages.camera import look_at
+
 pytestmark = pytest.mark.gl
 SIZE = (64, 48)
 EXTINCTION, SHADED, SUNLIT = 3e-3, 1.0, 8.0
@@ -65,13 +67,11 @@ def marched(rays):
     return (source * EXTINCTION * np.exp(-EXTINCTION * metres)).mean(axis=1) * far
 
 
-def pixel_rays(x, y):
-    from vrut_lite.messages.camera import look_at
-
-    tangent = np.tan(0.5 * FIELD_OF_VIEW_RAD)
+def pixel_rays(x, y, target=TARGET, field_of_view_rad=FIELD_OF_VIEW_RAD):
+    tangent = np.tan(0.5 * field_of_view_rad)
     right = (2 * (x + 0.5) / SIZE[0] - 1) * tangent * SIZE[0] / SIZE[1]
     up = (1 - 2 * (y + 0.5) / SIZE[1]) * tangent
-    rays = np.stack([right, up, -np.ones_like(up)], axis=-1) @ look_at(EYE, TARGET)[:3, :3]
+    rays = np.stack([right, up, -np.ones_like(up)], axis=-1) @ look_at(EYE, target)[:3, :3]
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
@@ -111,6 +111,36 @@ def test_where_nothing_casts_shafts_change_nothing(backend, tmp_path):
     backend.change(light_shafts=True)
     np.testing.assert_allclose(look(backend, *view).radiance, without, rtol=2e-4)
     assert backend.counters.done["light shafts"] == 1
+
+
+def test_what_hides_the_sun_shades_the_glow_before_it(backend, tmp_path):
+    """Without light shafts too, a wall before the sun must not show the sun's glow: half of 25
+    degrees from the sun its air is as shafts have it, beyond 25 degrees all of it is lit."""
+    show(backend, tmp_path, BOXES[2:], sun=np.array([0.0, 0.0995, -0.995]))
+    view = (EYE, np.add(EYE, (0.0, 0.1, -1.0)), 1.2)
+    without = look(backend, *view).radiance[..., 1]
+    assert backend.counters.done["air: shade in the sun's glow"] == 1
+    backend.change(light_shafts=True)
+    shafts = look(backend, *view).radiance[..., 1]
+    x, y = (side.ravel() for side in np.meshgrid(np.arange(1, 64, 3), np.arange(1, 48, 3)))
+    rays = pixel_rays(x, y, *view[1:])
+    far_m = (EYE[2] + 148.0) / -rays[:, 2]
+    at = np.array(EYE) + far_m[:, None] * rays
+    on_wall = (np.abs(at[:, 0]) < 100.0) & (at[:, 1] > 0.0) & (at[:, 1] < 90.0)
+    turn = np.degrees(np.arccos(rays @ (0.0, 0.0995, -0.995)))
+    lit = (SHADED + SUNLIT) * -np.expm1(-EXTINCTION * far_m)
+    inside, outside = on_wall & (turn < 12.0), on_wall & (turn > 25.5)
+    assert min(inside.sum(), outside.sum()) > 10
+    assert shafts[y, x][inside].max() < 0.2 * lit[inside].min()
+    np.testing.assert_allclose(without[y, x][inside], shafts[y, x][inside], rtol=0.02)
+    np.testing.assert_allclose(without[y, x][outside], lit[outside], rtol=2e-3)
+
+
+def test_away_from_the_sun_no_glow_is_shaded(backend, tmp_path):
+    """Pictures that do not show the glow are those of before, without a shadow map for it."""
+    show(backend, tmp_path, BOXES[2:], sun=np.array([0.0, 0.6, 0.8]))
+    look(backend, EYE, TARGET, 0.3)
+    assert backend.counters.done["air: shade in the sun's glow"] == 0
 
 
 def test_the_sky_behind_a_shadow_is_darker(backend, tmp_path):

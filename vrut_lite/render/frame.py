@@ -20,7 +20,7 @@ from vrut_lite.messages.sky import ViewShader, mean_level
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.card_pictures import CardPictures, DrawnPicture
-from vrut_lite.render.culling import in_view
+from vrut_lite.render.culling import has_glow, in_view
 from vrut_lite.render.device import Choices
 from vrut_lite.render.frame_parts import PartFailed
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -139,22 +139,23 @@ class Frame:
             reflection = self._reflection(light, seen, still, state)
         with passes.measure("shadow"):
             always = not state.skips.shadow
+            has_sunlit_air = passes.parts.fill_air and any(light.sun_irradiance)
+            shafts = has_sunlit_air and state.light_shafts
+            in_air = shafts or (has_sunlit_air and has_glow(view, light.sun_direction))
             if finished:
-                shafts = state.light_shafts and passes.parts.fill_air
                 shadows = self._shadow.of_still(
-                    passes.meshes, scene, seen, light, view, state.size_px, always, shafts
+                    passes.meshes, scene, seen, light, view, state.size_px, always, in_air
                 )
             else:
                 size = quick_size(state.size_px[0]) if quick else SHADOW_SIZE
                 shadows = self._shadow.update(passes.meshes, scene, light, view, always, size)
         if always or self._casters is None or self._casters.scene is not scene:
             self._casters = SceneCasters(passes.meshes, scene)
-        shafts = state.light_shafts and passes.parts.fill_air and any(light.sun_irradiance)
         shadow = None
-        if shafts:
+        if in_air:
             assert shadows.scene is not None
             shadow = PartShadow(shadows.scene.texture, shadow_from_eye(shadows.scene, view))
-        parts = _part_frame(scene, view, seen, light, shadow, state, still, self._casters)
+        parts = _part_frame(scene, view, seen, light, shadow, shafts, state, still, self._casters)
         with passes.measure("parts before surfaces"):
             defines = passes.parts.prepare(parts)
         parts = replace(parts, air=defines.air)
@@ -218,6 +219,7 @@ def _part_frame(
     seen: list[PlacedPrimitive],
     light: Light,
     shadow: PartShadow | None,
+    light_shafts: bool,
     state: SceneState,
     still: bool,
     casters: SceneCasters,
@@ -241,6 +243,7 @@ def _part_frame(
         ground_is_bare=not light.sky.ground_through_air,
         casters=casters,
         shadow=shadow,
+        light_shafts=light_shafts,
     )
 
 

@@ -123,8 +123,8 @@ class FrameParts:
         )
         self._air = next((part for part in seen.values() if part.through_air), None)
         air: Defines = () if self._air is None else ("THROUGH_AIR", *self._air.air_defines)
-        through = (*air, "LIGHT_SHAFTS") if air and frame.shadow is not None else air
-        on_sky = through if frame.ground_is_bare or frame.shadow is not None else ()
+        through = (*air, "LIGHT_SHAFTS") if air and frame.light_shafts else air
+        on_sky = through if frame.ground_is_bare or frame.light_shafts else ()
         return PartDefines(
             lights=(*sun, *extra),
             air=air,

@@ -94,7 +94,7 @@ class StillShadow(NamedTuple):
 class Shadows(NamedTuple):
     """Shadow maps of the whole scene, and a finer one around the eye in large scenes.
 
-    A finished still has `still` instead, and the scene's map for light shafts in its air.
+    A finished still has `still` instead, and the scene's map if its air shows shadows.
     """
 
     scene: Shadow | None

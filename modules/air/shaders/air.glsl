@@ -160,7 +160,7 @@ AirLight air_before(AirRay ray, float metres) {
                     weight * sunlit_mean(ray, slice));
 }
 
-#ifdef LIGHT_SHAFTS
+#if defined(LIGHT_SHAFTS) || defined(SHADED_GLOW)
 //!include light_shafts.glsl
 #endif
 
@@ -172,6 +172,10 @@ vec3 through_air(vec3 radiance, vec3 d, float metres, float share) {
 #ifdef LIGHT_SHAFTS
     light.sunlit = max(light.sunlit - shadowed_light(ray, d, metres), 0.0);
 #else
+#ifdef SHADED_GLOW
+    float glow = smoothstep(air.glow_cosines.x, air.glow_cosines.y, dot(d, air.sun_direction));
+    if (glow > 0.0) light.sunlit = max(light.sunlit - glow * shaded_by_scene(ray, d, metres), 0.0);
+#endif
     light.sunlit *= share;
 #endif
     return radiance * light.transmittance + light.shaded * share + light.sunlit;

@@ -4,7 +4,12 @@
 
 //!sampler sampler2DShadow shaft_shadow_map
 
+#ifdef LIGHT_SHAFTS
 const int SHAFT_STEPS = 64;
+#else
+// In the glow around the sun, where what hides the sun shades most of a ray.
+const int SHAFT_STEPS = 8;
+#endif
 const int SHAFT_HALVINGS = 5;
 
 // The part of a ray that the scene can shade: the box of the shadow map, open away from the sun.
@@ -61,6 +66,7 @@ vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
     return lit ? missing : missing + sunlit_before(ray, range.y) - since;
 }
 
+#ifdef LIGHT_SHAFTS
 #ifdef SUN_FACTOR
 //!include part_shafts.glsl
 #endif
@@ -75,3 +81,4 @@ vec3 shadowed_light(AirRay ray, vec3 d, float metres) {
 #endif
     return missing;
 }
+#endif

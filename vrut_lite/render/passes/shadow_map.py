@@ -152,14 +152,14 @@ class ShadowMaps:
         view: View,
         size_px: tuple[int, int],
         always: bool,
-        shafts: bool,
+        in_air: bool,
     ) -> Shadows:
-        """The shadows of a finished still; the scene's map too if its air has light `shafts`."""
+        """The shadows of a finished still; the scene's map too if they are visible `in_air`."""
         if self._still is None:
             self._still = StillShadowMap(self._context, self._counters)
         still = self._still.update(meshes, scene, seen, light, view, size_px, always)
         whole = None
-        if shafts:
+        if in_air:
             whole = self._map("shadow map", SHADOW_SIZE).update(
                 meshes, scene, light, scene.centre_m, scene.radius_m, always
             )
