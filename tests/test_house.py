@@ -33,7 +33,7 @@ VALUES = {
     "arguments", "array", "array_cache", "checks", "compiled_code", "errors", "foreign_errors",
     "host_version", "interrupts", "lazy", "mailbox", "memory_limit", "njit", "npz_arrays",
     "numba_compiler", "numba_shortcuts", "numeric_types", "package_facts", "plain_numbers",
-    "sound_environment", "text_files", "uniform_block", "write_atomic",
+    "quantities", "sound_environment", "text_files", "uniform_block", "write_atomic",
 }  # fmt: skip
 # They name what panels, commands and engines of modules may use of the layers above.
 KITS = {"panel_kit", "headless", "scene_engine"}

@@ -17,10 +17,12 @@ from vrut_lite.messages.sky import BackgroundChanged, SkyPolarisationChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import SunMoved
 from vrut_lite.panel_kit import FittedPicture, Legend, Session, faint_label, panel_column
+from vrut_lite.quantities import COMPUTING, degrees_text, percent_text
 
 _CONSUMER = "polarisation panel"
 _UNKNOWN = (
-    "This sky does not know how its light is polarised here. The Bruneton sky does, up to 20 km."
+    "This sky does not know how its light is polarised here. Clear sky (atmosphere) does, up to "
+    "20 km."
 )
 _LEGEND = (
     "Degree of polarisation of the sky without sun. Bars lie along the vibration and are as long "
@@ -40,7 +42,7 @@ class PolarisationPanel(QWidget):
         self.shown: PolarisationPicture | None = None
         self._light: SkyLightChanged | None = None
         self._drawing = False
-        self.facts = QLabel()
+        self.facts = QLabel(COMPUTING)
         self.facts.setWordWrap(True)
         self.view = FittedPicture("polarisation of the sky", (SIZE_PX, SIZE_PX))
         self.legend = Legend()
@@ -104,7 +106,9 @@ class PolarisationPanel(QWidget):
             self.facts.setText(_UNKNOWN)
         else:
             self.view.show_pixels(picture.pixels)
-            self.legend.show_values([f"{share * picture.largest:.0%}" for share in (0.0, 0.5, 1.0)])
+            self.legend.show_values(
+                [percent_text(share * picture.largest) for share in (0.0, 0.5, 1.0)]
+            )
             self.facts.setText(_facts(picture))
         if light is not self._light:
             self._draw()
@@ -113,11 +117,11 @@ class PolarisationPanel(QWidget):
 def _facts(picture: PolarisationPicture) -> str:
     places = ("above the sun", "below the sun", "above the point opposite the sun")
     points = [
-        f"{name.capitalize()} {distance:.0f}\N{DEGREE SIGN} {place}"
+        f"{name.capitalize()} {degrees_text(distance)} {place}"
         for name, distance, place in zip(
             picture.neutral._fields, picture.neutral, places, strict=True
         )
         if np.isfinite(distance)
     ]
     neutral = "; ".join(points) or "none above the horizon"
-    return f"Zenith {picture.zenith:.0%}. Neutral points: {neutral}."
+    return f"Zenith {percent_text(picture.zenith)}. Neutral points: {neutral}."

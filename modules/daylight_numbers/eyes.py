@@ -23,6 +23,7 @@ from vrut_lite.geometry.false_colours import UNUSED, coloured, scale_of
 from vrut_lite.headless import write_png
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.quantities import CD_M2, percent_text
 
 _MOST_PICTURES = 4
 
@@ -72,7 +73,7 @@ def hour_table(found: list[tuple[Glare, EyeView]]) -> Table:
         ]
         for n, (glare, view) in enumerate(found)
     ]
-    columns = ["eye", "DGP", "vertical lx", "brightest surface or sky cd/m2", "suns in view"]
+    columns = ["eye", "DGP", "vertical lx", f"brightest surface or sky {CD_M2}", "suns in view"]
     return Table("Glare in the hour", columns, rows)
 
 
@@ -81,7 +82,7 @@ def glare_table(eyes: Eyes, light: YearLight, solved: SolvedYear) -> Table:
     rows = []
     for n, dgp in enumerate(glare_year(eyes.work, eyes.flats, light, solved)):
         level, shares = en_level(dgp, light)
-        rows.append([f"eye {n + 1}", level, *(f"{share:.1%}" for share in shares)])
+        rows.append([f"eye {n + 1}", level, *(percent_text(share, 1) for share in shares)])
     columns = [
         "eye",
         "EN 17037 protection from glare",
@@ -108,13 +109,13 @@ def view_picture(view: EyeView) -> NDArray[np.uint8]:
     scale = scale_of(view.luminance)
     sheet = Image.new("RGB", (EDGE_PX + 32, EDGE_PX + 32 + LEGEND_PX), UNUSED)
     sheet.paste(Image.fromarray(coloured(field, scale)), (16, 16))
-    draw_legend(sheet, scale, PictureQuantity("luminance", "cd/m2"))
+    draw_legend(sheet, scale, PictureQuantity("luminance", CD_M2))
     return np.asarray(sheet, np.uint8).copy()
 
 
 METHOD = (
     "Daylight glare probability after Wienold and Christoffersen: sources are what is brighter "
-    f"than {THRESHOLD:,.0f} cd/m2, the sun's disc and its images in flat smooth surfaces. EN "
+    f"than {THRESHOLD:,.0f} {CD_M2}, the sun's disc and its images in flat smooth surfaces. EN "
     "17037: DGP above 0.45, 0.40 or 0.35 in at most 5 % of 8:00 to 18:00 is minimum, medium or "
     "high."
 )

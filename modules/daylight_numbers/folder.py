@@ -27,6 +27,7 @@ from daylight_numbers.work import DaylightWork, work_of
 from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
 from vrut_lite.headless import Project, busy_with, tell_notices, tracked, write_png
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.quantities import percent_text
 from vrut_lite.write_atomic import atomic_output
 
 _PICTURES = {
@@ -166,7 +167,7 @@ def _rooms_now(sensors: Sensors, numbers: Numbers) -> Table:
                 f"{lux.max():,.0f}",
                 f"{factor.mean():.2f} ± {_rms(factor_noise):.2f}",
                 f"{np.median(factor):.2f}",
-                f"{numbers['sky_view'][here].mean():.1%}",
+                percent_text(numbers["sky_view"][here].mean(), 1),
                 f"{numbers['sun_h'][here].mean():.1f}",
             ]
         )
@@ -198,7 +199,8 @@ def _method(work: DaylightWork, asked: DaylightRequest, moved: float) -> list[st
         f"Bounces between {len(transport.patches.area):,} patches of Lambert's surfaces, "
         f"{transport.rays} rays from each of {len(transport.texels.pixel):,} texels "
         "(docs/light.md). "
-        f"Patches twice as wide move daylight factors by {moved:.1%} of their mean, rms.",
+        f"Patches twice as wide move daylight factors by {percent_text(moved, 1)} of their mean, "
+        "rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
         "Lamps are off. ReflectionProbes throw no sun. The view out is not computed.",

@@ -40,6 +40,7 @@ from vrut_lite.panel_kit import (
     panel_column,
 )
 from vrut_lite.place_time import Place, local_text
+from vrut_lite.quantities import figure, lux_text, percent_text
 
 if TYPE_CHECKING:
     from daylight_numbers.now import NumbersNow
@@ -70,10 +71,15 @@ class MeasuredHour:
     instant: datetime
 
 
-_KINDS: dict[str, tuple[Callable[[MeasuredHour], FloatArray], str]] = {
-    "Illuminance": (lambda found: found.numbers.light.total, "{:,.0f} lx"),
-    "Daylight factor": (lambda found: found.numbers.daylight_factor_percent, "{:.2f} %"),
-    "Sky view": (lambda found: found.numbers.sky_view, "{:.1%}"),
+def _percents(percent: float) -> str:
+    """A daylight factor: percent, with two decimals."""
+    return percent_text(0.01 * percent, 2)
+
+
+_KINDS: dict[str, tuple[Callable[[MeasuredHour], FloatArray], Callable[[float], str]]] = {
+    "Illuminance": (lambda found: found.numbers.light.total, lux_text),
+    "Daylight factor": (lambda found: found.numbers.daylight_factor_percent, _percents),
+    "Sky view": (lambda found: found.numbers.sky_view, percent_text),
 }
 
 
@@ -269,7 +275,7 @@ class DaylightPanel(QWidget):
         values_of, said = _KINDS[self.kind.currentText()]
         values = values_of(self.measured)
         scale = self.view.show_plane(self.measured.work.sensors, values, plane)
-        shown = [said.format(scale.at(share)) for share in (0.0, 0.5, 1.0)]
+        shown = [said(scale.at(share)) for share in (0.0, 0.5, 1.0)]
         self.legend.show_values(shown if scale.high > 0.0 else [])
         place = self._session.last(SetPlace)
         assert place is not None
@@ -287,9 +293,9 @@ def summary(measured: MeasuredHour, plane: int) -> str:
     here = measured.work.sensors.plane == plane
     lux, factor = measured.numbers.light.total[here], measured.numbers.daylight_factor_percent[here]
     return (
-        f"{here.sum()} sensors: mean {lux.mean():,.0f} lx, least {lux.min():,.0f}, most "
-        f"{lux.max():,.0f}; daylight factor (CIE 16) mean {factor.mean():.2f} %, median "
-        f"{np.median(factor):.2f} %"
+        f"{here.sum():,} sensors: mean {lux_text(lux.mean())}, least {figure(lux.min())}, most "
+        f"{figure(lux.max())}; daylight factor (CIE 16) mean {_percents(factor.mean())}, median "
+        f"{_percents(float(np.median(factor)))}"
     )
 
 
@@ -297,12 +303,12 @@ def sensor_text(measured: MeasuredHour, sensor: int) -> str:
     """The numbers of one sensor, with the standard errors that rays leave."""
     numbers, light = measured.numbers, measured.numbers.light
     return (
-        f"{light.total[sensor]:,.0f} \N{PLUS-MINUS SIGN} {light.noise[sensor]:.2g} lx "
-        f"(sun {light.sun[sensor]:,.0f}, sky {light.sky[sensor]:,.0f}, surfaces "
-        f"{light.surfaces[sensor]:,.0f}); daylight factor "
+        f"{figure(light.total[sensor])} \N{PLUS-MINUS SIGN} {light.noise[sensor]:.2g} lx "
+        f"(sun {figure(light.sun[sensor])}, sky {figure(light.sky[sensor])}, surfaces "
+        f"{figure(light.surfaces[sensor])}); daylight factor "
         f"{numbers.daylight_factor_percent[sensor]:.2f} \N{PLUS-MINUS SIGN} "
         f"{numbers.daylight_factor_error_percent[sensor]:.1g} %; sky view "
-        f"{numbers.sky_view[sensor]:.1%}"
+        f"{percent_text(numbers.sky_view[sensor])}"
     )
 
 

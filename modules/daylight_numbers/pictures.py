@@ -17,6 +17,7 @@ from vrut_lite.geometry.false_colours import (
     scale_pixels,
 )
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.quantities import figure
 
 _EDGE_PX, _MARGIN_PX, _BAR_PX, _FONT_PX = 420, 16, 12, 13
 _MOST_CELL_PX = 64
@@ -142,7 +143,7 @@ def draw_legend(sheet: Image.Image, scale: Scale, quantity: PictureQuantity) -> 
         return
     for tick in range(_TICKS):
         share = tick / (_TICKS - 1)
-        said = f"{scale.at(share):,.3g}" if scale.at(share) < 1000.0 else f"{scale.at(share):,.0f}"
+        said = figure(scale.at(share))
         room = width - pen.textlength(said, font=font)
         pen.text((_MARGIN_PX + share * room, top + _FONT_PX + 4 + _BAR_PX), said, _INK, font=font)
 

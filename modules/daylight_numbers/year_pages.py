@@ -29,6 +29,7 @@ from daylight_numbers.year import DAYS_BETWEEN, Year, solved_year, year_matrices
 from daylight_numbers.year_light import YearLight, lit_hours, year_light
 from vrut_lite.headless import write_png
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.quantities import percent_text
 
 Numbers = dict[str, FloatArray]
 _PLANS = {
@@ -164,8 +165,8 @@ def row_of_plane(
     return [
         sensors.names[plane],
         *(("no room", "") if shaded is None else _sda(shaded, light)),
-        f"{all_rays.da_300_50:.1%} ± {_half(one.da_300_50, other.da_300_50):.1%}",
-        f"{all_rays.ase_1000_250:.1%}",
+        _within(all_rays.da_300_50, _half(one.da_300_50, other.da_300_50)),
+        percent_text(all_rays.ase_1000_250, 1),
         f"{all_rays.en_level} ({targets}{', roof lights' if by_roof else ''})",
         f"{level} ({best_sun_h:.1f} h)",
         f"{all_rays.dose_klxh:,.0f} ± {_half(one.dose_klxh, other.dose_klxh):,.0f}",
@@ -178,7 +179,7 @@ def _sda(shaded: Shaded, light: YearLight) -> tuple[str, str]:
         for total in (shaded.total, *shaded.halves)
     )
     hours = ", ".join(f"{side} {count:,} h" for side, count in shaded.closed_h.items())
-    return f"{share:.1%} ± {_half(first, second):.1%}", hours
+    return _within(share, _half(first, second)), hours
 
 
 def year_table(rows: list[list[str]], sun_day: str) -> Table:
@@ -194,11 +195,15 @@ def udi_table(sensors: Sensors, points: PointYear) -> Table:
     """Useful daylight illuminance, a plane a row."""
     rooms: list[RoomYear] = [room_year(points, sensors, n) for n in range(len(sensors.names))]
     rows = [
-        [name, *(f"{share:.1%}" for share in room.udi)]
+        [name, *(percent_text(share, 1) for share in room.udi)]
         for name, room in zip(sensors.names, rooms, strict=True)
     ]
-    columns = ["plane", "below 100 lx", "100 to 300 lx", "300 to 3000 lx", "above 3000 lx"]
+    columns = ["plane", "below 100 lx", "100 to 300 lx", "300 to 3,000 lx", "above 3,000 lx"]
     return Table("Useful daylight illuminance, share of 8:00 to 18:00", columns, rows)
+
+
+def _within(share: float, error: float) -> str:
+    return f"{percent_text(share, 1)} ± {percent_text(error, 1)}"
 
 
 def _half(one: float, other: float) -> float:
@@ -213,8 +218,9 @@ def method(source: str, hours: int, blinds: float) -> list[str]:
         "sDA 300/50 (IES LM-83): share of the plane that has 300 lx in half of the 3,650 hours "
         "from 8:00 to 18:00. Each side of a room has blinds, closed in hours in which more than "
         "2 % of its sensors get 1,000 lx of direct sun through that side; closed, they let "
-        f"{blinds:.0%} through, evenly. 'Unshaded' is the same without blinds. ASE 1000/250: share "
-        "with more than 1,000 lx of direct sun alone in more than 250 of these hours.",
+        f"{percent_text(blinds)} through, evenly. 'Unshaded' is the same without blinds. ASE "
+        "1000/250: share with more than 1,000 lx of direct sun alone in more than 250 of these "
+        "hours.",
         "EN 17037: illuminance on 50 % and on 95 % of the plane, 0.5 m from walls, in half of the "
         "4,380 hours with most light outdoors; minimum, medium, high are 300/100, 500/300, 750/500 "
         "lx, and 300, 500, 750 lx on 95 % where most openings are in the roof. Hours of sun are "

@@ -29,14 +29,15 @@ from vrut_lite.panel_kit import (
     faint_label,
     panel_column,
 )
+from vrut_lite.quantities import lux_text, percent_text, with_unit
 
-_NOTHING = "No light map: the scene is lit by the open sky."
+_NOTHING = "No light map yet: the scene is lit by the open sky."
 _LIGHT, _SIZE, _ERROR = "Light", "Texel size", "Error"
 # Meaning of each picture, and the format of its values.
 _MEANINGS = {
-    _LIGHT: ("illuminance without the sun's or moon's own", lambda lx: f"{lx:.3g} lx"),
-    _SIZE: ("edge of the texels", lambda edge_m: f"{edge_m:.3g} m"),
-    _ERROR: ("noise that the rays leave, of the light there", lambda share: f"{share:.2%}"),
+    _LIGHT: ("illuminance without the sun's or moon's own", lux_text),
+    _SIZE: ("edge of the texels", lambda edge_m: with_unit(edge_m, "m")),
+    _ERROR: ("noise that the rays leave, of the light there", percent_text),
 }
 
 
@@ -55,6 +56,7 @@ class LightMapPanel(QWidget):
 
     title = "Light map"
     keys = "B"
+    advanced = True
 
     def __init__(self, session: Session):
         super().__init__()
@@ -116,8 +118,8 @@ class LightMapPanel(QWidget):
             return
         megabytes = (grown.table_bytes + light.texels.values.nbytes) / 1e6
         self.facts.setText(
-            f"{grown.texels:,} texels, {grown.rays} of {grown.rays_wanted} rays each, "
-            f"{megabytes:.0f} MB; bake {shown.bake_s:.1f} s, hour {1e3 * shown.hour_s:.0f} ms"
+            f"{grown.texels:,} texels, {grown.rays:,} of {grown.rays_wanted:,} rays each, "
+            f"{megabytes:,.0f} MB; bake {shown.bake_s:.1f} s, hour {1e3 * shown.hour_s:,.0f} ms"
         )
 
     def _explain(self, picture: FalseColours | None) -> None:

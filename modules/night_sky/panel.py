@@ -17,9 +17,10 @@ from vrut_lite.messages.night import NightLightChanged
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.panel_kit import Session, aligned_form
 from vrut_lite.place_time import Place, local_text
+from vrut_lite.quantities import COMPUTING, degrees_text, lux_text
 from vrut_lite.sky.moon_phase import phase_text
 
-_UNKNOWN = "\N{EM DASH}"
+_NONE_SOON = "not within two days"
 _BELOW = "below the horizon"
 _NEVER = datetime(1, 1, 1, tzinfo=UTC)
 # How long there being no event is taken to last.
@@ -35,8 +36,8 @@ class MoonPanel(QWidget):
         super().__init__()
         self._session = session
         self._looked_up: tuple[SetPlace | None, datetime, datetime] = None, _NEVER, _NEVER
-        self.phase, self.place, self.light = QLabel(), QLabel(), QLabel()
-        self.rise, self.set = QLabel(_UNKNOWN), QLabel(_UNKNOWN)
+        self.phase, self.place, self.light = (QLabel(COMPUTING) for _ in range(3))
+        self.rise, self.set = QLabel(COMPUTING), QLabel(COMPUTING)
         self.full = QPushButton("Next full moon")
         self.eclipse = QPushButton("Next solar eclipse here")
         form = aligned_form(self)
@@ -58,17 +59,17 @@ class MoonPanel(QWidget):
     def _show(self, message: NightLightChanged) -> None:
         moon = message.moon
         if moon is None:
-            self.phase.setText(_UNKNOWN)
+            self.phase.setText("not seen")
             self.place.setText(_BELOW)
-            self.light.setText(_UNKNOWN)
+            self.light.setText("none")
         else:
             self.phase.setText(phase_text(moon.lit_fraction, moon.waxes))
             height, azimuth = degrees(moon.place.apparent_elevation_rad), moon.place.azimuth_rad
             self.place.setText(
-                f"{height:.1f}\N{DEGREE SIGN} high, azimuth {degrees(azimuth):.1f}\N{DEGREE SIGN}"
+                f"{degrees_text(height)} high, azimuth {degrees_text(degrees(azimuth))}"
             )
             lux = float(luminance(moon.irradiance_rgb)) * LUMENS_PER_WATT
-            self.light.setText(f"{lux:.3g} lx, facing it")
+            self.light.setText(f"{lux_text(lux)}, facing it")
         self._look_up()
 
     def _look_up(self) -> None:
@@ -84,7 +85,7 @@ class MoonPanel(QWidget):
         self._looked_up = place, clock.instant, first
         for label, instant in zip((self.rise, self.set), found, strict=True):
             where = Place(place.latitude_deg, place.longitude_deg)
-            label.setText(_UNKNOWN if instant is None else local_text(instant, where))
+            label.setText(_NONE_SOON if instant is None else local_text(instant, where))
 
     def _jump(self, event: Callable[[Watch], datetime]) -> None:
         clock, place = self._session.last(ClockMoved), self._session.last(SetPlace)

@@ -33,6 +33,7 @@ from vrut_lite.panel_kit import (
     panel_column,
     write_picture,
 )
+from vrut_lite.quantities import W_M2_SR
 
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."
@@ -78,7 +79,7 @@ class TracedPanel(QWidget):
             self.denoise.setEnabled(False)
             self.denoise.setToolTip("It needs the extra `ref`: pip install 'vrut-lite[ref]'")
         self.keep = QPushButton("Save\N{HORIZONTAL ELLIPSIS}")
-        self.keep.setToolTip("PNG or JPEG as shown, EXR of linear radiance in W/(m\u00b2 sr)")
+        self.keep.setToolTip(f"PNG or JPEG as shown, EXR of linear radiance in {W_M2_SR}")
         self.keep.setEnabled(False)
         row = QHBoxLayout()
         row.addWidget(self.progress, 1)
@@ -165,7 +166,7 @@ class TracedPanel(QWidget):
         self.view.show_pixels(developed.pixels)
         self.keep.setEnabled(True)
         left = remaining_text(self._remaining.seconds(developed.samples_wanted))
-        done = f"{developed.samples} of {developed.samples_wanted} paths a pixel"
+        done = f"{developed.samples:,} of {developed.samples_wanted:,} paths a pixel"
         self.progress.setText(f"{done}, {left}" if left else done)
         latest, denoises = asked
         is_old = latest is not self._latest or denoises != self.denoise.isChecked()

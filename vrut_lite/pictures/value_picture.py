@@ -15,6 +15,7 @@ from vrut_lite.geometry.false_colours import (
     scale_pixels,
 )
 from vrut_lite.numeric_types import Float32Array
+from vrut_lite.quantities import with_unit
 
 
 class Quantity(NamedTuple):
@@ -26,9 +27,8 @@ class Quantity(NamedTuple):
     has_lines: bool = False
 
     def said(self, value: float) -> str:
-        """A value in three figures, with its unit."""
-        shown = value * self.factor
-        return f"{shown:,.0f} {self.unit}" if shown >= 100.0 else f"{shown:.3g} {self.unit}"
+        """A value with its unit."""
+        return with_unit(value * self.factor, self.unit)
 
 
 QUANTITIES: dict[str, Quantity] = {

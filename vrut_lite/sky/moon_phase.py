@@ -1,5 +1,7 @@
 """The names of the moon's phases."""
 
+from vrut_lite.quantities import percent_text
+
 # Lit shares that have a name.
 _NEW, _FULL, _HALF = 0.02, 0.98, (0.47, 0.53)
 
@@ -15,4 +17,4 @@ def phase_text(lit_fraction: float, waxes: bool) -> str:
         name = "first quarter" if waxes else "last quarter"
     else:
         name = f"{way} {'crescent' if lit_fraction < _HALF[0] else 'gibbous'}"
-    return f"{name}, {lit_fraction:.0%} lit"
+    return f"{name}, {percent_text(lit_fraction, 0)} lit"

@@ -11,6 +11,7 @@ from vrut_lite.messages.tolerance import tolerance_of
 from vrut_lite.pictures.image_files import Metadata
 from vrut_lite.place_time import local_text
 from vrut_lite.project import Project
+from vrut_lite.quantities import degrees_text
 
 # Lists of numbers; headers hold them as one text.
 _VECTORS = {
@@ -50,6 +51,12 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         for name in settings.__struct_fields__:
             metadata[f"setting_{name}"] = str(getattr(settings, name))
     return metadata
+
+
+def hour_text(metadata: Metadata) -> str:
+    """The local hour and the sun's height, for captions."""
+    height = degrees_text(float(metadata["sunElevationDeg"]))
+    return f"{metadata['time']}, sun {height} high"
 
 
 def vector_text(values: Iterable[float]) -> str:

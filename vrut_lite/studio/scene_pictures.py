@@ -20,7 +20,7 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.studio.engines import GL, EngineHost
 from vrut_lite.studio.open_kernel import open_gl, open_host, require_sky, require_sun
-from vrut_lite.studio.picture_metadata import picture_metadata
+from vrut_lite.studio.picture_metadata import hour_text, picture_metadata
 from vrut_lite.studio.progress import busy_with
 from vrut_lite.studio.time_span import at_instant, other_side
 
@@ -140,10 +140,7 @@ class SceneShot:
     @property
     def caption(self) -> str:
         """The hour, the sun and the exposure."""
-        return (
-            f"{self.metadata['time']}, sun {self.metadata['sunElevationDeg']:.1f} deg high, "
-            f"EV100 {self.picture.ev100:.1f}"
-        )
+        return f"{hour_text(self.metadata)}, EV100 {self.picture.ev100:.1f}"
 
     def write(self, path: Path) -> None:
         """PNG and JPEG for display, EXR of radiance."""

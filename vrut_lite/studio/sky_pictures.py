@@ -46,7 +46,7 @@ from vrut_lite.pictures.image_files import (
 from vrut_lite.project import Project, daylight_inputs, setting_inputs
 from vrut_lite.sky.moon_disc import moon_samples
 from vrut_lite.studio.open_kernel import open_kernel, require_sky
-from vrut_lite.studio.picture_metadata import json_values, picture_metadata, vector_text
+from vrut_lite.studio.picture_metadata import hour_text, json_values, picture_metadata, vector_text
 from vrut_lite.studio.progress import tracked
 from vrut_lite.studio.time_span import at_instant, other_side
 
@@ -254,7 +254,7 @@ class SkyShot:
     @property
     def caption(self) -> str:
         """The hour and the sun."""
-        return f"{self.metadata['time']}, sun {self.metadata['sunElevationDeg']:.1f} deg high"
+        return hour_text(self.metadata)
 
     @property
     def notices(self) -> tuple[str, ...]:

@@ -44,9 +44,9 @@ def panel(qtbot):
 
 def test_phases_have_their_names():
     assert phase_text(0.01, True).startswith("new moon")
-    assert phase_text(0.3, True) == "waxing crescent, 30% lit"
+    assert phase_text(0.3, True) == "waxing crescent, 30 % lit"
     assert phase_text(0.5, False).startswith("last quarter")
-    assert phase_text(0.8, False) == "waning gibbous, 80% lit"
+    assert phase_text(0.8, False) == "waning gibbous, 80 % lit"
     assert phase_text(1.0, True).startswith("full moon")
 
 
@@ -62,7 +62,7 @@ def test_it_shows_the_moon_and_when_it_rises(panel):
     panel._session.listener(
         NightLightChanged(instant=NEW_YEAR, moon=moon, glow_rgb=None, source="test")
     )
-    assert panel.phase.text() == "waxing gibbous, 95% lit"
+    assert panel.phase.text() == "waxing gibbous, 95 % lit"
     assert panel.place.text().startswith("36.9")
     assert "lx" in panel.light.text()
     # Prague, 1 January 2026: it rises at 14:07 or so, and sets next morning.

@@ -53,7 +53,7 @@ def test_a_picture_is_made_while_the_panel_is_seen(panel, qtbot):
     panel._session.send(SetClock(instant=EVENING))
     qtbot.waitUntil(lambda: "Arago" in panel.facts.text(), timeout=PATIENCE_MS)
     assert panel.shown.zenith > 2.0 * noon.zenith
-    assert panel.legend.values[0] == "0%"
+    assert panel.legend.values[0] == "0 %"
     panel.hide()
     assert not is_wanted(panel, qtbot)
 

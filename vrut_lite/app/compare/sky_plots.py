@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.messages.sky import SpectrumSeen
+from vrut_lite.quantities import CD_M2, DEGREE, figure
 
 # Told apart by colour and by line.
 LINES = ((theme.ACCENT, Qt.PenStyle.SolidLine), ("#8fb4e8", Qt.PenStyle.DashLine))
@@ -30,8 +31,8 @@ class SkyPlots(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.meridian = _plot(
-            "angle from the zenith towards the sun, \N{DEGREE SIGN}",
-            "cd/m\N{SUPERSCRIPT TWO}",
+            f"angle from the zenith towards the sun, {DEGREE}",
+            CD_M2,
             logarithmic=True,
         )
         self.meridian.setLogMode(y=True)
@@ -90,11 +91,7 @@ class LogAxis(pg.AxisItem):
 
     def logTickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
         """Luminances as people write them: 0.002, 5, 20,000."""
-        return [_figure(10.0**value) for value in values]
-
-
-def _figure(value: float) -> str:
-    return f"{value:,.0f}" if value >= 1.0 else f"{value:.1g}"
+        return [figure(float(f"{10.0**value:.1g}")) for value in values]
 
 
 def _plot(bottom: str, left: str, logarithmic: bool = False) -> Any:

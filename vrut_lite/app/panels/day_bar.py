@@ -22,6 +22,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 from vrut_lite.app import theme
 from vrut_lite.app.engine.day import Day
 from vrut_lite.app.engine.moon_day import MoonDay
+from vrut_lite.quantities import degrees_text
 
 # The colour of daylight by the sun's elevation in degrees, from night to a high sun.
 _LIGHT = (
@@ -168,7 +169,7 @@ class DayBar(QWidget):
             return f"{mark} {when:%H:%M:%S}"
         instant = self._instant_at(position)
         local = instant.astimezone(self._day.zone)
-        return f"{local:%H:%M}, sun {self._day.elevation_at(instant):.1f}\N{DEGREE SIGN}"
+        return f"{local:%H:%M}, sun {degrees_text(self._day.elevation_at(instant))}"
 
     def _instant_at(self, position: QPointF) -> datetime:
         assert self._day is not None

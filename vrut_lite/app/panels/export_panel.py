@@ -31,6 +31,7 @@ from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, panel_colu
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.film import FILM_FORMATS
 from vrut_lite.pictures.image_files import DISPLAY_FORMATS, picture_format
+from vrut_lite.quantities import COMPUTING, W_M2_SR
 
 _PICTURES = "Pictures (*.png *.jpg *.exr)"
 _KINDS = {
@@ -112,7 +113,7 @@ class ExportPanel(QWidget):
     def _make_parts(self) -> None:
         self.chosen_size = SizeChooser()
         self.picture = QPushButton("Export this picture\N{HORIZONTAL ELLIPSIS}")
-        self.picture.setToolTip("PNG or JPEG as shown, EXR of linear radiance in W/(m\u00b2 sr)")
+        self.picture.setToolTip(f"PNG or JPEG as shown, EXR of linear radiance in {W_M2_SR}")
         self.first, self.last = ClockField(), ClockField()
         self.first.setAccessibleName("hour of the first picture")
         self.last.setAccessibleName("hour of the last picture")
@@ -133,7 +134,7 @@ class ExportPanel(QWidget):
         self.day.setToolTip(
             "Files that carry their hour in the name, or a film; the window goes on"
         )
-        self.count = faint_label()
+        self.count = faint_label(f"hours of light: {COMPUTING}")
         self.progress = QProgressBar()
         self.progress.setFormat("%v of %m")
         self.cancel = QPushButton("Cancel")
@@ -197,7 +198,7 @@ class ExportPanel(QWidget):
 
     def _show_count(self) -> None:
         if self._scout.day is not None:
-            self.count.setText(f"{len(self._instants(self._scout.day))} pictures")
+            self.count.setText(f"{len(self._instants(self._scout.day)):,} pictures")
 
     # --- files -------------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.place_time import time_zone_at
+from vrut_lite.quantities import DEGREE
 
 _NOT_IN_NAMES = re.compile(r'[\\/:*?"<>|\x00-\x1f]+')
 
@@ -29,7 +30,7 @@ def scene_and_place(session: Session) -> str:
     if place is not None:
         # The name alone for a city, the coordinates for other places.
         name = name_of(place)
-        parts.append(name if "\N{DEGREE SIGN}" in name else name.partition(",")[0])
+        parts.append(name if DEGREE in name else name.partition(",")[0])
     return " ".join(_NOT_IN_NAMES.sub(" ", part).strip() for part in parts)
 
 

@@ -4,14 +4,15 @@ import math
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QWheelEvent
-from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QWidget
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QVBoxLayout, QWidget
+
+from vrut_lite.quantities import suffix_of
 
 _NOTCHES = 1000
 # From this ratio of the range's ends the slider is logarithmic.
 _LOGARITHMIC_FROM = 100.0
 _TYPED_WIDTH_PX = 92
 _UNBOUNDED = 1e9
-_DEGREES = "\N{DEGREE SIGN}"
 
 
 class NumberField(QWidget):
@@ -29,7 +30,7 @@ class NumberField(QWidget):
     ):
         super().__init__()
         self._scale = None if low is None or high is None else FieldScale(low, high)
-        self.spin = _Spin()
+        self.spin = NumberSpin()
         self.spin.setRange(
             -_UNBOUNDED if low is None else low, _UNBOUNDED if high is None else high
         )
@@ -38,23 +39,22 @@ class NumberField(QWidget):
         )
         self.spin.setSingleStep(1.0 if whole else 10.0 ** -max(self.spin.decimals() - 1, 0))
         self.spin.setSuffix(suffix_of(unit))
-        self.spin.setKeyboardTracking(False)
-        self.spin.setFixedWidth(_TYPED_WIDTH_PX)
-        self.spin.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.slider = _Slider(Qt.Orientation.Horizontal)
         self.slider.setRange(0, _NOTCHES)
         self.slider.setPageStep(_NOTCHES // 20)
         self.slider.setSingleStep(_NOTCHES // 100)
         self.slider.setVisible(self._scale is not None)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
+        row, lines = QHBoxLayout(), QVBoxLayout(self)
+        self._row, self._lines = row, lines
+        lines.setContentsMargins(0, 0, 0, 0)
+        lines.setSpacing(2)
+        lines.addLayout(row)
         row.setSpacing(8)
         row.addWidget(self.slider, 1)
         # On the right also where there is no slider.
         row.addWidget(self.spin, alignment=Qt.AlignmentFlag.AlignRight)
         self.setFocusProxy(self.spin)
-        for part in (self.spin, self.slider):
-            part.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.slider.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.slider.valueChanged.connect(self._slid)
         self.spin.valueChanged.connect(self._typed)
 
@@ -95,13 +95,6 @@ class NumberField(QWidget):
         self.edited.emit(value)
 
 
-def suffix_of(unit: str) -> str:
-    """Suffix of a number: the degree sign without a space, other units after a space."""
-    if unit in ("deg", _DEGREES):
-        return _DEGREES
-    return f" {unit}" if unit else ""
-
-
 class _Slider(QSlider):
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Ignore the wheel without focus: it scrolls the panel."""
@@ -111,7 +104,17 @@ class _Slider(QSlider):
             event.ignore()
 
 
-class _Spin(QDoubleSpinBox):
+class NumberSpin(QDoubleSpinBox):
+    """A typed number: thousands in groups, sent when it is whole."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setGroupSeparatorShown(True)
+        self.setKeyboardTracking(False)
+        self.setFixedWidth(_TYPED_WIDTH_PX)
+        self.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Ignore the wheel without focus: it scrolls the panel."""
         if self.hasFocus():

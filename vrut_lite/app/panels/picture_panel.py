@@ -10,6 +10,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label
 from vrut_lite.messages.picture import HIGHEST_K, LOWEST_K, NightLook, SetExposure, ToneMap
+from vrut_lite.quantities import COMPUTING
 
 _TONE_TITLES = {
     "agx": "AgX, like film",
@@ -43,7 +44,7 @@ class PicturePanel(QWidget):
         self.glare = NumberField(0.0, 1.0, decimals=2)
         self.white_temperature_k = NumberField(LOWEST_K, HIGHEST_K, "K", whole=True)
         self.white_duv = NumberField(-0.05, 0.05, decimals=4)
-        self.metered = faint_label(wraps=True)
+        self.metered = faint_label(f"exposure: {COMPUTING}", wraps=True)
         self.reset = QPushButton("Reset")
         self._lay_out()
         self._connect()

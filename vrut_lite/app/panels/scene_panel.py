@@ -30,7 +30,7 @@ class ScenePanel(ModulePanel):
     def __init__(self, session: Session, module: str, presets: PresetStore):
         super().__init__(session, module, presets)
         self._opened: LoadScene | None = None
-        self.extent = faint_label(wraps=True)
+        self.extent = faint_label("opening\N{HORIZONTAL ELLIPSIS}", wraps=True)
         self.up, self.unit, self.camera = Chooser(), Chooser(), Chooser()
         self.variant = Chooser()
         self.play = QPushButton("Play")

@@ -8,7 +8,6 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 from vrut_lite.app.engine.moon_day import MoonDay
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.sun_day_finder import SunDayFinder
-from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import aligned_form
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -16,6 +15,7 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.messages.night import NightLightChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import SunMoved
+from vrut_lite.quantities import COMPUTING, DEGREE, degrees_text, lux_text
 from vrut_lite.sky.moon_phase import phase_text
 
 _TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
@@ -35,8 +35,8 @@ class SunPanel(QWidget):
         self.azimuth = _angle(
             0.0, 360.0, "From north, clockwise; type an azimuth: the nearest hour that has it"
         )
-        self.phase, self.sunlight, self.skylight = QLabel(), QLabel(), QLabel()
-        self.moon, self.moon_hours = QLabel(_NO_MOON), QLabel()
+        self.phase, self.sunlight, self.skylight = (QLabel(COMPUTING) for _ in range(3))
+        self.moon, self.moon_hours = QLabel(COMPUTING), QLabel(COMPUTING)
         for label in (self.sunlight, self.skylight, self.moon, self.moon_hours):
             label.setWordWrap(True)
         form = aligned_form(self)
@@ -63,8 +63,8 @@ class SunPanel(QWidget):
         lowest, highest = day.elevation_deg.min(), day.elevation_deg.max()
         self._go_to(
             day.when_elevation(wanted, now),
-            f"the sun never stands at {wanted:.2f}\N{DEGREE SIGN} on this day: it goes from "
-            f"{lowest:.2f}\N{DEGREE SIGN} to {highest:.2f}\N{DEGREE SIGN}",
+            f"the sun never stands at {degrees_text(wanted, 2)} on this day: it goes from "
+            f"{degrees_text(lowest, 2)} to {degrees_text(highest, 2)}",
         )
 
     def _go_to_azimuth(self) -> None:
@@ -74,7 +74,7 @@ class SunPanel(QWidget):
         wanted = self.azimuth.value()
         self._go_to(
             day.when_azimuth(wanted, now),
-            f"the sun never stands at azimuth {wanted:.2f}\N{DEGREE SIGN} on this day",
+            f"the sun never stands at azimuth {degrees_text(wanted, 2)} on this day",
         )
 
     def _go_to(self, instant: datetime | None, refusal: str) -> None:
@@ -112,13 +112,16 @@ class SunPanel(QWidget):
             return
         height_deg = degrees(moon.place.apparent_elevation_rad)
         self.moon.setText(
-            f"{phase_text(moon.lit_fraction, moon.waxes)}; {height_deg:.1f}\N{DEGREE SIGN} high, "
-            f"azimuth {degrees(moon.place.azimuth_rad):.1f}\N{DEGREE SIGN}"
+            f"{phase_text(moon.lit_fraction, moon.waxes)}; {degrees_text(height_deg)} high, "
+            f"azimuth {degrees_text(degrees(moon.place.azimuth_rad))}"
         )
 
     def _show_moon_hours(self, moon: MoonDay | None) -> None:
         day = self._scout.day
-        self.moon_hours.setText("" if moon is None or day is None else up_text(moon, day.zone))
+        if moon is not None and day is not None:
+            self.moon_hours.setText(up_text(moon, day.zone))
+        elif not self._session.catalogue.holders.get("night"):
+            self.moon_hours.setText("no module makes the night")
 
 
 def up_text(moon: MoonDay, zone: tzinfo) -> str:
@@ -142,9 +145,12 @@ def _angle(low: float, high: float, tip: str) -> QDoubleSpinBox:
     spin = QDoubleSpinBox()
     spin.setRange(low, high)
     spin.setDecimals(2)
-    spin.setSuffix("\N{DEGREE SIGN}")
+    spin.setSuffix(DEGREE)
     spin.setKeyboardTracking(False)
     spin.setToolTip(tip)
+    # Shown in place of the lowest value, until the first one comes.
+    spin.setSpecialValueText(COMPUTING)
+    spin.setValue(low)
     return spin
 
 
@@ -153,5 +159,6 @@ def _show(spin: QDoubleSpinBox, value: float) -> None:
     if spin.hasFocus() and spin.lineEdit().isModified():
         return
     spin.blockSignals(True)
+    spin.setSpecialValueText("")
     spin.setValue(value)
     spin.blockSignals(False)

@@ -25,6 +25,7 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock, SetClockRate, Tick
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
+from vrut_lite.quantities import COMPUTING, degrees_text
 
 _PERIOD_MS = 33
 SPEEDS = {
@@ -167,6 +168,7 @@ class TimePanel(QWidget):
         for part, name in ((self.date, "date"), (self.clock, "time of day"), (self.speed, "speed")):
             part.setAccessibleName(name)
         self.zone, self.sun = ShortenedLabel(), ShortenedLabel()
+        self.sun.setText(f"day: {COMPUTING}")
 
     def _controls_row(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -244,7 +246,7 @@ def _length_of_light(day: Day) -> str:
         )
     minutes = round((fall - rise).total_seconds() / 60)
     highest = float(day.elevation_deg.max())
-    return f"day of {minutes // 60} h {minutes % 60:02d} min, noon sun {highest:.1f}\N{DEGREE SIGN}"
+    return f"day of {minutes // 60} h {minutes % 60:02d} min, noon sun {degrees_text(highest)}"
 
 
 def _sign_button(name: str, tip: str) -> QToolButton:

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.messages.weather import SetWeather
+from vrut_lite.quantities import W_M2, percent_text
 
 _MARGIN_PX, _HEIGHT_PX = 16, 26
 # Clear and overcast, by day; nights are as much darker as the sun's light is less.
@@ -78,8 +79,8 @@ class YearStrip(QWidget):
             local = when + timedelta(hours=self._weather.utc_offset_h, minutes=30)
             text = (
                 f"{self._weather.name}, {local:%d %B}, hour {local.hour or 24}: "
-                f"{hour.cloud_cover or 0.0:.0%} cloud, "
-                f"{hour.direct_normal_w_m2:.0f} + {hour.diffuse_horizontal_w_m2:.0f} W/m²"
+                f"{percent_text(hour.cloud_cover or 0.0)} cloud, "
+                f"{hour.direct_normal_w_m2:,.0f} + {hour.diffuse_horizontal_w_m2:,.0f} {W_M2}"
             )
             text = "\n".join((text, *self._weather.lacks))
             QToolTip.showText(event.globalPos(), text, self)  # type: ignore[attr-defined]

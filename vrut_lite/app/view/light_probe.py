@@ -5,11 +5,11 @@ from PySide6.QtCore import QObject, Signal
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import make_timer
 from vrut_lite.messages.picture import PictureClicked
 from vrut_lite.numeric_types import vector
 from vrut_lite.pictures.picture import PictureOnCard
+from vrut_lite.quantities import luminance_text, lux_text
 from vrut_lite.render.light_meter import Illuminance
 
 # Seconds of rest of the pointer before lux is measured.
@@ -118,15 +118,6 @@ class LightProbe(QObject):
             return
         self._illuminance = "" if light is None else illuminance_text(light)
         self.changed.emit()
-
-
-def luminance_text(cd_m2: float) -> str:
-    """Luminance in three figures."""
-    return (
-        f"{cd_m2:,.0f} cd/m\N{SUPERSCRIPT TWO}"
-        if cd_m2 >= 100
-        else f"{cd_m2:.3g} cd/m\N{SUPERSCRIPT TWO}"
-    )
 
 
 def illuminance_text(light: Illuminance) -> str:

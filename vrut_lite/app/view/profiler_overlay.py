@@ -14,6 +14,7 @@ from vrut_lite.app.engine.profile import Profile, Profiler
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.widgets import make_timer
+from vrut_lite.quantities import with_unit
 
 _LOOK_MS, _BEAT_MS = 500, 10
 _WIDTH_PX, _LINE_PX, _EDGE_PX = 330, 16, 10
@@ -146,10 +147,10 @@ def lines_of(
     """A profile as lines: passes, modules and jobs in milliseconds, then skipped work."""
     usual_ms, slow_ms = (round(1e3 * seconds) for seconds in whole_in_s)
     lines = [
-        Line("Frame", f"{frame_ms:.0f} ms", heading=True),
-        Line("since the picture before", f"{frame_gap_ms:.0f} ms"),
-        Line("longest wait of the window", f"{gap_ms:.0f} ms"),
-        Line("gesture to whole state, 95 %", f"{usual_ms}, {slow_ms} ms"),
+        Line("Frame", f"{frame_ms:,.0f} ms", heading=True),
+        Line("since the picture before", f"{frame_gap_ms:,.0f} ms"),
+        Line("longest wait of the window", f"{gap_ms:,.0f} ms"),
+        Line("gesture to whole state, 95 %", f"{usual_ms:,}, {slow_ms:,} ms"),
         *_measured(profile.passes.items()),
         Line(f"Modules, in {profile.span_s:.1f} s", "ms", heading=True),
         *_measured(profile.modules.items()),
@@ -161,7 +162,7 @@ def lines_of(
         taken = "one sample, taken over" if choices.takes_over else "finished samples"
         lines += [
             Line("Drawn by", choices.name, heading=True),
-            Line("trial, a pixel", f"{trial_ns:.3g} ns"),
+            Line("trial, a pixel", with_unit(trial_ns, "ns")),
             Line("while something moves", taken),
         ]
     for name, chosen in (profile.devices or {}).items():
@@ -176,4 +177,4 @@ def lines_of(
 def _measured(times: Iterable[tuple[str, float]]) -> list[Line]:
     """The longest first; those that would show 0.0 are left out."""
     longest = sorted(times, key=lambda item: -item[1])[:_MOST_LINES]
-    return [Line(name, f"{ms:.1f}", ms) for name, ms in longest if ms >= 0.05]
+    return [Line(name, f"{ms:,.1f}", ms) for name, ms in longest if ms >= 0.05]
