@@ -27,8 +27,12 @@ _SHAPE, _SERVES_S = (30, 60), 120.0
 class AuroraSettings(msgspec.Struct, frozen=True):
     """Whether there is an aurora, and how strong."""
 
-    on: Annotated[bool, setting("Whether northern and southern lights are shown")] = False
-    kp: Annotated[float, setting("The planetary index Kp of geomagnetic storms", 0, 9)] = 4.0
+    on: Annotated[
+        bool, setting("Whether northern and southern lights are shown", label="Aurora shown")
+    ] = False
+    kp: Annotated[
+        float, setting("The planetary index Kp of geomagnetic storms", 0, 9, label="Kp index")
+    ] = 4.0
 
 
 class Aurora(Module):

@@ -33,7 +33,7 @@ class BrunetonSky(SkyModule):
 
     manifest: ClassVar[Manifest] = Manifest(
         name=NAME,
-        title="Bruneton sky",
+        title="Clear sky (atmosphere)",
         version="0.3.0",
         provides=("sky",),
         requires=("sun",),

@@ -116,6 +116,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             0,
             20,
             source="Galaj and Wojciechowski 2019, equation 4",
+            label="Density of air",
         ),
     ] = 1.0
     rayleigh_scale_height_m: Annotated[
@@ -126,17 +127,23 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             50_000,
             unit="m",
             source=SCALE_HEIGHT_SOURCE,
+            label="Height of air",
         ),
     ] = None
     mie_scale_height_m: Annotated[
         float | None,
         setting(
-            "Height of the haze, in one layer", 100, 50_000, unit="m", source=SCALE_HEIGHT_SOURCE
+            "Height of the haze, in one layer",
+            100,
+            50_000,
+            unit="m",
+            source=SCALE_HEIGHT_SOURCE,
+            label="Height of haze",
         ),
     ] = None
-    mie_albedo: Annotated[float | None, setting("Part of its light that haze scatters", 0, 1)] = (
-        None
-    )
+    mie_albedo: Annotated[
+        float | None, setting("Part of its light that haze scatters", 0, 1, label="Haze scatters")
+    ] = None
     mie_g: Annotated[
         float | None,
         setting(
@@ -144,11 +151,20 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             -0.95,
             0.95,
             source=PHASE_SOURCE,
+            label="Haze, forward",
         ),
     ] = None
     mie_phase: Annotated[
         MiePhaseForm | None,
-        setting("Phase function of the haze: one lobe in place of the type's", source=PHASE_SOURCE),
+        setting(
+            "Phase function of the haze: one lobe in place of the type's",
+            source=PHASE_SOURCE,
+            label="Haze, phase function",
+            choice_labels={
+                "cornette-shanks": "Cornette and Shanks",
+                "henyey-greenstein": "Henyey and Greenstein",
+            },
+        ),
     ] = None
     fog_visibility_m: Annotated[
         float | None,
@@ -176,13 +192,15 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             1,
             40,
             source="Bruneton and Neyret 2008, section 2",
+            label="Scattering orders",
         ),
     ] = MOST_ORDERS
     cube_device: Annotated[
         DeviceSetting,
         setting(
             "What computes the sky's cube map and air: auto, by a trial of the renderer; the CPU; "
-            "or the GPU where there is one"
+            "or the GPU where there is one",
+            label="Computed on",
         ),
     ] = "auto"
 

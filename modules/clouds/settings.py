@@ -12,6 +12,11 @@ from vrut_lite.sky.effective_defaults import Preset
 SHAPE_SOURCE = "Schneider 2015"
 GENUS_SOURCE = "WMO 2017, International Cloud Atlas"
 _OPEN = "none leaves it to the genus"
+# The genera as people read them.
+_NAMES: dict[str, str] = {
+    "none": "None, or the weather's",
+    **{genus: f"{typical.name.capitalize()} ({genus})" for genus, typical in GENERA.items()},
+}
 Coverage = setting(f"Share of the zenith that is cloud; {_OPEN}.", 0, 1, source=SHAPE_SOURCE)
 Base = setting(f"Altitude of the bases; {_OPEN}.", 50, 16_000, unit="m")
 Thickness = setting(f"From the bases to the highest top; {_OPEN}.", 50, 14_000, unit="m")
@@ -62,7 +67,12 @@ class CloudSettings(msgspec.Struct, frozen=True):
 
     genus: Annotated[
         LowGenus | None,
-        setting("Genus of the low layer; none without low clouds", source=GENUS_SOURCE),
+        setting(
+            "Genus of the low layer; none without low clouds",
+            source=GENUS_SOURCE,
+            label="Low clouds",
+            choice_labels=_NAMES,
+        ),
     ] = None
     coverage: Annotated[float | None, Coverage] = None
     base_m: Annotated[float | None, Base] = None
@@ -72,7 +82,12 @@ class CloudSettings(msgspec.Struct, frozen=True):
     wind_azimuth_deg: Annotated[float, Azimuth] = 250.0
     middle_genus: Annotated[
         MiddleGenus | None,
-        setting("Genus of the middle layer; none without middle clouds", source=GENUS_SOURCE),
+        setting(
+            "Genus of the middle layer; none without middle clouds",
+            source=GENUS_SOURCE,
+            label="Middle clouds",
+            choice_labels=_NAMES,
+        ),
     ] = None
     middle_coverage: Annotated[float | None, Coverage] = None
     middle_base_m: Annotated[float | None, Base] = None
@@ -82,7 +97,12 @@ class CloudSettings(msgspec.Struct, frozen=True):
     middle_wind_azimuth_deg: Annotated[float, Azimuth] = 260.0
     high_genus: Annotated[
         HighGenus | None,
-        setting("Genus of the high layer, of ice; none without high clouds", source=GENUS_SOURCE),
+        setting(
+            "Genus of the high layer, of ice; none without high clouds",
+            source=GENUS_SOURCE,
+            label="High clouds",
+            choice_labels=_NAMES,
+        ),
     ] = None
     high_coverage: Annotated[float | None, Coverage] = None
     high_base_m: Annotated[float | None, Base] = None

@@ -34,7 +34,7 @@ class DynamicSkyLight(SkyModule):
 
     manifest = Manifest(
         name=NAME,
-        title="DynamicSkyLight",
+        title="Clear sky (fast)",
         version="0.1.0",
         provides=("sun", "sky"),
     )

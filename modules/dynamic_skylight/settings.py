@@ -22,7 +22,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
         "Clear": Preset("a blue sky after a front: depth 0.10", {"turbidity": 2.0}),
         "Hazy": Preset("a white summer sky, pale hills: depth 0.50", {"turbidity": 6.0}),
         "Desert": Preset(
-            "bright sand below haze of depth 0.40; dust itself is the Bruneton sky's",
+            "bright sand below haze of depth 0.40; Clear sky (atmosphere) has the dust",
             {"turbidity": 5.0, "albedo": 0.35},
         ),
         "Alpine": Preset("clean air above snow: depth 0.07", {"turbidity": 1.7, "albedo": 0.6}),
@@ -59,6 +59,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
             "follow; published: the model as its authors give it, at Preetham's turbidity, 1.1 to "
             "2 times too bright",
             source="Hosek and Wilkie 2012; vrut_lite_lab.hosek_wilkie_fit",
+            label="Level of the sky",
         ),
     ] = "equal-haze"
     sun_colour: Annotated[
@@ -75,12 +76,15 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
         setting(
             "Sun position by ephemeris or by the thesis's short series",
             source="VSOP87; Preetham et al. 1999 after Hvezda 2020, corrected",
+            label="Sun's place by",
+            choice_labels={"preetham": "Preetham's short series"},
         ),
     ] = "ephemeris"
     cube_device: Annotated[
         DeviceSetting,
         setting(
             "What computes the sky's cube map: auto, by a trial of the renderer; the CPU; or the "
-            "GPU where there is one, by day"
+            "GPU where there is one, by day",
+            label="Computed on",
         ),
     ] = "auto"

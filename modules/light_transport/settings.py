@@ -15,7 +15,8 @@ class LightTransportSettings(msgspec.Struct, frozen=True):
         bool,
         setting(
             "Whether things hide the sky and send light to each other; off, all are lit by the "
-            "open sky"
+            "open sky",
+            label="Light between surfaces",
         ),
     ] = True
     texel_m: Annotated[
@@ -25,6 +26,7 @@ class LightTransportSettings(msgspec.Struct, frozen=True):
             1e-4,
             1e4,
             unit="m",
+            label="Edge of texels",
         ),
     ] = None
     quality: Annotated[

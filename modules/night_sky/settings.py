@@ -28,6 +28,7 @@ class NightSkySettings(msgspec.Struct, frozen=True):
             "arc: 22 natural, 19 to 20 suburb, 17 to 18 city",
             16.0,
             22.0,
+            label="Darkness of the zenith",
         ),
     ] = 22.0
     solar_flux_sfu: Annotated[
@@ -39,6 +40,7 @@ class NightSkySettings(msgspec.Struct, frozen=True):
             300.0,
             unit="sfu",
             source="Noll et al. 2012",
+            label="Radio flux of the sun",
         ),
     ] = 130.0
     danjon: Annotated[
@@ -49,5 +51,6 @@ class NightSkySettings(msgspec.Struct, frozen=True):
             0.0,
             4.0,
             source="Danjon 1920",
+            label="Danjon number",
         ),
     ] = 2.0

@@ -13,7 +13,9 @@ SurfaceModel = Literal["layered", "gltf", "bare", "principled"]
 class PathTracerSettings(msgspec.Struct, frozen=True):
     """The settings of the module; a change restarts the picture."""
 
-    spp: Annotated[int, setting("Samples per pixel of a finished picture", 1, 65536)] = 64
+    spp: Annotated[
+        int, setting("Samples per pixel of a finished picture", 1, 65536, label="Samples a pixel")
+    ] = 64
     max_bounces: Annotated[
         int | None,
         setting("How many surfaces light may meet, 1 for direct light alone; none: any", 1, 1000),
@@ -33,6 +35,7 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
             "its coat, or a principled BSDF; auto: layered in llvm, gltf in scalar",
             source="Kelemen and Szirmay-Kalos 2001; Turquin 2019; glTF 2.0, appendix B; "
             "Burley 2012",
+            choice_labels={"gltf": "glTF"},
         ),
     ] = "auto"
     denoise: Annotated[
@@ -45,5 +48,8 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
     ] = True
     variant: Annotated[
         Literal["auto", "scalar", "llvm"],
-        setting("Of mitsuba: scalar_rgb, or llvm_ad_rgb; auto: llvm where it runs"),
+        setting(
+            "Of mitsuba: scalar_rgb, or llvm_ad_rgb; auto: llvm where it runs",
+            label="Variant of mitsuba",
+        ),
     ] = "auto"

@@ -11,6 +11,17 @@ from weather_sky.conditions import Kind
 _OPEN = " None: the weather file's, or without one"
 
 
+# The skies as people read them: "CIE 12" for cie-12.
+_SKIES = {
+    "perez": "Perez's all-weather sky",
+    **{f"cie-{n}": f"CIE {n}" for n in range(1, 16)},
+    "cie-overcast": "CIE overcast, traditional",
+    "cie-1": "CIE 1, overcast",
+    "cie-5": "CIE 5, uniform",
+    "cie-12": "CIE 12, clear",
+}
+
+
 class WeatherSettings(msgspec.Struct, frozen=True):
     """How light is spread over the sky, and how much there is."""
 
@@ -43,17 +54,18 @@ class WeatherSettings(msgspec.Struct, frozen=True):
             "How light is spread: by Perez's all-weather sky, one of the fifteen general skies of "
             "CIE (1 overcast, 5 uniform, 12 clear), or CIE's traditional overcast sky.",
             source="Perez 1993; CIE S 011",
+            choice_labels=_SKIES,
         ),
     ] = "perez"
     direct_normal_w_m2: Annotated[
         float | None,
         setting("Direct sun on a plane that faces it." + _OPEN + " a clear sky's.", 0, 1400,
-                unit="W/m²"),
+                unit="W/m²", label="Sun, facing it"),
     ] = None  # fmt: skip
     diffuse_horizontal_w_m2: Annotated[
         float | None,
         setting("Light of the sky on level ground." + _OPEN + " a clear sky's.", 0, 1000,
-                unit="W/m²"),
+                unit="W/m²", label="Sky, level ground"),
     ] = None  # fmt: skip
     dew_point_deg_c: Annotated[
         float | None,

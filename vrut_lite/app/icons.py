@@ -53,9 +53,15 @@ def _reset(painter: QPainter) -> None:
     _fill(painter, [(1.6, 6.4), (6.6, 6.6), (3.6, 2.4)])
 
 
+def _browse(painter: QPainter) -> None:
+    """A folder."""
+    tab = [(2.0, 13.0), (2.0, 4.0), (6.0, 4.0), (7.5, 6.0)]
+    _draw(painter, [*tab, (14.0, 6.0), (14.0, 13.0), (2.0, 13.0)])
+
+
 _SIGNS: dict[str, Callable[[QPainter], None]] = {
     "play": _play, "pause": _pause, "before": _before, "after": _after, "close": _close,
-    "reset": _reset,
+    "reset": _reset, "browse": _browse,
 }  # fmt: skip
 
 
@@ -65,7 +71,7 @@ atexit.register(_DRAWN.clear)
 
 
 def sign(name: str) -> QIcon:
-    """The icon of a sign: play, pause, before, after, close, reset."""
+    """The icon of a sign: play, pause, before, after, close, reset, browse."""
     if name not in _DRAWN:
         _DRAWN[name] = _drawn(_SIGNS[name])
     return _DRAWN[name]

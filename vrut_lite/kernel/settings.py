@@ -26,11 +26,18 @@ def setting(
     *,
     unit: str = "",
     source: str = "",
+    label: str = "",
+    choice_labels: dict[str, str] | None = None,
+    file_kinds: str = "",
 ) -> msgspec.Meta:
-    """Annotates a field: its meaning, its least and greatest value, and the formula's source."""
-    return msgspec.Meta(
-        ge=low, le=high, description=description, extra={"unit": unit, "source": source}
-    )
+    """Annotates a field: its meaning, its least and greatest value, and the formula's source.
+
+    Windows show `label` for the name and `choice_labels` for choices; a text with `file_kinds`,
+    such as "Pictures (*.png *.jpg)", names a file.
+    """
+    words = {"unit": unit, "source": source, "label": label, "file_kinds": file_kinds}
+    extra = {**words, "choice_labels": choice_labels or {}}
+    return msgspec.Meta(ge=low, le=high, description=description, extra=extra)
 
 
 class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
@@ -42,6 +49,9 @@ class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
     help: str = ""
     unit: str = ""
     source: str = ""
+    label: str = ""
+    choice_labels: dict[str, str] = {}
+    file_kinds: str = ""
     at_least: float | None = None
     at_most: float | None = None
     choices: tuple[str, ...] = ()
@@ -65,9 +75,8 @@ class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
             return f"at least {self.at_least:g}{unit}"
         if self.at_most is not None:
             return f"at most {self.at_most:g}{unit}"
-        return {bool: "true or false", int: "a whole number", float: "a number"}.get(
-            self.type, "a text"
-        )
+        plain = {bool: "true or false", int: "a whole number", float: "a number"}
+        return plain.get(self.type, "a text")
 
 
 def describe(settings_type: type[msgspec.Struct]) -> dict[str, SettingSpec]:
@@ -91,8 +100,7 @@ def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
         type=str if is_choice else hint,
         default=default,
         help=meta.description or "",
-        unit=(meta.extra or {}).get("unit", ""),
-        source=(meta.extra or {}).get("source", ""),
+        **(meta.extra or {}),
         at_least=None if meta.ge is None else float(meta.ge),
         at_most=None if meta.le is None else float(meta.le),
         choices=get_args(hint) if is_choice else (),
@@ -118,7 +126,7 @@ def check_spec(spec: SettingSpec, module: str) -> None:
         raise UserError(
             f"its setting {spec.name} must be of bool, int, float, str or a Literal of texts"
         )
-    texts = (spec.help, spec.unit, spec.source, *spec.choices)
+    texts = (spec.help, spec.unit, spec.source, spec.label, spec.file_kinds, *spec.choices)
     if not all(isinstance(text, str) for text in texts):
         raise UserError(f"its setting {spec.name} has a unit, source or choice that is no text")
     kept = parse(spec, module, spec.default)
@@ -181,8 +189,5 @@ def parse(spec: SettingSpec, module: str, value: Any) -> Any:
 
 
 def _refusal(spec: SettingSpec, module: str, value: Any) -> UserError:
-    return UserError(f"{spec.name} of {module} must be {spec.range_text()}, not {_told(value)}")
-
-
-def _told(value: Any) -> str:
-    return value[:_LONGEST_TOLD] if isinstance(value, str) else shown(value)
+    told = value[:_LONGEST_TOLD] if isinstance(value, str) else shown(value)
+    return UserError(f"{spec.name} of {module} must be {spec.range_text()}, not {told}")

@@ -56,6 +56,7 @@ class SceneSettings(msgspec.Struct, frozen=True):
             "counter-clockwise from the picture's vertical. Unpolarised light keeps its radiance, "
             "of which a real filter passes half. None: no polariser",
             unit="deg",
+            label="Polariser",
         ),
     ] = None
     section_keeps: Annotated[

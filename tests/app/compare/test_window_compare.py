@@ -142,7 +142,7 @@ def test_at_night_there_is_a_sky_and_the_lack_of_a_spectrum_is_told(driver):
     night = compared(driver, lambda c: c.two.sun.elevation_rad < 0.0)
     assert (night.meridian_cd_m2 < 1.0).all()
     assert spectra(driver, lambda s: not s.seen[0].radiance).seen[1].radiance
-    assert driver.compare.status.text() == "Without a spectrum here: DynamicSkyLight"
+    assert driver.compare.status.text() == "Without a spectrum here: Clear sky (fast)"
 
 
 @pytest.mark.long

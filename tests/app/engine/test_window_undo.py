@@ -111,10 +111,10 @@ def test_controls_show_what_was_taken_back(driver):
     action = driver.window.actions_by_name["undo"]
     editor.slider.setValue(900)
     driver.settled()
-    assert action.text() == f"&Undo albedo {editor.value:.4g}"
+    assert action.text() == f"&Undo Albedo {editor.value:.3g}"
     undo(driver)
     assert editor.value == left_open(driver)
-    assert "albedo" in driver.window.news.text()
+    assert driver.window.news.text().startswith("Undone: Albedo ")
     assert driver.window.actions_by_name["redo"].isEnabled()
     type_in(driver, editor.spin, "0.25")
     assert not driver.window.actions_by_name["redo"].isEnabled()
@@ -243,11 +243,11 @@ def test_what_closely_follows_is_one_step_and_what_does_not_is_another(kernel):
     while title := steps.undo():
         titles.append(title)
         kernel.pump_until_idle()
-    assert titles == ["2 changes", "coverage 0.3", "coverage 0.2"]
+    assert titles == ["2 changes", "Coverage 0.3", "Coverage 0.2"]
     settings = kernel.seats["clouds"].settings
     assert (settings.coverage, settings.base_m, settings.thickness_m) == (None, None, None)
     assert settings.seed == 5
-    assert steps.redo() == "coverage 0.2"
+    assert steps.redo() == "Coverage 0.2"
 
 
 def test_what_is_sent_in_quick_succession_is_one_step_also_on_a_busy_machine(kernel):
@@ -263,5 +263,5 @@ def test_what_is_sent_in_quick_succession_is_one_step_also_on_a_busy_machine(ker
         now[0] += 5.0
         kernel.inject(message)
         kernel.pump_until_idle()
-    assert steps.undo() == "coverage 0.3"
+    assert steps.undo() == "Coverage 0.3"
     assert steps.undo() == ""

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
 )
 from window_driver import NOON, choose
 
+from vrut_lite.app.file_field import FileField
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.kernel.messages import EnableModule, SetClock, SettingChanged
@@ -181,7 +182,8 @@ def work(driver, row):
         spin = row.editor.spin
         spin.stepBy(1 if spin.value() < spin.maximum() else -1)
     else:
-        driver.type_in(row.editor, "a")
+        line = row.editor.line if isinstance(row.editor, FileField) else row.editor
+        driver.type_in(line, "a")
 
 
 def test_tooltips_tell_the_source_of_a_formula(shared_headless_window):
@@ -194,7 +196,7 @@ def test_tooltips_tell_the_source_of_a_formula(shared_headless_window):
     }
     told = rows["dynamic_skylight", "turbidity"].editor.toolTip()
     assert told.endswith("Source: Preetham, Shirley and Smits 1999, appendix A.1")
-    assert "between 1 and 10" in told
+    assert "Between 1 and 10" in told
     assert "Source: Koschmieder 1924" in rows["bruneton_sky", "fog_visibility_m"].name.toolTip()
     assert "Source" not in rows["bruneton_sky", "cube_device"].editor.toolTip()
     assert all(isinstance(row.editor, QWidget) and row.editor.toolTip() for row in rows.values())

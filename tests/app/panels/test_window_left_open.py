@@ -8,10 +8,9 @@ from window_driver import SCENES
 from vrut_lite.app.compare.sky_plots import LogAxis
 from vrut_lite.app.panels.module_manager import status_line
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.panels.setting_row import label_of
 from vrut_lite.app.panels.sky_panel import lack_line
 from vrut_lite.app.panels.sun_panel import phase_of
-from vrut_lite.app.quantities import lux_text
+from vrut_lite.app.setting_words import label_of
 from vrut_lite.app.view.light_probe import illuminance_text
 from vrut_lite.atmosphere.ground_reflectance import GREY
 from vrut_lite.daylight_kernel import daylight_kernel
@@ -20,6 +19,7 @@ from vrut_lite.kernel.settings import describe, parse
 from vrut_lite.messages.ground import ground_of
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.sun import SunMoved
+from vrut_lite.quantities import lux_text
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.sky.effective_defaults import left_open, presets_of
 
@@ -45,7 +45,7 @@ def test_a_sky_without_its_own_haze_shows_that_of_the_place(driver):
     radius = rows(driver, "bruneton_sky")["ground_radius_m"].editor
     driver.until(lambda: radius.value == pytest.approx(3_389_500.0))
     phase = rows(driver, "bruneton_sky")["mie_phase"].editor
-    assert phase.currentText() == "automatic (henyey greenstein)"
+    assert phase.currentText() == "automatic (Henyey and Greenstein)"
 
 
 def test_the_comparison_follows_undo(driver):
@@ -155,9 +155,9 @@ def test_a_sky_that_nobody_gives_is_told(driver):
 def test_an_old_fault_of_a_module_that_was_restarted_is_told_as_such():
     """It is no alarm any more."""
     fault = Fault(module="a", where="on_clock", error="it broke")
-    assert status_line(None, False) == "No fault so far."
-    assert status_line(fault, True) == "No fault since it was restarted. Before: it broke"
-    assert "failed" in status_line(fault, False)
+    assert status_line(None, False, "A") == "No fault so far."
+    assert status_line(fault, True, "A") == "No fault since it was restarted. Before: it broke"
+    assert status_line(fault, False, "A").startswith("A failed in ")
 
 
 def test_light_at_night_is_told_in_figures_or_words():
@@ -185,7 +185,7 @@ def test_the_sun_panel_says_that_the_sun_is_down(driver):
 def test_a_saved_project_gives_its_name_to_the_window(driver, tmp_path):
     """As an opened one does, until another scene is opened."""
     driver.window.files.save(str(tmp_path / "evening.toml"))
-    assert driver.window.windowTitle().startswith("evening.toml \N{EN DASH} sundial.glb")
+    assert driver.window.windowTitle().startswith("evening.toml[*] \N{EN DASH} sundial.glb")
     driver.window.files.open_path(str(SCENES / "spheres.glb"))
     driver.until(lambda: driver.window.windowTitle().startswith("spheres.glb"))
     driver.window.files.open_path(str(tmp_path / "evening.toml"))

@@ -74,7 +74,7 @@ def test_the_haze_is_one_control_for_every_sky(driver):
     field.spin.setValue(0.4)
     assert driver.until_heard(SetHaze).optical_depth_550 == pytest.approx(0.4)
     driver.until_heard(BackgroundChanged)
-    assert "turbidity 4.99" in field.toolTip()
+    assert "T 4.99: turbidity" in field.toolTip()
     driver.session.send(SetHaze(optical_depth_550=0.05))
     driver.until(lambda: field.value == 0.05)
 

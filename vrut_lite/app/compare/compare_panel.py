@@ -21,9 +21,11 @@ from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.panels.setting_row import label_of, tooltip_of
+from vrut_lite.app.panels.sky_panel import add_module
+from vrut_lite.app.setting_words import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, panel_column
+from vrut_lite.quantities import DEGREE
 
 if TYPE_CHECKING:
     from vrut_lite.app.compare.sky_plots import SkyPlots
@@ -77,9 +79,7 @@ class ComparePanel(QWidget):
         self.comparison.compared.connect(self._show)
         self.comparison.spectra_seen.connect(self._show_spectra)
         self.comparison.refused.connect(self.status.setText)
-        self.comparison.shared_changed.connect(
-            lambda name, value: self.fields[name].show_value(value)
-        )
+        self.comparison.shared_changed.connect(self._show_shared)
         session.ready.connect(self._fill)
 
     def _fill(self, catalogue: ModuleCatalogue) -> None:
@@ -88,7 +88,7 @@ class ComparePanel(QWidget):
         self._modules = sorted(comparable(catalogue), key=lambda module: module.name != shown)
         for side, chooser in enumerate(self.choosers):
             for module in self._modules:
-                chooser.addItem(module.title, module.name)
+                add_module(chooser, module)
             chooser.setCurrentIndex(min(side, chooser.count() - 1))
         if self._modules:
             self._choose()
@@ -98,6 +98,8 @@ class ComparePanel(QWidget):
     def _choose(self) -> None:
         """Make a row for the haze, and one for each setting that both skies have."""
         left, right = (self._modules[chooser.currentIndex()] for chooser in self.choosers)
+        for chooser, module in zip(self.choosers, (left, right), strict=True):
+            chooser.setToolTip(module.name)
         while self._form.rowCount():
             self._form.removeRow(0)
         self.fields.clear()
@@ -117,6 +119,11 @@ class ComparePanel(QWidget):
         self._form.addRow(label, field)
         self.fields[name] = field
 
+    def _show_shared(self, name: str, value: float) -> None:
+        # The rows come with the modules.
+        if name in self.fields:
+            self.fields[name].show_value(value)
+
     def showEvent(self, event: QShowEvent) -> None:
         """Start the comparison."""
         if self.plots is None and self._modules:
@@ -133,11 +140,11 @@ class ComparePanel(QWidget):
             disc.show_sky(pixels, two.sun.direction, two.wish.place.north_offset_rad)
         self.aerosol.setText(depth_text(two.wish.haze))
         for label in self.hazes:
-            label.setText(f"optical depth {two.wish.haze.optical_depth_550:.3f} at 550 nm")
+            label.setText(f"AOD {two.wish.haze.optical_depth_550:.3f} at 550 nm")
         low, middle, high = compared.ratios
         self.ratio.setText(
             f"Luminance, right over left: {middle:.2f} in the middle, {low:.2f} to {high:.2f} "
-            f"for nine tenths of the sky from 5\N{DEGREE SIGN} up; both at EV100 "
+            f"for nine tenths of the sky from 5{DEGREE} up; both at EV100 "
             f"{compared.ev100:.1f}."
         )
         self.status.clear()

@@ -12,9 +12,12 @@ from typing import NamedTuple
 
 import msgspec
 
+from vrut_lite.app.setting_words import label_of, value_text
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Input, SetSetting
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Input, SetClock, SetSetting
+from vrut_lite.kernel.settings import describe
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.placement import Placement
 from vrut_lite.messages.scene import LoadScene
 from vrut_lite.project import PROJECT_PARTS
@@ -24,6 +27,7 @@ _MOST_STEPS = 500
 _MOST_EXPECTED = 1000
 # Step numbers of inputs that undo or redo sent, and of those that clear the history.
 _OWN, _BEGINNING = 0, -1
+_ELSEWHERE: set[type[Input]] = {SetPlace, SetClock}
 Key = tuple[type[Input], str | None]
 Pair = tuple[Input, Input]
 
@@ -40,17 +44,22 @@ class _Step:
         self.act = act
         self.last_s = 0.0
         self.pairs: dict[Key, Pair] = {}
+        self._titles: dict[Key, str] = {}
 
-    def add(self, key: Key, forth: Input, back: Input, now_s: float) -> None:
+    def add(self, key: Key, forth: Input, back: Input, title: str, now_s: float) -> None:
         """Add an input; a key keeps its first inverse and its last input."""
         first = self.pairs.pop(key, (forth, back))[1]
-        self.pairs[key] = (forth, first)
+        self.pairs[key], self._titles[key] = (forth, first), title
         self.last_s = now_s
 
     @property
     def title(self) -> str:
         """The step's title in a menu."""
-        titles = [title_of(forth) for forth, _ in self.pairs.values()]
+        kinds = {kind for kind, _ in self.pairs}
+        if kinds == _ELSEWHERE:
+            # The clock goes along, so that it shows the same hour there.
+            return next(self._titles[key] for key in self.pairs if key[0] is SetPlace)
+        titles = list(self._titles.values())
         return titles[0] if len(titles) == 1 else f"{len(titles)} changes"
 
 
@@ -138,7 +147,8 @@ class History:
             last = _Step(act)
             self._done.append(last)
         self._closed = False
-        last.add(key, forth, back, now_s)
+        assert self._kernel is not None
+        last.add(key, forth, back, title_of(forth, self._kernel), now_s)
         self._undone.clear()
         self._tell()
 
@@ -155,17 +165,20 @@ def _continues(step: _Step, key: Key, act: int, now_s: float) -> bool:
     return step.act == act or (set(step.pairs) == {key} and now_s - step.last_s < GESTURE_S)
 
 
-def title_of(message: Input) -> str:
-    """The title of a step with this input."""
+def title_of(message: Input, kernel: Kernel) -> str:
+    """The title of a step with this input, which the kernel accepts."""
     match message:
         case SetSetting():
-            value = "none" if message.value is None else message.value
-            shown = f"{value:.4g}" if isinstance(value, float) else str(value)
-            return f"{message.name.replace('_', ' ')} {shown}"
+            settings = kernel.check_module(message.module).settings
+            spec = describe(type(settings))[message.name]
+            value = kernel.check_setting(message.module, message.name, message.value)
+            return f"{label_of(spec)} {value_text(spec, value)}"
         case ChooseSlot():
-            return f"{message.slot} by {message.module}"
+            slot = message.slot.replace("_", " ")
+            return f"{slot} by {kernel.check_module(message.module).manifest.title}"
         case EnableModule():
-            return f"{message.module} {'on' if message.enabled else 'off'}"
+            title = kernel.check_module(message.module).manifest.title
+            return f"{title} {'on' if message.enabled else 'off'}"
         case LoadScene():
             return "axis and unit of the scene"
     part = PROJECT_PARTS.get(type(message))

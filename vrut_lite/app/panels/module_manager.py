@@ -94,7 +94,7 @@ class ModuleManager(QWidget):
         header.setStretchLastSection(False)
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        self.title = heading()
+        self.title = heading("Opening the modules\N{HORIZONTAL ELLIPSIS}")
         self.restart = QPushButton("Restart")
         self.restart.setToolTip("Start the module anew with its present settings")
         self.reload = QPushButton("Reload")
@@ -223,7 +223,7 @@ class ModuleManager(QWidget):
         self.title.setText(module.title)
         fault = module.fault
         mended = fault is not None and fault is self._before_restart.get(module.name)
-        self.status.setText(status_line(fault, mended))
+        self.status.setText(status_line(fault, mended, module.title))
         alarming = fault is not None and not mended
         self.status.setStyleSheet(f"color: {theme.ALARM if alarming else theme.FAINT};")
         self.trace.setVisible(fault is not None)
@@ -258,10 +258,10 @@ def facts_text(module: ModuleState | None, package: PackageFacts | None) -> str:
     return "\n".join(lines)
 
 
-def status_line(fault: Fault | None, mended: bool) -> str:
+def status_line(fault: Fault | None, mended: bool, title: str) -> str:
     """The line on a module's last fault, which is past if the module was restarted since."""
     if fault is None:
         return "No fault so far."
     if mended:
         return f"No fault since it was restarted. Before: {one_line(fault.error)}"
-    return fault_line(fault)
+    return fault_line(fault, title)

@@ -1,6 +1,5 @@
 """The row of one setting: name, editor, reset."""
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -15,27 +14,18 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.file_field import FileField
 from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.number_field import FieldScale, NumberField
+from vrut_lite.app.setting_words import (
+    choice_label,
+    label_of,
+    left_open_label,
+    tooltip_of,
+    value_text,
+)
 from vrut_lite.app.widgets import Chooser
 from vrut_lite.kernel.settings import SettingSpec
-
-# Endings of names that are left out, since the unit stands beside the number.
-_UNIT_ENDINGS = ("_per_m", "_m_s", "_deg", "_rad", "_nm", "_du", "_km", "_m", "_s", "_k")
-LEFT_OPEN = "automatic"
-# Where a name that scripts use says little to people.
-_PLAIN_LABELS = {
-    "cube_device": "Computed on",
-    "rayleigh_factor": "Density of air",
-    "rayleigh_scale_height_m": "Height of air",
-    "mie_scale_height_m": "Height of haze",
-    "mie_albedo": "Haze scatters",
-    "mie_g": "Haze, forward",
-    "mie_phase": "Haze, phase function",
-    "spp": "Samples a pixel",
-    "orders": "Scattering orders",
-}
-_ABBREVIATIONS = ("cpu", "gpu")
 
 
 class SettingRow(QObject):
@@ -57,7 +47,7 @@ class SettingRow(QObject):
         put_sign(self.reset, "reset")
         self.reset.setProperty("flat", True)
         self.reset.setAccessibleName(f"reset {label_of(spec)}")
-        self.reset.setToolTip(f"Back to {spec.default_text()}")
+        self.reset.setToolTip(f"Back to {value_text(spec, spec.default)}")
         self.reset.clicked.connect(lambda: self.edited.emit(spec.default))
         for part in (self.name, self.editor):
             part.setToolTip(tooltip_of(spec))
@@ -78,8 +68,8 @@ class SettingRow(QObject):
             self.name.setChecked(value is not None)
             self.name.blockSignals(False)
         if isinstance(self.editor, QComboBox) and self.spec.may_be_none:
-            known = "" if stands_for is None else f" ({choice_label(stands_for)})"
-            self.editor.setItemText(0, LEFT_OPEN + known)
+            known = "" if stands_for is None else f" ({choice_label(self.spec, stands_for)})"
+            self.editor.setItemText(0, left_open_label(self.spec) + known)
         if value is not None or self.spec.choices:
             self._show(value)
         elif stands_for is not None:
@@ -120,9 +110,9 @@ class SettingRow(QObject):
     def _choice(self) -> tuple[QWidget, Callable[[Any], None]]:
         box = Chooser()
         if self.spec.may_be_none:
-            box.addItem(LEFT_OPEN, None)
+            box.addItem(left_open_label(self.spec), None)
         for choice in self.spec.choices:
-            box.addItem(choice_label(choice), choice)
+            box.addItem(choice_label(self.spec, choice), choice)
         box.activated.connect(lambda index: self.edited.emit(box.itemData(index)))
         return box, lambda value: box.setCurrentIndex(box.findData(value))
 
@@ -138,7 +128,8 @@ class SettingRow(QObject):
         return field, lambda value: field.show_value(float(value))
 
     def _text(self) -> tuple[QWidget, Callable[[Any], None]]:
-        line = QLineEdit()
+        kinds = self.spec.file_kinds
+        line: FileField | QLineEdit = FileField(kinds) if kinds else QLineEdit()
         shown = [""]
 
         def show(value: Any) -> None:
@@ -153,30 +144,3 @@ class SettingRow(QObject):
 
         line.editingFinished.connect(finished)
         return line, show
-
-
-def label_of(spec: SettingSpec) -> str:
-    """The setting's name as a label: without the unit, which stands beside the number."""
-    if spec.name in _PLAIN_LABELS:
-        return _PLAIN_LABELS[spec.name]
-    name = spec.name
-    if spec.unit:
-        ending = next((ending for ending in _UNIT_ENDINGS if name.endswith(ending)), "")
-        name = name.removesuffix(ending)
-    words = name.replace("_", " ")
-    return words[:1].upper() + words[1:]
-
-
-def choice_label(choice: str) -> str:
-    """A choice as people read it."""
-    return choice.upper() if choice in _ABBREVIATIONS else re.sub("[-_]", " ", choice)
-
-
-def tooltip_of(spec: SettingSpec) -> str:
-    """The setting's help, range, default and source."""
-    lines = [f"{spec.range_text()}; default {spec.default_text()}"]
-    if spec.help:
-        lines.insert(0, spec.help.rstrip(".") + ".")
-    if spec.source:
-        lines.append(f"Source: {spec.source}")
-    return "\n".join(lines)

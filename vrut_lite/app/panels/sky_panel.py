@@ -1,16 +1,17 @@
 """The holders of the slots, and the settings of the holder of the sky."""
 
 import msgspec
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
+from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.haze_field import HazeField
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
-from vrut_lite.app.widgets import Chooser, aligned_form
+from vrut_lite.app.widgets import Chooser, aligned_form, faint_label
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 from vrut_lite.messages.ground import (
     DEFAULT_GROUND,
@@ -41,7 +42,7 @@ class SkyPanel(QWidget):
         self.choosers: dict[str, Chooser] = {}
         self.panels: dict[str, ModulePanel] = {}
         self.haze = HazeField(
-            "Haze above the place; a sky whose settings name a turbidity or bring a preset has "
+            "Haze above the place. A sky whose settings name a turbidity or bring a preset has "
             "its own"
         )
         self.haze.setAccessibleName("haze")
@@ -51,8 +52,8 @@ class SkyPanel(QWidget):
             self.aerosol.addItem(name.replace("-", " ").capitalize(), name)
         self.aerosol.setToolTip(
             "What the haze is made of: a type of OPAC (Hess, Koepke and Schult 1998), or one lobe "
-            "for all colours. The Bruneton sky shows it; the Hosek-Wilkie sky knows continental "
-            "haze up to a depth of 0.5 only"
+            "for all colours. A sky that solves the atmosphere shows it; a fast one may know "
+            "continental haze alone"
         )
         self.ground = Chooser()
         self.ground.setAccessibleName("ground")
@@ -71,6 +72,9 @@ class SkyPanel(QWidget):
         )
         self._choices = aligned_form()
         self._choices.setContentsMargins(10, 10, 10, 0)
+        # Until the modules are there.
+        self.coming = faint_label("Opening the skies\N{HORIZONTAL ELLIPSIS}")
+        self._choices.addRow(self.coming)
         self.lack = QLabel()
         self.lack.setWordWrap(True)
         self.lack.setContentsMargins(10, 4, 10, 0)
@@ -101,17 +105,18 @@ class SkyPanel(QWidget):
             session.listen(kind, lambda _: self._show_holders())
 
     def _fill(self, catalogue: ModuleCatalogue) -> None:
+        self._choices.removeRow(self.coming)
         # A slot that one module alone can hold needs no chooser.
         contested = [slot for slot in catalogue.slots if len(catalogue.providers(slot)) > 1]
         for slot in sorted(contested, key=lambda slot: (slot != SHOWN_SLOT, slot)):
             chooser = Chooser()
-            chooser.setAccessibleName(slot)
+            chooser.setAccessibleName(slot.replace("_", " "))
             chooser.setPlaceholderText(_EMPTY)
             for module in catalogue.providers(slot):
-                chooser.addItem(module.title, module.name)
+                add_module(chooser, module)
             chooser.activated.connect(lambda _, slot=slot: self._choose(slot))
             self.choosers[slot] = chooser
-            self._choices.addRow(QLabel(slot.capitalize()), chooser)
+            self._choices.addRow(QLabel(slot.replace("_", " ").capitalize()), chooser)
         self._choices.addRow("Haze", self.haze)
         self._choices.addRow("Aerosol", self.aerosol)
         self._choices.addRow("Ground", self.ground)
@@ -157,9 +162,18 @@ class SkyPanel(QWidget):
     def _show(self, slot: str, holder: str) -> None:
         chooser = self.choosers[slot]
         chooser.setCurrentIndex(chooser.findData(holder) if holder else -1)
+        chooser.setToolTip(
+            f"{holder}: its name in scripts, projects and journals" if holder else ""
+        )
         if slot == SHOWN_SLOT and holder in self.panels:
             for name, panel in self.panels.items():
                 panel.setVisible(name == holder)
+
+
+def add_module(chooser: Chooser, module: ModuleInfo) -> None:
+    """Add a module by its title; its tooltip is the name that scripts use."""
+    chooser.addItem(module.title, module.name)
+    chooser.setItemData(chooser.count() - 1, module.name, Qt.ItemDataRole.ToolTipRole)
 
 
 def lack_line(slots: list[str]) -> str:

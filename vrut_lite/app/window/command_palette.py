@@ -22,19 +22,23 @@ from PySide6.QtWidgets import (
 from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.module_panel import ModulePanel
-from vrut_lite.app.panels.setting_row import label_of
-from vrut_lite.kernel.messages import ChooseSlot
+from vrut_lite.app.setting_words import choice_label, label_of
+from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 
 _WIDTH_PX, _HEIGHT_PX, _TOP_PX = 520, 380, 70
 _MOVING = (Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown)
 
 
 class PaletteEntry(NamedTuple):
-    """A title, a hint beside it (its key for example), and the command."""
+    """A title, a hint beside it (its key for example), the command, and its tooltip.
+
+    A tooltip's words are found too: a module's name, for those who know it from scripts.
+    """
 
     title: str
     hint: str
     act: Callable[[], None]
+    tip: str = ""
 
 
 class CommandPalette(QDialog):
@@ -92,6 +96,7 @@ class CommandPalette(QDialog):
         for entry in self.found:
             item = QTreeWidgetItem(self.list, [entry.title, entry.hint])
             item.setForeground(1, QColor(theme.FAINT))
+            item.setToolTip(0, entry.tip)
         self.list.setCurrentIndex(self.list.model().index(0, 0))
 
     def _run(self) -> None:
@@ -108,7 +113,7 @@ def matching(entries: list[PaletteEntry], text: str) -> list[PaletteEntry]:
     found = [
         entry
         for entry in entries
-        if all(word in f"{entry.title} {entry.hint}".lower() for word in words)
+        if all(word in f"{entry.title} {entry.hint} {entry.tip}".lower() for word in words)
     ]
     return sorted(found, key=lambda entry: _rank(entry.title.lower(), words))
 
@@ -141,7 +146,7 @@ def dock_entries(
                 continue
             for row in panel.rows.values():
                 act = partial(_go_to, dock, row.editor, partial(show_dock, name))
-                yield PaletteEntry(label_of(row.spec), panel.title, act)
+                yield PaletteEntry(label_of(row.spec), panel.title, act, row.spec.name)
 
 
 def slot_entries(session: Session) -> Iterator[PaletteEntry]:
@@ -150,8 +155,18 @@ def slot_entries(session: Session) -> Iterator[PaletteEntry]:
     for slot in catalogue.slots:
         for module in catalogue.providers(slot):
             choice = ChooseSlot(slot=slot, module=module.name)
-            title = f"{slot.replace('_', ' ').capitalize()} by {module.title}"
-            yield PaletteEntry(title, f"slot {slot}", partial(session.send, choice))
+            title = f"{slot.replace('_', ' ').capitalize()}: {module.title}"
+            yield PaletteEntry(title, "", partial(session.send, choice), module.name)
+
+
+def choice_entries(session: Session) -> Iterator[PaletteEntry]:
+    """Each choice of a setting whose author gave it a name: a genus of clouds, a kind of sky."""
+    for module in session.catalogue.modules.values():
+        for name, spec in module.specs.items():
+            for choice in spec.choices if spec.choice_labels else ():
+                act = partial(session.send, SetSetting(module=module.name, name=name, value=choice))
+                hint = f"{module.title}, {label_of(spec)}"
+                yield PaletteEntry(choice_label(spec, choice), hint, act)
 
 
 def recent_entries(
