@@ -143,6 +143,16 @@ def _localized(wall: datetime, zone: ZoneInfo) -> datetime:
     )
 
 
+def same_hour_elsewhere(instant: datetime, here: Place, there: Place) -> datetime:
+    """The instant in UTC at which clocks there show what clocks here show at an instant.
+
+    An hour that clocks there skip becomes the one after it; of one that they show twice it is the
+    first.
+    """
+    shown = instant.astimezone(time_zone_at(here)).replace(tzinfo=None, fold=0)
+    return shown.replace(tzinfo=time_zone_at(there)).astimezone(UTC)
+
+
 def _offset_text(when: datetime) -> str:
     return when.isoformat("T", _precision(when))
 

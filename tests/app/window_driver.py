@@ -212,7 +212,7 @@ class WindowDriver:
         return self.session.last(ClockMoved).instant.astimezone(zone)
 
     def close(self):
-        self.window.close()
+        self.window.close_now()
         assert self.session.join(PATIENCE_MS / 1000)
         # Connections hold what they call, unseen by Python: only Qt can end window and session.
         self.window.deleteLater()

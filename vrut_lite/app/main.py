@@ -19,8 +19,8 @@ from vrut_lite.project import Project
 _SIGNAL_MS = 200
 
 
-def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
-    """Show a project in a window; the exit code.
+def run_app(project: Project, kept: Kept, safe_mode: bool = False, path: str = "") -> int:
+    """Show a project in a window, that of the file `path` if one is given; the exit code.
 
     In safe mode nothing but the host and the default sun and sky runs.
     """
@@ -43,6 +43,8 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     if safe_mode:
         session.ask(states_of, lambda states: session.begin_with(*into_safe_mode(states)))
     window.files.open_project(project)
+    if path:
+        window.files.name_project(path)
     listening = _hear_interrupts(window)
     code = app.exec()
     listening.stop()
@@ -55,7 +57,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
 def _hear_interrupts(window: MainWindow) -> QTimer:
     """Let Ctrl-C in the terminal close the window: signals are handled only while Python runs."""
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: window.close_soon())
+        signal.signal(number, lambda *_: QTimer.singleShot(0, window.close_now))
     timer = QTimer(window)
     timer.timeout.connect(lambda: None)
     timer.start(_SIGNAL_MS)

@@ -18,7 +18,7 @@ from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.lazy import lazy
-from vrut_lite.project import Project, load_project, project_of_path
+from vrut_lite.project import PROJECT_SUFFIX, Project, load_project, project_of_path
 
 begin_probe = lazy("vrut_lite.render.gl_environment:begin_probe")
 run_app = lazy("vrut_lite.app.main:run_app")
@@ -51,7 +51,8 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
     require_desktop(meanwhile=_import_host)
     with interrupts_held():
         start = run_app.load()
-    sys.exit(start(project, kept, safe_mode))
+    named = scene if scene is not None and scene.lower().endswith(PROJECT_SUFFIX) else ""
+    sys.exit(start(project, kept, safe_mode, named))
 
 
 def _import_host() -> None:

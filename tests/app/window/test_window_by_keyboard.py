@@ -76,7 +76,7 @@ def test_the_main_tasks_need_no_mouse(driver, tmp_path, monkeypatch):
     driver.until(lambda: f"{driver.local():%d %H:%M}" == "25 08:30")
 
     press(driver, Qt.Key.Key_Escape)
-    find(driver, "sky by bruneton")
+    find(driver, "sky: atmosphere")
     driver.until_heard(SlotChanged, lambda m: (m.name, m.holder) == ("sky", "bruneton_sky"))
 
     find(driver, "coverage")

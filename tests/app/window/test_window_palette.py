@@ -10,7 +10,7 @@ from window_driver import SCENES
 
 from vrut_lite.app.window.command_palette import CommandPalette, PaletteEntry, matching
 from vrut_lite.app.window.shortcut_list import ShortcutList
-from vrut_lite.kernel.messages import ClockMoved, SlotChanged
+from vrut_lite.kernel.messages import ClockMoved, SettingChanged, SlotChanged
 from vrut_lite.messages.scene import SceneOpened
 
 
@@ -50,8 +50,8 @@ def test_a_command_is_found_and_done(driver):
 def test_arrows_choose_among_what_was_found(driver):
     """The second of several, and Escape leaves without doing anything."""
     found = palette(driver)
-    driver.qtbot.keyClicks(found.text_field, "sky by")
-    assert titles(found)[:2] == ["Sky by Bruneton sky", "Sky by DynamicSkyLight"]
+    driver.qtbot.keyClicks(found.text_field, "sky: clear")
+    assert titles(found)[:2] == ["Sky: Clear sky (atmosphere)", "Sky: Clear sky (fast)"]
     driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Down)
     driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Up)
     driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Return)
@@ -86,6 +86,28 @@ def test_a_recent_scene_is_opened_from_the_palette_and_from_the_menu(driver):
     driver.heard.clear()
     offered[1].trigger()
     driver.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
+
+
+def test_a_genus_of_clouds_is_found_by_its_name(driver):
+    """ "Cumulus" makes cumulus, though its setting is called genus and its value Cu."""
+    found = palette(driver)
+    driver.qtbot.keyClicks(found.text_field, "cumulus")
+    assert titles(found)[0] == "Cumulus (Cu)"
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Return)
+    driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("genus", "Cu"))
+    driver.until(lambda: not driver.window.findChildren(CommandPalette))
+    box = driver.panel("module clouds").rows["genus"].editor
+    driver.until(lambda: box.currentText() == "Cumulus (Cu)")
+
+
+def test_a_sky_is_found_by_the_name_that_scripts_use(driver):
+    """Who knows `bruneton_sky` from a project finds its title, with the name in its tooltip."""
+    found = palette(driver)
+    driver.qtbot.keyClicks(found.text_field, "bruneton_sky")
+    assert titles(found)[0] == "Sky: Clear sky (atmosphere)"
+    assert found.list.topLevelItem(0).toolTip(0) == "bruneton_sky"
+    driver.qtbot.keyClick(found, Qt.Key.Key_Escape)
+    driver.until(lambda: not driver.window.findChildren(CommandPalette))
 
 
 def test_the_best_match_comes_first():

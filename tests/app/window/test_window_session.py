@@ -307,9 +307,9 @@ def started_with(started, *arguments):
 
 def test_run_without_a_scene_opens_the_last_session(started, kept):
     """And the first time a scene that can be looked at; options hold for both."""
-    project, store, safe = started_with(started)
+    project, store, safe, path = started_with(started)
     assert project.scene.endswith("street.obj")
-    assert (store, safe) == (kept, False)
+    assert (store, safe, path) == (kept, False, "")
     scene = str(SCENES / "spheres.glb")
     kept.keep_session(Project(scene=scene, place="10,20,0"))
     project, *_ = started_with(started)
@@ -318,12 +318,14 @@ def test_run_without_a_scene_opens_the_last_session(started, kept):
     assert project.where()[:2] == (1.0, 2.0)
     project, *_ = started_with(started, str(SCENES / "sundial.toml"))
     assert project.scene.endswith("sundial.glb")
+    # The file that Save writes.
+    assert Path(started[-1][3]) == SCENES / "sundial.toml"
 
 
 def test_run_in_safe_mode_leaves_the_last_session_alone(started, kept):
     """It may be what breaks the window."""
     kept.keep_session(Project(scene=str(SCENES / "spheres.glb")))
-    project, store, safe = started_with(started, "--safe-mode")
+    project, store, safe, _ = started_with(started, "--safe-mode")
     assert project.scene.endswith("street.obj")
     assert (store.session(), safe) == (None, True)
 

@@ -44,8 +44,9 @@ class Session(QObject):
     whenever something was sent,
     `heard` (message, sender), `picture_shown` (a `Shown`), `waits_changed` (names of the modules
     that the next state of the scene waits for), `camera_moved` (the `MoveCamera` of the
-    view), `steps_changed` (`Steps` to take back and to do again), `problem` (a sentence),
-    `closing` when closing starts, `ended` when all threads have ended.
+    view), `steps_changed` (`Steps` to undo and to redo), `problem` (a sentence), `refused` (a
+    sentence on a file that cannot be read or written), `closing` when closing starts, `ended` when
+    all threads have ended.
 
     `catalogue` follows every change of a setting or a slot; listeners find the new value in it.
     """
@@ -59,6 +60,7 @@ class Session(QObject):
     camera_moved = Signal(object)
     steps_changed = Signal(object)
     problem = Signal(str)
+    refused = Signal(str)
     closing = Signal()
     ended = Signal()
     _mail_came = Signal()
@@ -89,7 +91,7 @@ class Session(QObject):
     def send(self, *inputs: Input) -> None:
         """Send inputs to the kernel; of waiting ones the latest of each key counts.
 
-        Undo takes them back as one step.
+        They are undone as one step.
         """
         self.history.expect(inputs)
         self._bring(inputs)
@@ -134,7 +136,12 @@ class Session(QObject):
         """The extent of the session's recording."""
         return Recorded() if self._recorder is None else self._recorder.recorded
 
-    def save_journal(self, path: str, then: Callable[[Recorded], None]) -> None:
+    def save_journal(
+        self,
+        path: str,
+        then: Callable[[Recorded], None],
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
         """Write the session's journal; the window goes on meanwhile."""
 
         def save(stage: Stage) -> "Future[Recorded]":
@@ -142,7 +149,7 @@ class Session(QObject):
                 raise UserError("this session is not recorded")
             return self._recorder.save(path)
 
-        self.ask(save, lambda answer: self.follow(answer, then))
+        self.ask(save, lambda answer: self.follow(answer, then, failed), failed)
 
     def listen(self, kind: type[M], listener: Callable[[M], None]) -> None:
         """Call `listener` with each message of a type, and at once with the latest if any."""
@@ -150,6 +157,15 @@ class Session(QObject):
         last = self.last(kind)
         if last is not None:
             listener(last)
+
+    def foretell(self, *messages: Message) -> None:
+        """Let listeners hear what will hold once the host is open; does nothing thereafter."""
+        if self.catalogue.modules:
+            return
+        for message in messages:
+            self._last[type(message)] = message
+            for listener in tuple(self._listeners[type(message)]):
+                listener(message)
 
     def last(self, kind: type[M]) -> M | None:
         """The latest message of a type that was delivered on Qt's thread."""
@@ -270,9 +286,14 @@ class Session(QObject):
             listener(message)
         self.heard.emit(message, sender)
         if isinstance(message, Fault):
-            self.problem.emit(fault_line(message))
+            self.problem.emit(fault_line(message, self.title_of(message.module)))
         elif isinstance(message, ReloadModule):
             self.renew_roster()
+
+    def title_of(self, module: str) -> str:
+        """A module's title as people read it; its name if it is not loaded."""
+        known = self.catalogue.modules.get(module)
+        return f"module {module}" if known is None else known.title
 
     def renew_roster(self) -> None:
         """Ask the kernel for its modules again."""
@@ -304,12 +325,12 @@ class Session(QObject):
             then(result)
 
 
-def fault_line(fault: Fault) -> str:
-    """A fault in one line: the user's mistake, or the module that failed and where."""
+def fault_line(fault: Fault, title: str) -> str:
+    """A fault in one line: the user's mistake, or the title of what failed and where."""
     if fault.for_user:
         return one_line(fault.error)
     fate = "; it is suspended: restart it, or go on without" if fault.suspended else ""
-    return one_line(f"module {fault.module} failed in {fault.where}: {fault.error}{fate}")
+    return one_line(f"{title} failed in {fault.where}: {fault.error}{fate}")
 
 
 def one_line(text: str) -> str:

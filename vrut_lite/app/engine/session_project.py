@@ -5,10 +5,15 @@ from pathlib import Path
 import msgspec
 
 from vrut_lite.app.engine.session import Session
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Input, SetSetting
-from vrut_lite.messages.picture import Resize
+from vrut_lite.kernel.messages import ClockMoved, Input, Message, SetClock, SetSetting
+from vrut_lite.messages.ground import SetGround
+from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.messages.tolerance import SetTolerance
 from vrut_lite.project import (
     PROJECT_PARTS,
     CameraView,
@@ -18,6 +23,8 @@ from vrut_lite.project import (
     view_inputs,
 )
 from vrut_lite.scene.settings import SCENE
+
+_FORETOLD = (SetPlace, SetClock, SetTolerance, SetHaze, SetGround, SetExposure)
 
 
 def project_of(session: Session) -> Project:
@@ -37,6 +44,23 @@ def project_of(session: Session) -> Project:
     if session.camera is not None:
         fields["camera"] = CameraView.of(session.camera)
     return msgspec.structs.replace(Project(), **fields)
+
+
+def foretold(project: Project) -> list[Message]:
+    """The messages of a project that no module computes: a window shows them before its host is
+    open. What the project states wrongly is left out, and refused when it is opened."""
+    found: list[Message] = []
+    for kind in _FORETOLD:
+        part = PROJECT_PARTS[kind]
+        try:
+            message = part.input_of(project) or part.default
+        except UserError:
+            continue
+        if isinstance(message, SetClock):
+            found.append(ClockMoved(instant=message.instant))
+        elif message is not None:
+            found.append(message)
+    return found
 
 
 def folder_of(session: Session) -> str:

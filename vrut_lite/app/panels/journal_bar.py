@@ -97,11 +97,12 @@ class JournalBar(QWidget):
 
     def save_to(self, path: str) -> None:
         """Write the journal of this session."""
-        self._session.save_journal(path, partial(self._saved, path))
+        self._session.save_journal(path, partial(self._saved, path), self._session.refused.emit)
 
     def open_from(self, path: str) -> None:
         """Read a journal, on a separate thread."""
-        self._session.follow(self._reader.submit(open_journal, path), self._opened)
+        read = self._reader.submit(open_journal, path)
+        self._session.follow(read, self._opened, self._session.refused.emit)
 
     def step(self, by: int) -> None:
         """Go to the next input or the one before; with `play` checked, send it to this window."""

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QLineEdit,
     QListWidget,
@@ -19,9 +19,11 @@ from vrut_lite.app.panels.world_map import WorldMap
 from vrut_lite.app.widgets import aligned_form, faint_label, heading, panel_column
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.frames import enu_from_world
+from vrut_lite.kernel.messages import ClockMoved, Input, SetClock
 from vrut_lite.messages.place import HIGHEST_M, LOWEST_M, SetPlace
 from vrut_lite.messages.sun import SunMoved
-from vrut_lite.place_time import parse_place, time_zone_at
+from vrut_lite.place_time import parse_place, same_hour_elsewhere, time_zone_at
+from vrut_lite.quantities import DEGREE, degrees_text
 
 # Nearer than this a place is named after a city.
 _NEAR_KM = 25.0
@@ -29,7 +31,13 @@ _KM_PER_DEGREE = 111.2
 
 
 class PlacePanel(QWidget):
-    """Edits `SetPlace`: the point, and the scene's north offset."""
+    """Edits `SetPlace`: the point, and the scene's north offset.
+
+    The clock shows the same hour at a new place: 18:40 stays 18:40. `found_place` is emitted when
+    a typed place, or one of the list, is gone to.
+    """
+
+    found_place = Signal()
 
     def __init__(self, session: Session):
         super().__init__()
@@ -44,11 +52,11 @@ class PlacePanel(QWidget):
         self.found.setMaximumHeight(130)
         self.map = WorldMap()
         self.name, self.zone = heading(), faint_label(wraps=True)
-        self.latitude_deg = NumberField(-90.0, 90.0, "\N{DEGREE SIGN}", decimals=4)
-        self.longitude_deg = NumberField(-180.0, 180.0, "\N{DEGREE SIGN}", decimals=4)
+        self.latitude_deg = NumberField(-90.0, 90.0, DEGREE, decimals=4)
+        self.longitude_deg = NumberField(-180.0, 180.0, DEGREE, decimals=4)
         self.altitude_m = NumberField(LOWEST_M, HIGHEST_M, "m", decimals=0)
         self.altitude_m.slider.hide()
-        self.north_deg = NumberField(-180.0, 180.0, "\N{DEGREE SIGN}", decimals=1)
+        self.north_deg = NumberField(-180.0, 180.0, DEGREE, decimals=1)
         self._lay_out()
         self._connect()
         session.listen(SetPlace, self._show)
@@ -113,6 +121,7 @@ class PlacePanel(QWidget):
             )  # fmt: skip
             return
         self._send(place.latitude_deg, place.longitude_deg, place.altitude_m)
+        self.found_place.emit()
 
     def _pick(self, item: QListWidgetItem) -> None:
         self._choose(item.data(Qt.ItemDataRole.UserRole))
@@ -121,19 +130,27 @@ class PlacePanel(QWidget):
         self.search.setText(city.title)
         self.found.hide()
         self.go_to_city(City(*city))
+        self.found_place.emit()
 
     def _send_fields(self) -> None:
         self._send(self.latitude_deg.value, self.longitude_deg.value, self.altitude_m.value)
 
     def _send(self, latitude_deg: float, longitude_deg: float, altitude_m: float) -> None:
-        self._session.send(
-            SetPlace(
-                latitude_deg=latitude_deg,
-                longitude_deg=longitude_deg,
-                altitude_m=altitude_m,
-                north_offset_rad=math.radians(self.north_deg.value),
-            )
+        place = SetPlace(
+            latitude_deg=latitude_deg,
+            longitude_deg=longitude_deg,
+            altitude_m=altitude_m,
+            north_offset_rad=math.radians(self.north_deg.value),
         )
+        self._session.send(place, *self._same_hour(place))
+
+    def _same_hour(self, place: SetPlace) -> list[Input]:
+        """The clock's new instant where another zone's clocks would show another hour."""
+        clock = self._session.last(ClockMoved)
+        if clock is None or self._place is None:
+            return []
+        instant = same_hour_elsewhere(clock.instant, place_of(self._place), place_of(place))
+        return [] if instant == clock.instant else [SetClock(instant=instant)]
 
     # --- messages ----------------------------------------------------------------------------
 
@@ -167,8 +184,8 @@ def name_of(place: SetPlace) -> str:
         return cities[nearest].title
     north, east_letter = "NS"[place.latitude_deg < 0], "EW"[place.longitude_deg < 0]
     return (
-        f"{abs(place.latitude_deg):.2f}\N{DEGREE SIGN} {north}, "
-        f"{abs(place.longitude_deg):.2f}\N{DEGREE SIGN} {east_letter}"
+        f"{degrees_text(abs(place.latitude_deg), 2)} {north}, "
+        f"{degrees_text(abs(place.longitude_deg), 2)} {east_letter}"
     )
 
 

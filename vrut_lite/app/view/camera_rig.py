@@ -6,7 +6,7 @@ import numpy as np
 
 from vrut_lite.atmosphere.planet import GROUND_RADIUS_M
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.numeric_types import FloatArray, vector
+from vrut_lite.numeric_types import FloatArray, Vector, vector
 
 _STEEPEST_RAD = math.radians(89.5)
 _TURN_PER_VIEW_RAD = math.pi
@@ -96,6 +96,12 @@ class CameraRig:
             self.azimuth_rad + right * _TURN_PER_VIEW_RAD, 2.0 * math.pi
         )
         self._tilt(self.elevation_rad + up * _TURN_PER_VIEW_RAD)
+
+    def look_along(self, direction: Vector) -> None:
+        """Turn the view to a unit vector in world axes."""
+        x, y, z = direction
+        self.azimuth_rad = math.atan2(x, -z)
+        self._tilt(math.asin(min(max(y, -1.0), 1.0)))
 
     def look_around(self, right: float, up: float) -> None:
         """Turn the view so that the point under the pointer stays under it."""

@@ -41,7 +41,7 @@ from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.messages.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 _INVITATION = "Drop a scene (glTF, OBJ, USD, IFC, STL) here, or open one with Ctrl+O"
 _SETTLED_MS = 60
@@ -140,6 +140,11 @@ class Viewport(QWidget):
     def go_to(self, camera: MoveCamera) -> None:
         """Look as another camera does."""
         self.rig.adopt(camera)
+        self.send_camera()
+
+    def look_along(self, direction: Vector) -> None:
+        """Turn the camera to a unit vector in world axes, where it stands."""
+        self.rig.look_along(direction)
         self.send_camera()
 
     def send_camera(self) -> None:

@@ -18,7 +18,8 @@ from vrut_lite.scene.scene_state import Shown
 class ActionSpec(NamedTuple):
     """Calls `act` when triggered; a `checkable` action passes its new state.
 
-    Exactly one checkable action of a `group` is on.
+    Exactly one checkable action of a `group` is on. An `advanced` one, for developers, stands in a
+    submenu of that name.
     """
 
     name: str
@@ -28,6 +29,7 @@ class ActionSpec(NamedTuple):
     act: Callable[..., Any]
     checkable: bool = False
     group: str = ""
+    advanced: bool = False
 
 
 class Window(Protocol):
@@ -59,6 +61,12 @@ class Window(Protocol):
     def show_keys(self) -> None:
         """Open the list of keys."""
 
+    def look_at_sun(self) -> None:
+        """Turn the camera to the sun, or say why not."""
+
+    def look_at_moon(self) -> None:
+        """Turn the camera to the moon, or say why not."""
+
     def undo(self) -> None:
         """Undo the last change."""
 
@@ -81,16 +89,18 @@ def action_specs(
 
         return ActionSpec(name, "Camera", title, key, set_mode, True, "camera")
 
-    def show(shown: Shown, title: str) -> ActionSpec:
+    def show(shown: Shown, title: str, advanced: bool = False) -> ActionSpec:
         def ask(on: bool) -> None:
             session.send(SetSetting(module="scene", name="shows", value=shown))
 
-        return ActionSpec(f"show {shown}", "View", title, "", ask, True, "shown")
+        return ActionSpec(f"show {shown}", "View", title, "", ask, True, "shown", advanced)
 
     return [
         ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
         ActionSpec("weather", "File", f"Open weather{dots}", "", files.ask_for_weather),
-        ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
+        ActionSpec("save", "File", "Save project", "Ctrl+S", files.save_or_ask),
+        ActionSpec("save as", "File", f"Save project as{dots}", "Ctrl+Shift+S",
+                   files.ask_to_save),
         ActionSpec("export", "File", f"Export pictures and films{dots}", "Ctrl+E",
                    partial(window.go_to_dock, "export")),
         ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
@@ -121,17 +131,19 @@ def action_specs(
         ActionSpec("compass", "View", "Compass", "K", desk.compass.show, True),
         ActionSpec("section", "View", "Section through the scene", "X",
                    SectionSwitch(session).cut, True),
+        ActionSpec("look at sun", "View", "Look at the sun", "O", window.look_at_sun),
+        ActionSpec("look at moon", "View", "Look at the moon", "Shift+O", window.look_at_moon),
         show("picture", "Picture"),
         show("illuminance", "Illuminance in false colours"),
-        show("texels", "Light map's texels in false colours"),
-        show("noise", "Light map's noise in false colours"),
+        show("texels", "Light map's texels in false colours", advanced=True),
+        show("noise", "Light map's noise in false colours", advanced=True),
         ActionSpec("compare", "View", "Compare two skies", "C",
                    partial(window.toggle_dock, "compare")),
-        ActionSpec("profiler", "View", "Profiler", "F3", profiler.setVisible, True),
-        ActionSpec("modules", "View", "Module manager", "F4",
-                   partial(window.toggle_dock, "modules")),
-        ActionSpec("messages", "View", "Message inspector", "F5",
-                   partial(window.toggle_dock, "messages")),
+        ActionSpec("profiler", "View", "Profiler", "F3", profiler.setVisible, True,
+                   advanced=True),
+        ActionSpec("modules", "View", "Modules", "F4", partial(window.toggle_dock, "modules")),
+        ActionSpec("messages", "View", "Messages and journals", "F5",
+                   partial(window.toggle_dock, "messages"), advanced=True),
         ActionSpec("find place", "View", "Find a place", "G",
                    partial(window.go_to_dock, "place")),
         ActionSpec("picture focus", "View", "Keys to the picture", "Esc", viewport.setFocus),

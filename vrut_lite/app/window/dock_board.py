@@ -93,7 +93,7 @@ class DockBoard:
             dock.setFeatures(
                 dock.features() | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
             )
-        self._titles[spec.name] = DockTitle(dock, beside)
+        self._titles[spec.name] = DockTitle(dock, beside, spec.advanced)
         dock.setTitleBarWidget(self._titles[spec.name])
         dock.visibilityChanged.connect(lambda _: self._names_changed.start())
         dock.dockLocationChanged.connect(lambda _: self._names_changed.start())
@@ -104,11 +104,12 @@ class DockBoard:
             self._window.tabifyDockWidget(group[-1], dock)
         dock.setVisible(spec.shown)
         self.docks[spec.name], self.panels[spec.name] = dock, panel
-        self._menus.panels.addAction(dock.toggleViewAction())
+        if not spec.advanced:
+            self._menus.panels.addAction(dock.toggleViewAction())
         if spec.keys:
             self._menus.add(
                 ActionSpec(spec.name, "View", spec.title, spec.keys,
-                           partial(self.toggle, spec.name))
+                           partial(self.toggle, spec.name), advanced=spec.advanced)
             )  # fmt: skip
 
     def _show_names(self) -> None:

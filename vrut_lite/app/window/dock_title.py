@@ -9,16 +9,20 @@ _SIGN_PX = 14
 
 
 class DockTitle(QWidget):
-    """A low bar above a dock; `beside` stands left of it instead, without the name."""
+    """A low bar above a dock; `beside` stands left of it instead, without the name.
 
-    def __init__(self, dock: QDockWidget, beside: bool = False):
+    The menu opens an `advanced` dock again elsewhere than others.
+    """
+
+    def __init__(self, dock: QDockWidget, beside: bool = False, advanced: bool = False):
         super().__init__(dock)
         self._dock, self._beside = dock, beside
         self.name: QLabel = faint_label(dock.windowTitle())
         self.close_button = QToolButton()
         put_sign(self.close_button, "close", _SIGN_PX)
         self.close_button.setProperty("flat", True)
-        self.close_button.setToolTip(f"Close {dock.windowTitle()}; View, Panels opens it again")
+        menu = "Advanced" if advanced else "Panels"
+        self.close_button.setToolTip(f"Close {dock.windowTitle()}; View, {menu} opens it again")
         self.close_button.setAccessibleName(f"close {dock.windowTitle()}")
         self.close_button.clicked.connect(dock.hide)
         if beside:

@@ -1,9 +1,9 @@
 """The docks of the window: the host's own, and those of the modules.
 
 A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
-QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. Further
-ones are named `module.panel`. They are imported when the window is ready, so that the rest of a
-module needs no Qt.
+QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. One that
+is `advanced` stands under View, Advanced. Further ones are named `module.panel`. They are imported
+when the window is ready, so that the rest of a module needs no Qt.
 """
 
 from collections.abc import Callable
@@ -43,7 +43,8 @@ _WIDEST_PX = 330
 class DockSpec(NamedTuple):
     """A dock: docks of one `group` share a place as tabs, in this order.
 
-    A dock that is not `scrolled` is as high as its content. `keys` is its shortcut.
+    A dock that is not `scrolled` is as high as its content. `keys` is its shortcut. The menu opens
+    an `advanced` one, for developers, by View, Advanced.
     """
 
     name: str
@@ -53,6 +54,7 @@ class DockSpec(NamedTuple):
     shown: bool = True
     scrolled: bool = True
     keys: str = ""
+    advanced: bool = False
 
 
 # The groups from top to bottom.
@@ -64,7 +66,7 @@ GROUPS: dict[str, Area] = {
 }
 
 DOCKS: list[DockSpec] = [
-    DockSpec("place", "Place", "where and when", lambda desk: PlacePanel(desk.session)),
+    DockSpec("place", "Place", "where and when", lambda desk: _place_panel(desk)),
     DockSpec("sun", "Sun", "where and when", lambda desk: SunPanel(desk.session, desk.scout)),
     DockSpec("picture", "Picture", "where and when", lambda desk: PicturePanel(desk.session)),
     DockSpec("export", "Export", "where and when",
@@ -77,8 +79,15 @@ DOCKS: list[DockSpec] = [
     DockSpec("modules", "Modules", "tools", lambda desk: ModuleManager(desk.session),
              shown=False),
     DockSpec("messages", "Messages", "tools", lambda desk: MessageInspector(desk.session),
-             shown=False),
+             shown=False, advanced=True),
 ]  # fmt: skip
+
+
+def _place_panel(desk: PanelContext) -> QWidget:
+    panel = PlacePanel(desk.session)
+    # Single keys work as soon as the place is found.
+    panel.found_place.connect(desk.viewport.setFocus)
+    return panel
 
 
 class ModulePanels(NamedTuple):
@@ -147,6 +156,7 @@ def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
     title, keys = (getattr(panel, name, "") for name in ("title", "keys"))
     if not (isinstance(title, str) and title and isinstance(keys, str)):
         raise UserError("its class needs a `title`, a text, and may have `keys`, a shortcut")
+    advanced = bool(getattr(panel, "advanced", False))
     return DockSpec(
         f"panel {module}",
         title,
@@ -154,6 +164,7 @@ def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
         lambda desk: panel(desk.session),
         shown=False,
         keys=keys,
+        advanced=advanced,
     )
 
 

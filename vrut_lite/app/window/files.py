@@ -1,22 +1,26 @@
 """The commands of the File menu: open, save, screenshot, and their file dialogs."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import msgspec
 from platformdirs import user_pictures_path
-from PySide6.QtWidgets import QFileDialog, QInputDialog
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
-from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
+from vrut_lite.app.engine.session import one_line
+from vrut_lite.app.engine.session_project import folder_of, foretold, inputs_of, project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.panel_context import PanelContext
+from vrut_lite.app.window.refused_files import RefusedFiles
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.status_line import StatusLine
+from vrut_lite.app.window.unsaved import Unsaved
 from vrut_lite.app.window.views import Views
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Input
+from vrut_lite.kernel.messages import Fault, Input, SetSetting
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.weather import SetWeather
@@ -30,22 +34,35 @@ from vrut_lite.project import (
 )
 from vrut_lite.scene.ifc_site import place_of_ifc
 from vrut_lite.scene.scene_files import SUFFIXES
+from vrut_lite.scene.settings import SCENE
 from vrut_lite.weather.weather_file import read_weather
 
 _TO_OPEN = f"Scenes and projects ({' '.join(f'*{one}' for one in (*SUFFIXES, PROJECT_SUFFIX))})"
 
 
 class Files:
-    """Files of one window; the status line shows results and errors.
+    """Files of one window; the status line shows results, a dialog why files were refused.
 
     Screenshots go to the folder `pictures`.
     """
 
     def __init__(
-        self, desk: PanelContext, kept: Kept, status: StatusLine, title_changed: Callable[[], None]
+        self,
+        window: QWidget,
+        desk: PanelContext,
+        kept: Kept,
+        status: StatusLine,
+        title_changed: Callable[[], None],
     ):
         self._desk, self._session, self._status = desk, desk.session, status
+        self._window = window
         self.kept = kept
+        self.refused = RefusedFiles(window)
+        self.unsaved = Unsaved(desk.session, lambda: self.present_project, window)
+        # The question on unsaved work, while it is open.
+        self.question: QMessageBox | None = None
+        # Modules that were asked to read a file, and have not refused it so far.
+        self._reading: set[str] = set()
         # The window sets them once it has its menus.
         self.views: Views
         # The project that was opened or saved last, if no other scene was opened since.
@@ -56,6 +73,13 @@ class Files:
         self._sensors = ""
         self.title_changed = title_changed
         self.pictures = user_pictures_path() / "vrut_lite"
+        self._session.refused.connect(self._refuse)
+        self._session.sent.connect(self._note_reading)
+        self._session.listen(Fault, self._note_fault)
+
+    def ask_and_open(self, path: str) -> None:
+        """Open a scene or a project, once the present project's changes are saved or given up."""
+        self.leave(partial(self.open_path, path))
 
     def open_path(self, path: str) -> None:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
@@ -64,18 +88,24 @@ class Files:
             place = place_of_ifc(path)
             self._place_of = None if place is None else (path, place)
             self._session.send(LoadScene(path=path))
+            self.unsaved.begin()
             return
         try:
             self.open_project(load_project(path))
         except UserError as error:
-            self._status.show_problem(str(error))
+            self._refuse(str(error))
         else:
-            self.project = Path(path)
-            self.title_changed()
-            self.add_recent(path)
+            self.name_project(path)
+
+    def name_project(self, path: str) -> None:
+        """The open project is that of a file: it is saved there."""
+        self.project = Path(path)
+        self.title_changed()
+        self.add_recent(path)
 
     def scene_opened(self, scene: SceneOpened) -> None:
         """Go to the place that the scene's own file states, once it has opened."""
+        self._reading.discard(SCENE)
         if self._place_of is not None and self._place_of[0] == scene.path:
             self._session.send(self._place_of[1])
         self._place_of = None
@@ -93,19 +123,86 @@ class Files:
         self._sensors = project.sensors
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
+            self._reading.add(SCENE)
+        self._session.foretell(*foretold(project))
         self._session.begin_by(lambda stage: inputs_of(project, stage.kernel))
+        self.unsaved.begin()
 
-    def save(self, path: str) -> None:
-        """Save the project."""
+    def save(self, path: str) -> bool:
+        """Save the project; whether it could be written."""
         try:
             save_project(path, self.present_project)
         except UserError as error:
-            self._status.show_problem(str(error))
+            self._refuse(str(error))
+            return False
+        self.name_project(path)
+        self.unsaved.saved()
+        self._status.show_news(f"Saved {path}")
+        return True
+
+    def save_or_ask(self) -> None:
+        """Save the project to its file; without one let a name be chosen."""
+        if self.project is None:
+            self.ask_to_save()
         else:
-            self.project = Path(path)
-            self.title_changed()
-            self.add_recent(path)
-            self._status.show_news(f"Saved {path}")
+            self.save(str(self.project))
+
+    @property
+    def has_unsaved(self) -> bool:
+        """Whether a named project has changes that its file lacks."""
+        is_named = self.project is not None and not self._session.has_ended
+        return is_named and self.unsaved.is_changed
+
+    def leave(self, then: Callable[[], object]) -> None:
+        """Call `then` once the changes of a named project are saved or given up.
+
+        The last session comes back by itself: work without a project's name is not lost.
+        """
+        project = self.project
+        if project is None or not self.has_unsaved:
+            then()
+            return
+        if self.question is not None:
+            self.question.close()
+        question = self.question = QMessageBox(self._window)
+        question.setIcon(QMessageBox.Icon.Question)
+        question.setWindowTitle("Unsaved changes")
+        question.setText(f"Save the changes of {project.name}?")
+        question.setInformativeText("Without that they are lost.")
+        buttons = QMessageBox.StandardButton
+        question.setStandardButtons(buttons.Save | buttons.Discard | buttons.Cancel)
+        question.setDefaultButton(buttons.Save)
+
+        def answered(_result: int) -> None:
+            self.question = None
+            chosen = question.standardButton(question.clickedButton())
+            question.deleteLater()
+            if chosen == buttons.Discard or (chosen == buttons.Save and self.save(str(project))):
+                then()
+
+        question.finished.connect(answered)
+        # The window goes on: nothing waits for the answer.
+        question.open()
+
+    # --- files that are refused --------------------------------------------------------------
+
+    def _refuse(self, line: str) -> None:
+        self._status.show_problem(line)
+        self.refused.add(line)
+
+    def _note_reading(self, message: Input) -> None:
+        match message:
+            case LoadScene():
+                self._reading.add(SCENE)
+            case SetSetting() if message.module in self._session.catalogue.modules:
+                spec = self._session.catalogue.modules[message.module].specs.get(message.name)
+                if spec is not None and spec.file_kinds and message.value:
+                    self._reading.add(message.module)
+
+    def _note_fault(self, fault: Fault) -> None:
+        if fault.for_user and fault.module in self._reading:
+            self._reading.discard(fault.module)
+            self.refused.add(one_line(fault.error))
 
     @property
     def present_project(self) -> Project:
@@ -146,7 +243,7 @@ class Files:
             told = [line for m in messages if isinstance(m, SetWeather) for line in m.lacks]
             self._status.show_news("; ".join(told) or f"Opened {path}")
 
-        self._session.ask(inputs, show)
+        self._session.ask(inputs, show, self._refuse)
 
     # --- with a dialog for the name ----------------------------------------------------------
 
@@ -156,7 +253,7 @@ class Files:
             self._desk.viewport, "Open", folder_of(self._session), _TO_OPEN
         )
         if path:
-            self.open_path(path)
+            self.ask_and_open(path)
 
     def ask_for_weather(self) -> None:
         """Let a year of weather be chosen, and open it."""
@@ -172,7 +269,7 @@ class Files:
             folder_of(self._session), file_title(self._session) + PROJECT_SUFFIX
         )
         path, _ = QFileDialog.getSaveFileName(
-            self._desk.viewport, "Save project", str(proposed), "Projects (*.toml)"
+            self._desk.viewport, "Save project as", str(proposed), "Projects (*.toml)"
         )
         if path:
             self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)

@@ -1,6 +1,7 @@
 """The window: the picture, the docks around it, the menus, and the status line."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Literal
 
@@ -21,6 +22,7 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.hand import CameraMode
+from vrut_lite.app.view.look_at import look_at_moon, look_at_sun
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import Viewport
@@ -28,6 +30,7 @@ from vrut_lite.app.window.actions import action_specs
 from vrut_lite.app.window.command_palette import (
     CommandPalette,
     action_entries,
+    choice_entries,
     dock_entries,
     recent_entries,
     slot_entries,
@@ -62,7 +65,7 @@ class MainWindow(QMainWindow):
         self, session: Session, presets: PresetStore | None = None, kept: Kept | None = None
     ):
         super().__init__()
-        self.setWindowTitle(TITLE)
+        self.setWindowTitle(f"{TITLE}[*]")
         self.session = session
         sun_path, compass = SunPath(self), Compass(self)
         self.desk: PanelContext = PanelContext(
@@ -79,12 +82,13 @@ class MainWindow(QMainWindow):
         self._warnings = LoggedWarnings(self)
         self._opened: LoadScene | None = None
         self.setStatusBar(self._status)
-        self.files = Files(self.desk, kept or Kept(None), self._status, self._show_title)
+        self.files = Files(self, self.desk, kept or Kept(None), self._status, self._show_title)
+        self._may_close = False
         self.menus = Menus(
             self,
             action_specs(self, self.desk, self.files, self.profiler),
             lambda: self.files.kept.recent,
-            self.files.open_path,
+            self.files.ask_and_open,
         )
         self.actions_by_name = self.menus.actions
         self.files.views = Views(self.menus.views, self.desk.viewport.go_to)
@@ -128,7 +132,8 @@ class MainWindow(QMainWindow):
         self._warnings.logged.connect(self._status.show_warning)
         session.picture_shown.connect(self._show_facts)
         session.steps_changed.connect(self.menus.show_steps)
-        desk.viewport.scene_dropped.connect(self.files.open_path)
+        desk.viewport.scene_dropped.connect(self.files.ask_and_open)
+        self.files.unsaved.changed.connect(self.setWindowModified)
         desk.viewport.mode_changed.connect(self._mode_changed)
 
     # --- actions -----------------------------------------------------------------------------
@@ -162,7 +167,8 @@ class MainWindow(QMainWindow):
             *action_entries(self.actions_by_name.values()),
             *slot_entries(self.session),
             *dock_entries(self.docks, self.go_to_dock),
-            *recent_entries(self.files.kept.recent, self.files.open_path),
+            *choice_entries(self.session),
+            *recent_entries(self.files.kept.recent, self.files.ask_and_open),
         ]
         return CommandPalette(self, entries)
 
@@ -170,17 +176,28 @@ class MainWindow(QMainWindow):
         """Open the list of keys."""
         ShortcutList(self.menus.specs, self).show()
 
+    def look_at_sun(self) -> None:
+        """Turn the camera to the sun, or say why not."""
+        self._look(look_at_sun)
+
+    def look_at_moon(self) -> None:
+        """Turn the camera to the moon, or say why not."""
+        self._look(look_at_moon)
+
+    def _look(self, look: Callable[[Session, SunDayFinder, Viewport], None]) -> None:
+        try:
+            look(self.session, self.desk.scout, self.desk.viewport)
+        except UserError as error:
+            line = str(error)
+            self._status.show_news(line[:1].upper() + line[1:])
+
     def undo(self) -> None:
         """Undo the last change."""
-        self.session.undo(
-            lambda title: self._status.show_news(f"Taken back: {title}" if title else "")
-        )
+        self.session.undo(lambda title: self._status.show_news(f"Undone: {title}" if title else ""))
 
     def redo(self) -> None:
         """Redo the change that was undone last."""
-        self.session.redo(
-            lambda title: self._status.show_news(f"Done again: {title}" if title else "")
-        )
+        self.session.redo(lambda title: self._status.show_news(f"Redone: {title}" if title else ""))
 
     # --- messages ----------------------------------------------------------------------------
 
@@ -215,11 +232,15 @@ class MainWindow(QMainWindow):
         self._status.offer(title, tip, lambda: self.session.send(turned))
 
     def _show_title(self) -> None:
-        """The project, the scene, the application, as far as there are such."""
+        """The project, the scene, the application, as far as there are such.
+
+        Qt shows its mark of unsaved changes after the first name.
+        """
         scene = self.session.last(SceneOpened)
         files = [self.files.project, Path(scene.path) if scene is not None else None]
         names = [file.name for file in files if file is not None]
-        self.setWindowTitle(" \N{EN DASH} ".join([*names, TITLE]))
+        first, *others = [*names, TITLE]
+        self.setWindowTitle(" \N{EN DASH} ".join([f"{first}[*]", *others]))
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)
@@ -234,8 +255,20 @@ class MainWindow(QMainWindow):
         """Close, after the event that asked for it."""
         QTimer.singleShot(0, self.close)
 
+    def close_now(self) -> None:
+        """Close without a question: changes of a named project are in the kept session alone."""
+        self._may_close = True
+        self.close()
+
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Hide at once; threads that still run end without a window."""
+        """Hide at once; threads that still run end without a window.
+
+        First the changes of a named project are saved or given up.
+        """
+        if self.files.has_unsaved and not self._may_close:
+            event.ignore()
+            self.files.leave(self.close_now)
+            return
         if not self.session.has_ended:
             self._keep()
             self.time.player.pause()

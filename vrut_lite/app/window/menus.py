@@ -13,6 +13,7 @@ from vrut_lite.kernel.messages import SettingChanged
 from vrut_lite.messages.picture import SetExposure
 
 _RECENT_AFTER = "open"
+_ADVANCED = "Advanced"
 
 
 class Menus:
@@ -32,6 +33,7 @@ class Menus:
         self._menus: dict[str, QMenu] = {}
         self._groups: dict[str, QActionGroup] = {}
         self._letters: dict[str, set[str]] = {}
+        self.advanced: QMenu | None = None
         for spec in specs:
             self.add(spec)
             if spec.name == _RECENT_AFTER:
@@ -47,8 +49,11 @@ class Menus:
         """Append an action to its menu."""
         if spec.menu not in self._menus:
             self._menus[spec.menu] = self._window.menuBar().addMenu(f"&{spec.menu}")
+        menu = self._menus[spec.menu]
+        if spec.advanced:
+            menu = self.advanced = self.advanced or self._submenu(spec.menu, _ADVANCED)
         action = self._action(spec)
-        self._menus[spec.menu].addAction(action)
+        menu.addAction(action)
         if spec.group:
             self._groups.setdefault(spec.group, QActionGroup(self._window)).addAction(action)
         self.specs.append(spec)
@@ -98,7 +103,8 @@ class Menus:
         return title
 
     def _action(self, spec: ActionSpec) -> QAction:
-        action = QAction(self._with_letter(spec.menu, spec.title), self._window)
+        menu = _ADVANCED if spec.advanced else spec.menu
+        action = QAction(self._with_letter(menu, spec.title), self._window)
         action.setShortcuts([QKeySequence(keys) for keys in spec.keys.split(", ")])
         action.setCheckable(spec.checkable)
         action.triggered.connect(lambda on: spec.act(bool(on)) if spec.checkable else spec.act())
