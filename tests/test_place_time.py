@@ -15,6 +15,7 @@ from vrut_lite.place_time import (
     local_text,
     parse_instant,
     parse_place,
+    same_hour_elsewhere,
     time_zone_at,
 )
 from vrut_lite.plain_numbers import plain_float, plain_int
@@ -274,3 +275,18 @@ def test_numbers_have_plain_form(text):
                 ours(text)
         else:
             assert ours(text) == expected
+
+
+def test_an_hour_is_taken_along_to_another_place():
+    """18:40 stays 18:40, also where its date is another in UTC; what is skipped comes after."""
+    prague, tokyo, los_angeles = Place(50.0, 14.4), Place(35.68, 139.69), Place(34.05, -118.24)
+    evening = datetime(2026, 6, 21, 16, 40, tzinfo=UTC)
+    assert same_hour_elsewhere(evening, prague, tokyo) == datetime(2026, 6, 21, 9, 40, tzinfo=UTC)
+    there = same_hour_elsewhere(evening, prague, los_angeles)
+    assert there == datetime(2026, 6, 22, 1, 40, tzinfo=UTC)
+    assert same_hour_elsewhere(there, los_angeles, prague) == evening
+    # Clocks of Los Angeles go from 2:00 to 3:00 on 8 March 2026.
+    skipped = datetime(2026, 3, 8, 1, 30, tzinfo=UTC)
+    assert f"{skipped.astimezone(time_zone_at(prague)):%H:%M}" == "02:30"
+    shown = same_hour_elsewhere(skipped, prague, los_angeles).astimezone(time_zone_at(los_angeles))
+    assert f"{shown:%d %H:%M}" == "08 03:30"

@@ -174,6 +174,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             20_000,
             unit="m",
             source="Koschmieder 1924, at a contrast of 2 %",
+            choice_labels={"none": "no fog"},
         ),
     ] = None
     fog_height_m: Annotated[

@@ -76,8 +76,8 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
         setting(
             "Sun position by ephemeris or by the thesis's short series",
             source="VSOP87; Preetham et al. 1999 after Hvezda 2020, corrected",
-            label="Sun's place by",
-            choice_labels={"preetham": "Preetham's short series"},
+            label="Sun's position",
+            choice_labels={"ephemeris": "By ephemeris", "preetham": "By Preetham's short series"},
         ),
     ] = "ephemeris"
     cube_device: Annotated[

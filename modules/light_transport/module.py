@@ -67,7 +67,7 @@ class LightTransport(Module):
     # Its settings are no options of commands: `--on` would say nothing.
     manifest = Manifest(
         name=NAME,
-        title="Light transport",
+        title="Light between surfaces",
         version="0.1.0",
         provides=(SLOT,),
         requires=("sky",),

@@ -67,6 +67,7 @@ class LightMapPanel(QWidget):
         # The latest light that more rays made of the same hour, and that of fewer.
         self._pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None = None
         self.progress = QProgressBar()
+        self.progress.setFormat("%p %")
         self.facts = QLabel(_NOTHING)
         self.facts.setWordWrap(True)
         self.kind = Chooser()

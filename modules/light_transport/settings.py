@@ -16,7 +16,7 @@ class LightTransportSettings(msgspec.Struct, frozen=True):
         setting(
             "Whether things hide the sky and send light to each other; off, all are lit by the "
             "open sky",
-            label="Light between surfaces",
+            label="Surfaces light each other",
         ),
     ] = True
     texel_m: Annotated[

@@ -47,7 +47,7 @@ class PathTracer(Module):
 
     manifest = Manifest(
         name=NAME,
-        title="Path tracer (mitsuba)",
+        title="Path tracer (Mitsuba)",
         version="0.1.0",
         auxiliary=True,
         engine="path-tracer",

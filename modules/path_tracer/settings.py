@@ -18,7 +18,12 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
     ] = 64
     max_bounces: Annotated[
         int | None,
-        setting("How many surfaces light may meet, 1 for direct light alone; none: any", 1, 1000),
+        setting(
+            "How many surfaces light may meet, 1 for direct light alone; none: any",
+            1,
+            1000,
+            choice_labels={"none": "any"},
+        ),
     ] = None
     sun: Annotated[
         Literal["disc", "sharp"],

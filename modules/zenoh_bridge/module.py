@@ -58,7 +58,7 @@ class ZenohBridge(Module):
     # Without a connection it has nothing to post, so it holds a slot only when chosen.
     manifest = Manifest(
         name=NAME,
-        title="Bridge (Zenoh)",
+        title="Another process (Zenoh)",
         version="0.1.0",
         provides=SLOTS,
         stand_in=False,

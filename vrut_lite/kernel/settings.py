@@ -32,8 +32,8 @@ def setting(
 ) -> msgspec.Meta:
     """Annotates a field: its meaning, its least and greatest value, and the formula's source.
 
-    Windows show `label` for the name and `choice_labels` for choices; a text with `file_kinds`,
-    such as "Pictures (*.png *.jpg)", names a file.
+    Windows show `label` for the name, `choice_labels` for choices and "none"; a text with
+    `file_kinds`, such as "Pictures (*.png *.jpg)", names a file.
     """
     words = {"unit": unit, "source": source, "label": label, "file_kinds": file_kinds}
     extra = {**words, "choice_labels": choice_labels or {}}

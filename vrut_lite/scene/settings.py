@@ -57,6 +57,7 @@ class SceneSettings(msgspec.Struct, frozen=True):
             "of which a real filter passes half. None: no polariser",
             unit="deg",
             label="Polariser",
+            choice_labels={"none": "none"},
         ),
     ] = None
     section_keeps: Annotated[

@@ -60,6 +60,7 @@ class Tour:
             "loading": self._loading, "street": self._street, "menu": self._menu,
             "drop_down": self._drop_down, "palette": self._palette, "keys": self._keys,
             "sun_path": self._sun_path, "section": self._section, "traced": self._traced,
+            "refused": self._refused, "unsaved": self._unsaved, "genera": self._genera,
         }  # fmt: skip
         for dock in self.window.docks:
             states[f"dock_{dock.replace(' ', '_')}"] = partial(self._dock, dock=dock)
@@ -103,9 +104,35 @@ class Tour:
         self.window.docks["panel path_tracer"].hide()
 
     def _menu(self, name: str) -> None:
+        """Each menu and submenu, in a picture of its own."""
         for menu in self.window.menuBar().findChildren(QMenu):
-            if menu.title() == "&View":
-                self._while_open(name, menu)
+            title = menu.title().replace("&", "").replace(" ", "_").lower()
+            if menu.actions():
+                self._while_open(f"{name}_{title}", menu)
+
+    def _refused(self, name: str) -> None:
+        refused = self.window.files.refused
+        for file in ("no scene.glb", "no project.toml"):
+            self.window.files.open_path(str(self._folder / file))
+        self.posed.until(lambda: len(refused.lines) == 2)
+        self.see(name)
+        refused.reject()
+
+    def _unsaved(self, name: str) -> None:
+        files = self.window.files
+        files.save(str(self._folder / "evening.toml"))
+        self.posed.session.send(SetSetting(module="scene", name="light_shafts", value=True))
+        self.posed.finish(anew=True)
+        self.window.close()
+        self.see(name)
+        assert files.question is not None
+        files.question.reject()
+        files.project = None
+
+    def _genera(self, name: str) -> None:
+        palette = self.window.new_palette()
+        palette.text_field.setText("cumulus")
+        self._while_open(name, palette)
 
     def _while_open(self, name: str, part: QWidget) -> None:
         if isinstance(part, QMenu):
@@ -168,7 +195,7 @@ def main() -> None:
         try:
             Tour(posed, chosen.folder, chosen.names).run()
         finally:
-            posed.window.close()
+            posed.window.close_now()
             posed.session.join()
 
 

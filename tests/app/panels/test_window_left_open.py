@@ -71,7 +71,7 @@ def test_the_axis_of_luminance_has_few_labels_and_all_legible(qtbot):
 
 def test_what_nothing_is_known_of_shows_no_number(driver):
     """Fog that is none is none: neither its least range of sight nor its middle."""
-    assert rows(driver, "bruneton_sky")["fog_visibility_m"].editor.spin.text() == "\N{EN DASH}"
+    assert rows(driver, "bruneton_sky")["fog_visibility_m"].editor.spin.text() == "no fog"
 
 
 def test_ticking_a_box_leaves_the_air_as_it_is():

@@ -124,10 +124,12 @@ def test_a_module_says_what_it_posts_and_hears(shared_headless_window):
     driver.until(lambda: manager.list.topLevelItemCount() > 0)
     manager.choose("scene")
     manager.choose("dynamic_skylight")
-    driver.until(lambda: "SunMoved" in manager.facts.text())
+    driver.until(lambda: "sun moved" in manager.facts.text())
     posts, hears = manager.facts.text().splitlines()
     assert posts.startswith("Posts: ")
-    assert "Demand" not in posts
-    assert "KeyLightChanged" in posts
-    assert "ClockMoved" in hears
+    assert "demand" not in posts
+    assert "key light changed" in posts
+    assert "clock moved" in hears
+    # Authors of modules need the names of the types.
+    assert "KeyLightChanged" in manager.facts.toolTip()
     assert not manager.packages.remove.isEnabled()

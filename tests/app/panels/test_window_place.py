@@ -4,7 +4,9 @@ import math
 
 import pytest
 from PySide6.QtCore import Qt
+from window_driver import NOON
 
+from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.messages.place import SetPlace
 
 
@@ -86,3 +88,62 @@ def test_altitude_is_typed(driver):
     there = driver.until_heard(SetPlace)
     assert there.altitude_m == 1603.0
     assert there.longitude_deg == pytest.approx(14.4378)
+
+
+def type_a_place(driver):
+    driver.type_in(driver.place.search, "35.68, 139.69")
+
+
+def choose_a_city(driver):
+    driver.qtbot.keyClicks(driver.place.search, "toky")
+    first = driver.place.found.visualItemRect(driver.place.found.item(0)).center()
+    driver.qtbot.mouseClick(driver.place.found.viewport(), Qt.MouseButton.LeftButton, pos=first)
+
+
+def click_on_the_map(driver):
+    spot = driver.place.map.position_of(36.5, 138.5).toPoint()
+    driver.qtbot.mouseClick(driver.place.map, Qt.MouseButton.LeftButton, pos=spot)
+
+
+@pytest.mark.parametrize("go", [type_a_place, choose_a_city, click_on_the_map])
+def test_the_clock_shows_the_same_hour_at_a_new_place(driver, go):
+    """13:00 in Prague becomes 13:00 in Tokyo, seven hours earlier; one undo brings both back."""
+    assert f"{driver.local():%H:%M}" == "13:00"
+    go(driver)
+    driver.until(lambda: driver.window.desk.scout.day.zone.key == "Asia/Tokyo")
+    assert f"{driver.local():%d %H:%M}" == "21 13:00"
+    assert driver.window.time.clock.text() == "13:00:00"
+    driver.window.undo()
+    driver.until(lambda: driver.session.last(ClockMoved).instant == NOON)
+    driver.until(lambda: driver.window.desk.scout.day.zone.key == "Europe/Prague")
+    assert driver.window.news.text() == "Undone: place"
+
+
+def test_a_place_of_the_same_zone_leaves_the_clock_alone(driver):
+    """So does another altitude: nothing is sent that changes nothing."""
+    sent = []
+    driver.session.sent.connect(sent.append)
+    driver.type_in(driver.place.search, "49.2, 16.6")
+    driver.place.altitude_m.spin.setValue(300)
+    driver.settled()
+    driver.session.sent.disconnect(sent.append)
+    assert [type(message) for message in sent] == [SetPlace, SetPlace]
+    assert not any(isinstance(message, SetClock) for message in sent)
+
+
+def test_keys_go_to_the_picture_once_a_place_is_found(driver, qtbot):
+    """P typed after Enter shows the sun's path, and is no letter of the place; an unknown place
+    keeps the field, to be mended."""
+    driver.activated()
+    driver.window.show_dock("place")
+    driver.type_in(driver.place.search, "Xyzzyville")
+    assert driver.place.search.hasFocus()
+    driver.type_in(driver.place.search, "Quito")
+    view = driver.window.desk.viewport
+    assert driver.window.focusWidget() is view
+    action = driver.window.actions_by_name["sun path"]
+    before = action.isChecked()
+    qtbot.keyClick(view, Qt.Key.Key_P)
+    assert action.isChecked() is not before
+    assert "p" not in driver.place.search.text()[5:]
+    qtbot.keyClick(view, Qt.Key.Key_P)

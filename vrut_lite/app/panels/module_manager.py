@@ -1,5 +1,7 @@
 """The module manager: states, last faults, enable, restart, reload, safe mode."""
 
+import re
+
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QFontDatabase
 from PySide6.QtWidgets import (
@@ -211,6 +213,7 @@ class ModuleManager(QWidget):
         package = (self._packages or {}).get(self.chosen)
         self.packages.choose(package)
         self.facts.setText(facts_text(module, package))
+        self.facts.setToolTip(names_text(module))
         for button in (self.restart, self.reload):
             button.setEnabled(module is not None)
         if module is None:
@@ -253,9 +256,22 @@ def facts_text(module: ModuleState | None, package: PackageFacts | None) -> str:
     if package is not None:
         lines.append(f"Package: {package.title}")
     if module is not None:
-        lines.append(f"Posts: {', '.join(module.posts) or 'nothing so far'}")
-        lines.append(f"Hears: {', '.join(module.hears) or 'nothing'}")
+        posts, hears = (", ".join(map(_in_words, names)) for names in (module.posts, module.hears))
+        lines.append(f"Posts: {posts or 'nothing so far'}")
+        lines.append(f"Hears: {hears or 'nothing'}")
     return "\n".join(lines)
+
+
+def names_text(module: ModuleState | None) -> str:
+    """The same by the names of the message types, for authors of modules."""
+    if module is None:
+        return ""
+    return f"Posts: {', '.join(module.posts)}\nHears: {', '.join(module.hears)}"
+
+
+def _in_words(type_name: str) -> str:
+    """A message type in words: "sun moved"."""
+    return re.sub("(?<=[a-z0-9])(?=[A-Z])", " ", type_name).lower()
 
 
 def status_line(fault: Fault | None, mended: bool, title: str) -> str:

@@ -69,11 +69,11 @@ class NumberField(QWidget):
             return
         self._show(value, slider=True)
 
-    def show_nothing(self) -> None:
-        """Show that there is no value."""
+    def show_words(self, words: str) -> None:
+        """Show words where there is no value."""
         self._show(self.spin.minimum(), slider=True)
-        # Qt shows it in place of the lowest value.
-        self.spin.setSpecialValueText("\N{EN DASH}")
+        # Qt shows them in place of the lowest value.
+        self.spin.setSpecialValueText(words)
 
     def _show(self, value: float, slider: bool) -> None:
         self.spin.setSpecialValueText("")

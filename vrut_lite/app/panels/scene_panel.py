@@ -11,6 +11,7 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, make_timer
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.messages.scene import LoadScene, SceneOpened
+from vrut_lite.quantities import figure
 
 _UPS = {"y": "+Y", "z": "+Z"}
 _UNITS = {
@@ -107,7 +108,7 @@ class ScenePanel(ModulePanel):
         self._opened = scene.opened
         lengths = (upper - lower for lower, upper in zip(scene.lower_m, scene.upper_m, strict=True))
         self.extent.setText(
-            f"{_SIZE.join(f'{length:.4g}' for length in lengths)} m, {scene.triangles:,} triangles"
+            f"{_SIZE.join(figure(length) for length in lengths)} m, {scene.triangles:,} triangles"
         )
         self.up.setCurrentIndex(self.up.findData(scene.opened.placement.up))
         metres = scene.opened.placement.metres_per_unit

@@ -75,7 +75,7 @@ class SettingRow(QObject):
         elif stands_for is not None:
             self._show(stands_for)
         elif isinstance(self.editor, NumberField):
-            self.editor.show_nothing()
+            self.editor.show_words(left_open_label(self.spec))
 
     def _name(self, parent: QWidget) -> QLabel | QCheckBox:
         """A label; for a number that may be none, a check box that is off for none."""

@@ -61,8 +61,8 @@ class Files:
         self.unsaved = Unsaved(desk.session, lambda: self.present_project, window)
         # The question on unsaved work, while it is open.
         self.question: QMessageBox | None = None
-        # Modules that were asked to read a file, and have not refused it so far.
-        self._reading: set[str] = set()
+        # Names of the files that modules were asked to read, by module.
+        self._reading: dict[str, str] = {}
         # The window sets them once it has its menus.
         self.views: Views
         # The project that was opened or saved last, if no other scene was opened since.
@@ -105,7 +105,6 @@ class Files:
 
     def scene_opened(self, scene: SceneOpened) -> None:
         """Go to the place that the scene's own file states, once it has opened."""
-        self._reading.discard(SCENE)
         if self._place_of is not None and self._place_of[0] == scene.path:
             self._session.send(self._place_of[1])
         self._place_of = None
@@ -123,7 +122,7 @@ class Files:
         self._sensors = project.sensors
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
-            self._reading.add(SCENE)
+            self._reading[SCENE] = Path(project.scene).name
         self._session.foretell(*foretold(project))
         self._session.begin_by(lambda stage: inputs_of(project, stage.kernel))
         self.unsaved.begin()
@@ -193,15 +192,15 @@ class Files:
     def _note_reading(self, message: Input) -> None:
         match message:
             case LoadScene():
-                self._reading.add(SCENE)
+                self._reading[SCENE] = Path(message.path).name
             case SetSetting() if message.module in self._session.catalogue.modules:
                 spec = self._session.catalogue.modules[message.module].specs.get(message.name)
                 if spec is not None and spec.file_kinds and message.value:
-                    self._reading.add(message.module)
+                    self._reading[message.module] = Path(str(message.value)).name
 
     def _note_fault(self, fault: Fault) -> None:
-        if fault.for_user and fault.module in self._reading:
-            self._reading.discard(fault.module)
+        name = self._reading.get(fault.module)
+        if fault.for_user and name and name in fault.error:
             self.refused.add(one_line(fault.error))
 
     @property

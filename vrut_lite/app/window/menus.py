@@ -33,7 +33,7 @@ class Menus:
         self._menus: dict[str, QMenu] = {}
         self._groups: dict[str, QActionGroup] = {}
         self._letters: dict[str, set[str]] = {}
-        self.advanced: QMenu | None = None
+        self.advanced = QMenu(_ADVANCED, window)
         for spec in specs:
             self.add(spec)
             if spec.name == _RECENT_AFTER:
@@ -41,6 +41,8 @@ class Menus:
         self.recent.aboutToShow.connect(self.fill_recent)
         self.views = self._submenu("Camera", "Views")
         self.panels = self._submenu("View", "Panels")
+        self.advanced.setTitle(self._with_letter("View", _ADVANCED))
+        self._menus["View"].addMenu(self.advanced)
         self.actions["orbit"].setChecked(True)
         self.actions["show picture"].setChecked(True)
         self.show_steps(Steps())
@@ -51,7 +53,7 @@ class Menus:
             self._menus[spec.menu] = self._window.menuBar().addMenu(f"&{spec.menu}")
         menu = self._menus[spec.menu]
         if spec.advanced:
-            menu = self.advanced = self.advanced or self._submenu(spec.menu, _ADVANCED)
+            menu = self.advanced
         action = self._action(spec)
         menu.addAction(action)
         if spec.group:

@@ -1,7 +1,7 @@
 """The files that could not be opened or written, and why, as text to read, select and copy."""
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QCloseEvent, QGuiApplication
+from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import (
     QDialog,
     QHBoxLayout,
@@ -35,12 +35,12 @@ class RefusedFiles(QDialog):
         self.copy = QPushButton("Copy")
         self.copy.setToolTip("Copy the whole text")
         self.copy.clicked.connect(lambda _: QGuiApplication.clipboard().setText(self.said))
-        self.done_with = QPushButton("Close")
-        self.done_with.setDefault(True)
-        self.done_with.clicked.connect(lambda _: self.close())
+        self.dismiss = QPushButton("Close")
+        self.dismiss.setDefault(True)
+        self.dismiss.clicked.connect(lambda _: self.reject())
         buttons = QHBoxLayout()
         buttons.addStretch(1)
-        for button in (self.copy, self.done_with):
+        for button in (self.copy, self.dismiss):
             buttons.addWidget(button)
         column = QVBoxLayout(self)
         column.addWidget(self.heading)
@@ -66,11 +66,7 @@ class RefusedFiles(QDialog):
             self.show()
             self.raise_()
 
-    def reject(self) -> None:
-        """Escape closes it too."""
-        self.close()
-
-    def closeEvent(self, event: QCloseEvent) -> None:
-        """Begin anew with the next file."""
+    def done(self, result: int) -> None:
+        """Closed, by whatever way: begin anew with the next file."""
         self.lines.clear()
-        super().closeEvent(event)
+        super().done(result)
