@@ -100,7 +100,7 @@ def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
         type=str if is_choice else hint,
         default=default,
         help=meta.description or "",
-        **(meta.extra or {}),
+        **{k: v for k, v in (meta.extra or {}).items() if k in SettingSpec.__struct_fields__},
         at_least=None if meta.ge is None else float(meta.ge),
         at_most=None if meta.le is None else float(meta.le),
         choices=get_args(hint) if is_choice else (),
