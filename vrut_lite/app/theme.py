@@ -1,5 +1,6 @@
 """The window's theme: neutral greys, which do not bias the eye's judgement of colours."""
 
+from PySide6.QtCore import QLocale
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication
 
@@ -88,8 +89,9 @@ QComboBox QAbstractItemView, QListView {{
 
 
 def apply_theme(app: QApplication) -> None:
-    """Paint every window of the application dark."""
+    """Paint every window of the application dark; numbers are written in English, as words are."""
     app.setStyle("Fusion")
+    QLocale.setDefault(QLocale(QLocale.Language.English, QLocale.Country.UnitedKingdom))
     palette = QPalette()
     role = QPalette.ColorRole
     for part, colour in {

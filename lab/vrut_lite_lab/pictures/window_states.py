@@ -105,9 +105,10 @@ class Tour:
 
     def _menu(self, name: str) -> None:
         """Each menu and submenu, in a picture of its own."""
-        for menu in self.window.menuBar().findChildren(QMenu):
+        for menu in (*self.window.menuBar().findChildren(QMenu), self.window.menus.advanced):
             title = menu.title().replace("&", "").replace(" ", "_").lower()
-            if menu.actions():
+            # Qt has one more, without a title, for a bar that is too narrow.
+            if title and menu.actions():
                 self._while_open(f"{name}_{title}", menu)
 
     def _refused(self, name: str) -> None:

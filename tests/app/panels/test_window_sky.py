@@ -2,7 +2,7 @@
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox
+from PySide6.QtWidgets import QCheckBox, QLabel
 from window_driver import choose
 
 from vrut_lite.app.panels.module_panel import ModulePanel
@@ -169,3 +169,22 @@ def test_an_angle_that_the_sun_does_not_reach_is_told_with_its_range(driver):
     panel.elevation.setValue(80.0)
     assert "never stands at 80.00\N{DEGREE SIGN}" in driver.window.news.text()
     assert panel.elevation.value() == before
+
+
+def test_the_haze_goes_from_clear_to_hazy_and_is_typed_on_two_scales(driver):
+    """Words at the slider's ends; a turbidity that is typed is sent as an optical depth."""
+    field = driver.sky.haze
+    words = [label.text() for label in field.findChildren(QLabel)]
+    assert words == ["clear", "hazy"]
+    driver.type_in(field.turbidity, "6")
+    sent = driver.until_heard(SetHaze)
+    assert sent.turbidity == pytest.approx(6.0, abs=0.01)
+    driver.settled()
+    assert field.spin.text() == f"AOD {sent.optical_depth_550:.3f}"
+    assert field.turbidity.value() == pytest.approx(6.0, abs=0.01)
+    driver.type_in(field.spin, "0.1")
+    driver.until_heard(SetHaze, lambda m: m.optical_depth_550 == pytest.approx(0.1))
+    assert field.turbidity.value() == pytest.approx(
+        SetHaze(optical_depth_550=0.1).turbidity, abs=0.01
+    )
+    assert "without unit" in field.toolTip()

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QLocale, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -16,6 +16,8 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app.panels.message_inspector import MessageInspector
+from vrut_lite.app.panels.number_field import NumberField
+from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.kernel.messages import ChooseSlot, SlotChanged
 
@@ -132,3 +134,17 @@ def test_developers_views_stand_under_advanced_and_keep_their_keys(driver):
     assert actions["messages"].shortcut().toString() == "F5"
     panels = {action.text().replace("&", "") for action in menus.panels.actions()}
     assert not advanced & panels
+
+
+def test_numbers_in_fields_are_written_as_in_labels(qtbot, qapp):
+    """Also where the system writes 1 300,5: the application's words are English."""
+    before = QLocale()
+    QLocale.setDefault(QLocale(QLocale.Language.Czech))
+    try:
+        apply_theme(qapp)
+        field = NumberField(0.0, 16_000.0, "m", decimals=1)
+        qtbot.addWidget(field)
+        field.show_value(1300.5)
+        assert field.spin.text() == "1,300.5 m"
+    finally:
+        QLocale.setDefault(before)
