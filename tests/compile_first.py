@@ -11,6 +11,8 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from vrut_lite import compiled_code
+
 SOLVER = """
 from vrut_lite.cli import main
 import sys, tempfile
@@ -79,6 +81,7 @@ def run(code: str) -> None:
 
 
 if __name__ == "__main__":
+    compiled_code.share_kernels()
     # The longest first: whoever is done takes the next.
     with ThreadPoolExecutor(AT_ONCE) as pool:
         list(pool.map(run, (SOLVER, LIGHT, OTHERS, TESTS)))

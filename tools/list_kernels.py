@@ -111,13 +111,12 @@ def kernels_of(way: str, compiled: Path | None = None) -> list[ListedKernel]:
 
     Args:
         way: one of `WAYS`.
-        compiled: the folder of compiled code instead of numba's own. A kernel that is not there has
+        compiled: the folder of compiled code instead of the user's. A kernel that is not there has
             its CPU time.
     """
     with tempfile.TemporaryDirectory() as empty:
-        environment = os.environ | {"XDG_CACHE_HOME": empty}
-        if compiled is not None:
-            environment["NUMBA_CACHE_DIR"] = str(compiled)
+        kernels = str(compiled or compiled_code.kernels_folder())
+        environment = os.environ | {"XDG_CACHE_HOME": empty, "NUMBA_CACHE_DIR": kernels}
         found = subprocess.run(
             [sys.executable, "-m", "tools.list_kernels", way],
             cwd=SCENES.parent,

@@ -1,21 +1,31 @@
-"""A writable folder for numba's compiled code, and hooks that numba calls when it compiles.
+"""The folder of compiled kernels, and hooks that numba calls when it compiles.
 
-numba tries NUMBA_CACHE_DIR, the package's own folder and the user's cache. If none is writable (a
-system-wide installation, an unreadable home) it refuses to compile. A temporary folder for this
-process then costs only the seconds of compilation.
+Kernels lie in the user's cache folder, by version of vrut_lite: an upgrade in place finds none of
+an earlier version, and uninstalling leaves nothing beside the packages. Below the version numba's
+own names hold the path of the sources, so that installations side by side keep to their own. Those
+that no start has used for 30 days are removed when something compiles. NUMBA_CACHE_DIR names
+another folder, in which nothing is removed. If neither can be written, a temporary folder costs the
+seconds of compilation in each process.
 """
 
 import atexit
+import hashlib
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
 import platformdirs
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+_FOLDER = "kernels"
+_UNUSED_S = 30 * 86_400.0
+# An index is marked as used once a day: a start need not write 60 files.
+_MARKED_S = 86_400.0
 
 
 class Ahead(Protocol):
@@ -34,17 +44,22 @@ ahead: Ahead | None = None
 before_kernel: list[Callable[[Any, Any], None]] = []
 # Number of kernels that this process has compiled; those found on disk do not count.
 compilations = 0
+# Version of vrut_lite.
+_version = ""
 
 
-def find_room(package: Path) -> None:
-    """Set NUMBA_CACHE_DIR to a new temporary folder if none of numba's own is writable.
+def find_room(version: str) -> None:
+    """Set NUMBA_CACHE_DIR to a new temporary folder if the folder of kernels is not writable.
 
-    Call it before numba is imported, which reads the variable once. Without even a temporary
-    folder numba's refusal appears as a module that fails to load.
+    Call it before a kernel is called. Without even a temporary folder numba's refusal appears as a
+    module that fails to load.
+
+    Args:
+        version: of vrut_lite.
     """
-    named = os.environ.get(_VARIABLE)
-    places = [Path(named)] if named else []
-    if any(map(_is_open, [*places, package, platformdirs.user_cache_path("numba")])):
+    global _version
+    _version = version
+    if _is_open(kernels_folder()):
         return
     try:
         folder = tempfile.mkdtemp(prefix="vrut_lite-compiled-")
@@ -54,13 +69,57 @@ def find_room(package: Path) -> None:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
 
 
-def folders_of(sources: Path) -> Iterator[Path]:
-    """Folders in which numba keeps compiled code of a folder of sources."""
+def kernels_folder() -> Path:
+    """The folder of this version's kernels, or the one that NUMBA_CACHE_DIR names."""
     named = os.environ.get(_VARIABLE)
-    if not named:
-        yield sources / "__pycache__"
-    common = Path(named) if named else platformdirs.user_cache_path("numba")
-    yield from common.glob(f"{sources.name}_*")
+    return Path(named) if named else _all_versions() / _version
+
+
+def share_kernels() -> None:
+    """Let this process and those that it starts use one folder, whatever their cache folders."""
+    os.environ[_VARIABLE] = str(kernels_folder())
+
+
+def folder_of(sources: Path) -> Path:
+    """The folder of compiled code of a folder of sources, by numba's rule."""
+    path = os.path.abspath(sources)
+    digest = hashlib.sha1(path.encode(), usedforsecurity=False).hexdigest()
+    return kernels_folder() / f"{os.path.basename(path)}_{digest}"
+
+
+def mark_used(index: Path) -> None:
+    """Note that an index of compiled code was used, by its time of change."""
+    with suppress(OSError):
+        if time.time() - index.stat().st_mtime > _MARKED_S:
+            os.utime(index)
+
+
+def remove_unused() -> None:
+    """Remove kernels of all versions and installations that were not used for 30 days."""
+    if os.environ.get(_VARIABLE):
+        return
+    for index in _all_versions().glob("*/*/*.nbi"):
+        with suppress(OSError):
+            if time.time() - index.stat().st_mtime > _UNUSED_S:
+                index.unlink()
+                for code in _code_of(index):
+                    code.unlink()
+    # Only an empty folder can be removed.
+    for depth in ("*/*", "*"):
+        for folder in _all_versions().glob(depth):
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def _code_of(index: Path) -> Iterator[Path]:
+    """Files of machine code that belong to an index: its name, a number, `nbc`."""
+    for file in index.parent.glob("*.nbc"):
+        if file.name.rsplit(".", 2)[0] == index.stem:
+            yield file
+
+
+def _all_versions() -> Path:
+    return platformdirs.user_cache_path("vrut_lite") / _FOLDER
 
 
 def _is_open(folder: Path) -> bool:

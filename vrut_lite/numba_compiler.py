@@ -1,4 +1,4 @@
-"""numba, with digests on its cache files: damaged ones are compiled again.
+"""numba, with a cache of its own for our kernels: digests on its files, in the user's folder.
 
 numba unpickles cached machine code unchecked: a truncated file would end every sky in a traceback
 until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from vrut_lite import compiled_code
 from vrut_lite.interrupts import interrupts_held
@@ -52,8 +52,12 @@ _IMPORTED = re.compile(rb"^from (\S+) import", re.MULTILINE)
 
 
 def compiled_function(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """numba's object of a function that is compiled by `njit`."""
-    return njit(**options)(function)
+    """numba's object of a function that is compiled by `njit`; with `cache=True` kept on disk."""
+    others = {name: value for name, value in options.items() if name != "cache"}
+    dispatcher = njit(**others)(function)
+    if options.get("cache"):
+        dispatcher._cache = _KernelCache(function)
+    return dispatcher
 
 
 def compiled_intrinsic(function: Callable[..., Any], options: dict[str, Any]) -> Any:
@@ -80,6 +84,14 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
         """Save compiled code while no other process does."""
         with _alone_in(Path(self._index_path).parent):
             super().save(key, data)
+        _remove_unused_once()
+
+    def load(self, key: Any) -> Any:
+        """Compiled code, None if there is none; marks it as used."""
+        found = super().load(key)
+        if found is not None:
+            compiled_code.mark_used(Path(self._index_path))
+        return found
 
     def _load_index(self) -> dict[Any, str]:
         try:
@@ -99,6 +111,30 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
     def _dump(self, obj: Any) -> bytes:
         data: bytes = super()._dump(obj)
         return data + _digest(data)
+
+
+class _KernelLocator(caching._SourceFileBackedLocatorMixin, caching._CacheLocator):
+    """Places compiled code in `compiled_code.kernels_folder`; numba's own go beside the sources."""
+
+    def __init__(self, function: Any, file: str):
+        self._py_file, self._lineno = file, function.__code__.co_firstlineno
+
+    def get_cache_path(self) -> str:
+        """The folder of this file's kernels."""
+        return str(compiled_code.folder_of(Path(self._py_file).parent))
+
+
+class _KernelFiles(caching.CompileResultCacheImpl):
+    _locator_classes: ClassVar = [_KernelLocator, caching.IPythonCacheLocator]
+
+
+class _KernelCache(caching.FunctionCache):
+    _impl_class = _KernelFiles
+
+
+@cache
+def _remove_unused_once() -> None:
+    compiled_code.remove_unused()
 
 
 @contextmanager

@@ -23,6 +23,7 @@ from typing import NamedTuple
 from light_transport.messages import NAME, BakeGrown
 from light_transport.module import LightTransport
 
+from vrut_lite import compiled_code
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Message, SetClock, SetSetting
@@ -135,6 +136,7 @@ def main() -> None:
     print("| scene | triangles | texels | map | first light s | CPU s | map CPU s | bake CPU s "
           "| rays | hour CPU ms | next minute | MB |")  # fmt: skip
     print("|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|")
+    compiled_code.share_kernels()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = str(Path(folder) / "compiled")
         costs_of(SCENES / asked.scenes[0], asked.quality, 1)

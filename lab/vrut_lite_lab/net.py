@@ -37,6 +37,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite import compiled_code
 from vrut_lite.commands.demo import scene_projects
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetClock
@@ -82,6 +83,7 @@ def all_scenes() -> dict[str, Project]:
 def draw_scene(name: str, folder: Path) -> None:
     """Write the pictures of one scene."""
     folder.mkdir(parents=True, exist_ok=True)
+    compiled_code.share_kernels()
     with tempfile.TemporaryDirectory() as cache:
         os.environ["XDG_CACHE_HOME"] = cache
         for clouds, cloud_settings in CLOUDS.items():
@@ -146,6 +148,7 @@ def write_daylight(folder: Path) -> Iterator[str]:
 
 
 def _command(*arguments: str) -> None:
+    compiled_code.share_kernels()
     with tempfile.TemporaryDirectory() as cache:
         subprocess.run(
             [_VRUT_LITE, *arguments],

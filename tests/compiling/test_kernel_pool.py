@@ -1,5 +1,6 @@
 """Kernels are compiled side by side ahead of their use, and whoever waits for one gets it."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from vrut_lite import compiled_code
 from vrut_lite.compiling.ahead import CompileAhead
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel
 from vrut_lite.compiling.pool import KernelPool, Progress
@@ -142,8 +144,9 @@ def test_only_a_first_start_compiles_before_a_kernel_is_called(
     ahead = CompileAhead(began, scene=True)
     if known == "compiled code":
         kernel = ahead.groups("")[0].kernels[0]
-        folder, name = kernel.module.split(".")[-2:]
-        index = tmp_path / "numba" / f"{folder}_0" / f"{name}.{kernel.function}-1.py311.nbi"
+        source = Path(str(importlib.import_module(kernel.module).__file__))
+        folder = compiled_code.folder_of(source.parent)
+        index = folder / f"{source.stem}.{kernel.function}-1.py311.nbi"
         index.parent.mkdir(parents=True)
         index.touch()
     elif known == "an earlier start":

@@ -19,7 +19,7 @@ from bruneton_sky import Atmosphere, TableSizes, precompute
 from fault_stage import ROOT, SMALL_SKY, outcome, start
 from long_parameters import mostly_long
 
-from vrut_lite import array_cache, compiled_code
+from vrut_lite import __version__, array_cache, compiled_code
 from vrut_lite.array_cache import ArrayCache
 from vrut_lite.numba_compiler import CheckedCacheFile
 
@@ -177,7 +177,7 @@ def test_numbas_cache_cannot_be_written(tmp_path, monkeypatch):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     ends = []
     monkeypatch.setattr(compiled_code.atexit, "register", lambda *a, **k: ends.append((a, k)))
-    compiled_code.find_room(ROOT / "vrut_lite")
+    compiled_code.find_room(__version__)
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     assert folder.is_dir()
     assert folder.parent == tmp_path
@@ -186,13 +186,15 @@ def test_numbas_cache_cannot_be_written(tmp_path, monkeypatch):
     assert not folder.exists()
 
 
-def test_a_folder_that_takes_files_is_left_to_numba(tmp_path, monkeypatch):
-    """The variable is not changed if the package's folder, or the named one, is writable."""
+def test_a_folder_that_takes_files_is_used(tmp_path, monkeypatch):
+    """The variable is not changed if the user's cache folder, or the named one, is writable."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    compiled_code.find_room(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    compiled_code.find_room(__version__)
     assert "NUMBA_CACHE_DIR" not in os.environ
+    monkeypatch.setenv("XDG_CACHE_HOME", "/proc/none")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new" / "folder"))
-    compiled_code.find_room(Path("/proc/none"))
+    compiled_code.find_room(__version__)
     assert os.environ["NUMBA_CACHE_DIR"] == str(tmp_path / "new" / "folder")
 
 
@@ -322,7 +324,8 @@ def test_a_kernel_is_compiled_again_when_what_it_is_made_of_changes(tmp_path):
     for shift in (1, 2):
         (package / "source.py").write_text(f"shift = {shift}\n")
         code = "from kernels_here.caller import moved; print(moved(40))"
-        environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": ""}
+        own = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+        environment = os.environ | own
         command = [sys.executable, "-B", "-c", code]
         made = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
         found.append(made.stdout.strip())

@@ -126,8 +126,7 @@ def is_on_disk(kernel: ListedKernel) -> bool:
     if file is None:
         return False
     beside = file.parents[1].joinpath(*inner)
-    found = f"{name}.{kernel.function}-*.nbi"
-    return any(any(folder.glob(found)) for folder in compiled_code.folders_of(beside))
+    return any(compiled_code.folder_of(beside).glob(f"{name}.{kernel.function}-*.nbi"))
 
 
 def kernel_of(dispatcher: Any, arguments: Any, seconds: float = 1.0) -> ListedKernel | None:

@@ -14,6 +14,7 @@ from unittest.mock import patch
 from dynamic_skylight.module import DynamicSkyLight
 from light_transport.module import LightTransport
 
+from vrut_lite import compiled_code
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Message, SetClock
@@ -74,6 +75,7 @@ def first_light(name: str) -> Spent:
     def note(message: Message, _sender: str) -> None:
         told.setdefault(type(message), (time.perf_counter(), time.process_time()))
 
+    compiled_code.share_kernels()
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, XDG_CACHE_HOME=folder):
         kernel = Kernel()
         for module in (DynamicSkyLight, LightTransport, SceneManager, SkySum):
