@@ -45,6 +45,8 @@ FOR_MODULES = VALUES | KITS | {
 BELOW = {
     "kernel": set(),
     "geometry": set(),
+    "bundled": set(),
+    "user_files": set(),
     "discovery": {"kernel"},
     "atmosphere": {"geometry"},
     "messages": {"kernel", "geometry", "atmosphere"},

@@ -5,11 +5,15 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tomllib
+import venv
 import zipfile
 from pathlib import Path
 
 import pytest
+
+from vrut_lite.errors import UserError
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -23,9 +27,11 @@ PACKAGES = {
 def wheel(tmp_path_factory):
     """The wheel of a copy of the sources, so that the checkout gets no build folder."""
     source = tmp_path_factory.mktemp("source")
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for path in (*ROOT.glob("*.md"), *ROOT.glob("*.in"), *ROOT.glob("*.toml"), *ROOT.glob("*.yml")):
+        shutil.copy(path, source)
+    for name in ("setup.py", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    for name in ("vrut_lite", "modules", "lab", "scenes"):
+    for name in ("vrut_lite", "modules", "lab", "scenes", "examples", "docs"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"],
@@ -72,49 +78,105 @@ def test_the_packages_are_marked_as_typed(wheel, package):
 def test_nothing_else_is_in_the_wheel(wheel):
     """Tests, tools and the laboratory are not packages of the wheel."""
     tops = {name.split("/")[0] for name in wheel.namelist()}
-    folders = {f"vrut_lite-{PROJECT['version']}.{kind}" for kind in ("dist-info", "data")}
-    assert tops == {*PACKAGES, *folders}
+    assert tops == {*PACKAGES, f"vrut_lite-{PROJECT['version']}.dist-info"}
 
 
-@pytest.mark.long
-def test_the_first_scene_is_found_where_the_wheel_is_installed(wheel, tmp_path):
-    """The first start without a checkout shows the street, with all its files."""
-    home = tmp_path / "lib" / "site-packages"
-    data = f"vrut_lite-{PROJECT['version']}.data/data/"
-    record = f"vrut_lite-{PROJECT['version']}.dist-info/RECORD"
-    wheel.extractall(home)
-    # Data are beside `lib`, as an installer puts them.
-    shutil.copytree(home / data, tmp_path, dirs_exist_ok=True)
-    told = (home / record).read_text(encoding="utf-8").replace(data, "../../")
-    (home / record).write_text(told, encoding="utf-8")
+@pytest.fixture(scope="module")
+def installation(wheel, tmp_path_factory):
+    """An environment of its own with the wheel, by pip; it sees the packages of this one."""
+    folder = tmp_path_factory.mktemp("installed") / "environment"
+    venv.create(folder)
+    python = folder / "bin" / "python"
+    asked = [python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+    site = Path(subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip())
+    (site / "packages_of_the_tests.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    pip(python, "install", "--no-deps", "--no-index", wheel.filename)
+    return python, site
+
+
+def pip(python, *arguments):
+    """Run this environment's pip for another one."""
+    command = [sys.executable, "-m", "pip", "--python", python, *arguments]
+    subprocess.run(command, capture_output=True, text=True, check=True)
+
+
+def answer(python, cache, *arguments):
+    """The output of an installed Python, or of its `vrut-lite`, with a cache folder of its own."""
+    environment = {
+        k: v for k, v in os.environ.items() if k not in ("NUMBA_CACHE_DIR", "PYTHONPATH")
+    }
+    done = subprocess.run(
+        [python, *arguments],
+        cwd=cache,
+        env=environment | {"XDG_CACHE_HOME": str(cache)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_first_scene_and_the_examples_are_in_the_installation(installation, tmp_path):
+    """The first start without a checkout shows the street; all examples can be copied and open."""
+    python, site = installation
     ask = (
         "from vrut_lite.commands.run import _first_project;"
         "from vrut_lite.scene.loading import load_scene;"
         "project = _first_project();"
         "print(project.scene, project.at, load_scene(project.scene).triangles)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", ask],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(home)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    scene, hour, triangles = done.stdout.split()
-    assert Path(scene) == tmp_path / "share" / "vrut_lite" / "scenes" / "street.obj"
+    scene, hour, triangles = answer(python, tmp_path, "-c", ask).split()
+    assert Path(scene) == site / "vrut_lite/data/examples/scenes/street.obj"
     assert hour == "2026-06-21T18:40"
     assert int(triangles) > 1000
+    command = python.with_name("vrut-lite")
+    copied = answer(python, tmp_path, command, "examples", "copy", "mine")
+    assert copied.startswith("mine: 24 files")
+    listed = tomllib.loads((ROOT / "examples" / "examples.toml").read_text())["example"]
+    for file in {file for example in listed for file in example["files"]}:
+        assert (tmp_path / "mine" / file).is_file(), file
+    again = subprocess.run(
+        [python, command, "examples", "copy", "mine"], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert again.returncode == 2
+    assert "is there already" in again.stderr
 
 
-def test_without_a_distribution_there_is_no_first_scene(monkeypatch):
-    """Without an installed distribution the window starts with an empty project."""
+def test_the_manual_is_in_the_installation(installation, tmp_path):
+    """Help without a network: pages of HTML with small pictures."""
+    python, site = installation
+    start = Path(answer(python, tmp_path, python.with_name("vrut-lite"), "manual").strip())
+    assert start == site / "vrut_lite/data/manual/index.html"
+    sizes = [file.stat().st_size for file in start.parent.rglob("*") if file.is_file()]
+    assert max(sizes) <= 300_000
+    assert sum(sizes) < 9e6
+
+
+def test_removing_the_package_leaves_nothing_beside_the_users_cache(installation, tmp_path):
+    """Compiled kernels are the user's files, not the package's: 160 MB stayed before."""
+    python, site = installation
+    before = {"packages_of_the_tests.pth"}
+    sky = "from dynamic_skylight import HosekWilkieSky as S; S(turbidity=3.0, albedo=0.1,"
+    sky += " sun_elevation_rad=0.8).cube_map(size=16)"
+    answer(python, tmp_path, "-c", sky)
+    assert [*(tmp_path / "vrut_lite" / "kernels" / PROJECT["version"]).rglob("*.nbc")]
+    assert not [*site.rglob("*.nb[ic]")]
+    pip(python, "uninstall", "--yes", "vrut-lite")
+    assert {file.name for file in site.iterdir()} == before
+    assert not python.with_name("vrut-lite").exists()
+
+
+def test_packages_without_the_examples_start_with_an_empty_project(monkeypatch):
+    """Who copied the code alone gets a window, and a sentence from the menu."""
+    from vrut_lite.bundled import examples
     from vrut_lite.commands import run
 
-    monkeypatch.setattr(run, "_FIRST_SCENE", "nowhere.toml")
-    monkeypatch.setattr(run, "_DISTRIBUTION", "no-such-distribution")
+    monkeypatch.setattr(examples, "EXAMPLES_HERE", ())
+    examples.all_examples.cache_clear()
     assert run._first_project().scene == ""
+    with pytest.raises(UserError, match="holds the examples"):
+        examples.all_examples()
 
 
 def test_licence_notices_travel_with_the_wheel(wheel):

@@ -7,6 +7,7 @@ Needs the extra `notebook`. The notebook lies beside the page, as PAGE.ipynb.
 
 import argparse
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +15,21 @@ ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "docs" / "notebook.md"
 
 
-def notebook(text: str) -> Any:
-    """Words as cells of text, Python as cells of code; pictures are left to the cells."""
-    import nbformat
-
-    cells = []
+def cells_of(text: str) -> Iterator[tuple[str, str]]:
+    """Words as cells `markdown`, Python as cells `code`; pictures are left to the cells."""
     for n, part in enumerate(re.split(r"```python\n(.*?)```", text, flags=re.DOTALL)):
         if n % 2:
-            cells.append(nbformat.v4.new_code_cell(part.rstrip()))
+            yield "code", part.rstrip()
         else:
-            words = re.sub(r"^!\[.*$|^\*.*\*$", "", part, flags=re.MULTILINE).strip()
-            cells.append(nbformat.v4.new_markdown_cell(words))
-    return nbformat.v4.new_notebook(cells=cells)
+            yield "markdown", re.sub(r"^!\[.*$|^\*.*\*$", "", part, flags=re.MULTILINE).strip()
+
+
+def notebook(text: str) -> Any:
+    """The cells as a notebook."""
+    import nbformat
+
+    make = {"code": nbformat.v4.new_code_cell, "markdown": nbformat.v4.new_markdown_cell}
+    return nbformat.v4.new_notebook(cells=[make[kind](cell) for kind, cell in cells_of(text)])
 
 
 def main() -> None:

@@ -3,12 +3,15 @@
 import gc
 import signal
 import sys
+from pathlib import Path
 
 from PySide6.QtCore import QTimer
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QApplication
 
 from vrut_lite.app.engine.module_states import into_safe_mode, states_of
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.fonts import ensure_font
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.compile_news import CompileNews
 from vrut_lite.app.window.first_size import first_place
@@ -17,6 +20,7 @@ from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.project import Project
 
 _SIGNAL_MS = 200
+_ICON = Path(__file__).parent / "data" / "vrut-lite_256.png"
 
 
 def run_app(project: Project, kept: Kept, safe_mode: bool = False, path: str = "") -> int:
@@ -26,7 +30,11 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False, path: str = "
     """
     app = QApplication(sys.argv[:1])
     app.setApplicationName("vrut_lite")
+    # The name of the desktop's entry, by which it shows the icon.
+    app.setDesktopFileName("vrut-lite")
+    app.setWindowIcon(QIcon(str(_ICON)))
     app.setQuitOnLastWindowClosed(False)
+    ensure_font(app)
     apply_theme(app)
     # Before the engine calls a kernel.
     compiling = CompileNews(app)

@@ -4,8 +4,6 @@ import importlib
 import os
 import sys
 from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, files
-from pathlib import Path
 from typing import Any
 
 import click
@@ -13,6 +11,7 @@ import msgspec
 
 from vrut_lite.app.desktop import require_desktop
 from vrut_lite.app.window.kept import Kept
+from vrut_lite.bundled.examples import example_named
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.errors import UserError
@@ -24,8 +23,7 @@ begin_probe = lazy("vrut_lite.render.gl_environment:begin_probe")
 run_app = lazy("vrut_lite.app.main:run_app")
 
 # Shown if no scene is given and no session was kept: a summer evening in a street.
-_DISTRIBUTION = "vrut-lite"
-_FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
+_FIRST_SCENE, _FIRST_HOUR = "street", "2026-06-21T18:40"
 
 
 @click.command(name="run")
@@ -71,20 +69,8 @@ def _project(scene: str | None, kept: Kept) -> Project:
 
 
 def _first_project() -> Project:
-    scene = _first_scene()
-    if scene is None:
+    try:
+        scene = example_named(_FIRST_SCENE).opens
+    except UserError:  # The packages were copied without the examples.
         return Project()
     return msgspec.structs.replace(load_project(scene), at=_FIRST_HOUR)
-
-
-def _first_scene() -> Path | None:
-    """The checkout's own file, or the installed wheel's."""
-    checkout = Path(__file__).parents[2] / "scenes" / _FIRST_SCENE
-    if checkout.is_file():
-        return checkout
-    try:
-        listed = files(_DISTRIBUTION) or ()
-    except PackageNotFoundError:  # Run from a folder that is not installed.
-        return None
-    brought = (Path(str(file.locate())) for file in listed)
-    return next((path.resolve() for path in brought if path.name == _FIRST_SCENE), None)

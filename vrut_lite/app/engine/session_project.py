@@ -3,8 +3,10 @@
 from pathlib import Path
 
 import msgspec
+from platformdirs import user_documents_path
 
 from vrut_lite.app.engine.session import Session
+from vrut_lite.bundled.places import is_bundled
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, Message, SetClock, SetSetting
@@ -64,9 +66,15 @@ def foretold(project: Project) -> list[Message]:
 
 
 def folder_of(session: Session) -> str:
-    """The folder of the open scene, or an empty text."""
+    """The folder of the open scene, or an empty text; of an example that of the user's documents.
+
+    An upgrade would take away what is saved beside an example.
+    """
     scene = session.last(SceneOpened)
-    return "" if scene is None else str(Path(scene.path).resolve().parent)
+    if scene is None:
+        return ""
+    path = Path(scene.path).resolve()
+    return str(user_documents_path() if is_bundled(path) else path.parent)
 
 
 def inputs_of(project: Project, kernel: Kernel) -> list[Input]:

@@ -67,6 +67,12 @@ class Window(Protocol):
     def look_at_moon(self) -> None:
         """Turn the camera to the moon, or say why not."""
 
+    def show_manual(self) -> None:
+        """Open the manual in the browser, or in a window."""
+
+    def show_about(self) -> None:
+        """Open the dialog of versions, graphics and folders."""
+
     def undo(self) -> None:
         """Undo the last change."""
 
@@ -147,7 +153,9 @@ def action_specs(
         ActionSpec("find place", "View", "Find a place", "G",
                    partial(window.go_to_dock, "place")),
         ActionSpec("picture focus", "View", "Keys to the picture", "Esc", viewport.setFocus),
+        ActionSpec("manual", "Help", "Manual", "", window.show_manual),
         ActionSpec("palette", "Help", f"Find a command{dots}", "Ctrl+K, Ctrl+Shift+P",
                    window.show_palette),
         ActionSpec("keys", "Help", "Keys", "F1", window.show_keys),
+        ActionSpec("about", "Help", "About vrut_lite", "", window.show_about),
     ]  # fmt: skip

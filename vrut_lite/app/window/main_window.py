@@ -26,6 +26,7 @@ from vrut_lite.app.view.look_at import look_at_moon, look_at_sun
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import Viewport
+from vrut_lite.app.window.about_box import AboutBox, graphics_of
 from vrut_lite.app.window.actions import action_specs
 from vrut_lite.app.window.command_palette import (
     CommandPalette,
@@ -39,11 +40,13 @@ from vrut_lite.app.window.dock_board import DockBoard
 from vrut_lite.app.window.files import Files
 from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.app.window.logged_warnings import LoggedWarnings
+from vrut_lite.app.window.manual_window import show_manual
 from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
+from vrut_lite.bundled.manual import manual_start
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SettingChanged
 from vrut_lite.messages.night import NightLightChanged
@@ -190,6 +193,17 @@ class MainWindow(QMainWindow):
         except UserError as error:
             line = str(error)
             self._status.show_news(line[:1].upper() + line[1:])
+
+    def show_manual(self) -> None:
+        """Open the manual in the browser, or in a window."""
+        try:
+            show_manual(manual_start(), self)
+        except UserError as error:
+            self._status.show_problem(str(error))
+
+    def show_about(self) -> None:
+        """Open the dialog of versions, graphics and folders, once the engine has named them."""
+        self.session.ask(graphics_of, lambda graphics: AboutBox(graphics, self).show())
 
     def undo(self) -> None:
         """Undo the last change."""

@@ -9,6 +9,8 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 
 from vrut_lite.app.engine.history import Steps
 from vrut_lite.app.window.actions import ActionSpec
+from vrut_lite.bundled.examples import all_examples
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SettingChanged
 from vrut_lite.messages.picture import SetExposure
 
@@ -38,7 +40,9 @@ class Menus:
             self.add(spec)
             if spec.name == _RECENT_AFTER:
                 self.recent = self._submenu(spec.menu, "Open recent")
+                self.examples = self._submenu(spec.menu, "Examples")
         self.recent.aboutToShow.connect(self.fill_recent)
+        self.examples.aboutToShow.connect(self.fill_examples)
         self.views = self._submenu("Camera", "Views")
         self.panels = self._submenu("View", "Panels")
         self.advanced.setTitle(self._with_letter("View", _ADVANCED))
@@ -91,6 +95,18 @@ class Menus:
             self.recent.addAction(title, partial(self._open_path, path))
         if self.recent.isEmpty():
             self.recent.addAction("nothing yet").setEnabled(False)
+
+    def fill_examples(self) -> None:
+        """List the scenes that come with the program."""
+        self.examples.clear()
+        try:
+            scenes = [one for one in all_examples().values() if one.kind == "scene"]
+        except UserError as error:
+            self.examples.addAction(str(error)).setEnabled(False)
+            return
+        for example in scenes:
+            open_it = partial(self._open_path, str(example.opens))
+            self.examples.addAction(example.title, open_it)
 
     def _submenu(self, menu: str, title: str) -> QMenu:
         return self._menus[menu].addMenu(self._with_letter(menu, title))
