@@ -3,6 +3,8 @@
 # make test       set up, then run the tests of the product
 # make test-lab   set up, then run the tests of the laboratory (lab/)
 # make docs       set up, then build the documentation as a site, out/site/index.html
+# make dist       set up, then build sdist and wheel of the last commit into dist/, twice: they must
+#                 be the same byte for byte
 # make lint       set up, then ruff and mypy, of the versions that pyproject.toml pins
 # make test-long  set up, then the tests that take long: the stability suite at 1.2e8 inputs, 1,000
 #                 random sessions, an hour of play
@@ -16,7 +18,7 @@ WITH_SYSTEM := if [ -f .system/env ]; then . ./.system/env; fi;
 # The tests run side by side, so each keeps to one core (LP: Mesa's llvmpipe).
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 
-.PHONY: run test test-lab lint docs test-long clean
+.PHONY: run test test-lab lint docs dist test-long clean
 
 run:
 	@sh tools/bootstrap.sh run
@@ -45,6 +47,10 @@ docs:
 	@sh tools/bootstrap.sh docs
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 	@echo 'built out/site/index.html'
+
+dist:
+	@sh tools/bootstrap.sh test
+	@$(BIN)/python -m tools.make_dist
 
 test-long:
 	@sh tools/bootstrap.sh long
