@@ -21,7 +21,7 @@ from stateful_backend import StatefulBackend  # noqa: E402
 from vrut_lite import compiled_code  # noqa: E402
 from vrut_lite.render.gl_environment import probe_gl  # noqa: E402
 
-# Tests and their processes have cache folders of their own, in which nothing would be compiled.
+# Tests set empty cache folders, in which each process would compile all its kernels.
 compiled_code.share_kernels()
 
 # pytest-qt ends the whole run where Qt cannot be loaded: pyproject.toml keeps it from loading

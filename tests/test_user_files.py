@@ -1,4 +1,4 @@
-"""The command `cache` lists what lies on disk, and removes only what can be computed again."""
+"""The command `cache` lists the files on disk, and removes cached ones alone."""
 
 import os
 from pathlib import Path

@@ -2,6 +2,7 @@
 
 import configparser
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -83,7 +84,7 @@ def test_nothing_else_is_in_the_wheel(wheel):
 
 @pytest.fixture(scope="module")
 def installation(wheel, tmp_path_factory):
-    """An environment of its own with the wheel, by pip; it sees the packages of this one."""
+    """A separate environment with the wheel, installed by pip; dependencies are this one's."""
     folder = tmp_path_factory.mktemp("installed") / "environment"
     venv.create(folder)
     python = folder / "bin" / "python"
@@ -101,7 +102,7 @@ def pip(python, *arguments):
 
 
 def answer(python, cache, *arguments):
-    """The output of an installed Python, or of its `vrut-lite`, with a cache folder of its own."""
+    """The output of an installed Python, or of its `vrut-lite`, with an empty cache folder."""
     environment = {
         k: v for k, v in os.environ.items() if k not in ("NUMBA_CACHE_DIR", "PYTHONPATH")
     }
@@ -177,6 +178,14 @@ def test_packages_without_the_examples_start_with_an_empty_project(monkeypatch):
     assert run._first_project().scene == ""
     with pytest.raises(UserError, match="holds the examples"):
         examples.all_examples()
+
+
+def test_the_description_has_what_an_index_can_show(wheel):
+    """Neither pictures nor links to files of the repository, which a package index has not."""
+    description = information(wheel, "METADATA").partition("\n\n")[2]
+    assert "vrut_lite renders scenes in daylight" in description
+    assert "![" not in description
+    assert not re.findall(r"\]\((?!https?://)", description)
 
 
 def test_licence_notices_travel_with_the_wheel(wheel):

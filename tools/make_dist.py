@@ -82,7 +82,7 @@ def _built(kind: str, source: Path, made: Path, commit_time: int) -> Path:
 
 
 def _make_plain(sdist: Path, commit_time: int) -> None:
-    """Write an sdist anew: sorted names, one time, no owner."""
+    """Rewrite an sdist with sorted names, one time and no owner."""
     plain = io.BytesIO()
     with (
         tarfile.open(sdist) as before,

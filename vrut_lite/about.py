@@ -1,4 +1,4 @@
-"""What this installation is, in lines for a bug report: versions, machine, graphics, folders.
+"""Lines for a bug report: versions, machine, graphics and folders of this installation.
 
 Paths name the home folder as `~`.
 """
@@ -40,7 +40,7 @@ def about_text(graphics: str) -> str:
     """The lines of a bug report.
 
     Args:
-        graphics: the renderer and its driver, or why there is none.
+        graphics: the renderer and its driver, or the reason for their lack.
     """
     return "\n".join(_lines(graphics))
 

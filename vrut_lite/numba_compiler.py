@@ -1,4 +1,4 @@
-"""numba, with a cache of its own for our kernels: digests on its files, in the user's folder.
+"""numba, with a cache for our kernels in the user's folder, whose files carry digests.
 
 numba unpickles cached machine code unchecked: a truncated file would end every sky in a traceback
 until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
@@ -87,7 +87,7 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
         _remove_unused_once()
 
     def load(self, key: Any) -> Any:
-        """Compiled code, None if there is none; marks it as used."""
+        """Compiled code, or None if it is missing; marks it as used."""
         found = super().load(key)
         if found is not None:
             compiled_code.mark_used(Path(self._index_path))

@@ -46,6 +46,8 @@ from vrut_lite.weather.weather_file import read_weather
 from vrut_lite.write_atomic import atomic_output
 
 PROJECT_SUFFIX = ".toml"
+# Ending of new projects, by which a desktop recognises them (`desktop_entry.py`).
+PROJECT_ENDING = ".vrut.toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=LARGEST_PICTURE_PX)]
 # A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]

@@ -1,4 +1,4 @@
-"""The folders in which this program keeps files of its user, and what the cache holds."""
+"""The user's folders of cache, settings and session, and the kinds of cached files."""
 
 import os
 import shutil
@@ -53,7 +53,7 @@ class CachedKind(NamedTuple):
 
 
 def cache_folder() -> Path:
-    """The user's cache folder: everything in it is computed again when it is missing."""
+    """The user's cache folder; missing files are computed when they are needed."""
     return user_cache_path(NAME)
 
 
@@ -68,7 +68,7 @@ def session_folder() -> Path:
 
 
 def cached_kinds() -> list[CachedKind]:
-    """What the cache folder holds, by kind, the largest first."""
+    """Kinds of files in the cache folder, the largest first."""
     by_kind: dict[str, list[Path]] = {}
     with suppress(OSError):
         for path in sorted(cache_folder().iterdir()):
@@ -80,7 +80,7 @@ def cached_kinds() -> list[CachedKind]:
 
 
 def size_of(folder: Path) -> tuple[int, int]:
-    """Number and bytes of the files in a folder; zeros if there is none."""
+    """Number and bytes of the files in a folder; zeros if it is missing."""
     sizes = list(_sizes(folder))
     return len(sizes), sum(sizes)
 

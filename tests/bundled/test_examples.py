@@ -36,7 +36,7 @@ def test_a_scene_opens_with_its_listed_files_alone(name: str, tmp_path: Path) ->
 
 @pytest.mark.parametrize("name", write_examples.FILES)
 def test_what_the_documentation_prints_is_the_example(name: str) -> None:
-    """`python -m tools.write_examples` writes them anew after a change of the page."""
+    """`python -m tools.write_examples` updates them after a change of the page."""
     assert installed(name).read_text(encoding="utf-8") == write_examples.FILES[name]()
 
 

@@ -66,6 +66,13 @@ def test_every_page_of_the_documentation_is_in_it(pages: dict[str, Page]) -> Non
         assert listed <= {link.partition("#")[0] for link in page.links}
 
 
+def test_links_read_as_titles(tmp_path: Path) -> None:
+    """A reader of the manual has no files of Markdown."""
+    start = write_manual(ROOT, tmp_path)
+    assert '<a href="bruneton.html">Bruneton</a>' in start.read_text(encoding="utf-8")
+    assert not [file for file in tmp_path.glob("*.html") if ".md</a>" in file.read_text()]
+
+
 def test_pictures_are_small_and_there(tmp_path: Path) -> None:
     """A wheel of many megabytes of pictures helps nobody; their place says that one is left out."""
     write_manual(ROOT, tmp_path)

@@ -96,7 +96,7 @@ def test_a_named_folder_is_left_alone(kernels: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_a_kernel_in_use_stays(kernels: Path) -> None:
-    """A start marks what it loads, once a day; what was marked today is not written again."""
+    """A start marks what it loads, once a day; an index marked today is not written."""
     old, fresh = keep(kernels / "there_1", "a", 29)[0], keep(kernels / "there_1", "b", 0.5)[0]
     before_ns = fresh.stat().st_mtime_ns
     for index in (old, fresh):

@@ -51,7 +51,7 @@ def example_named(name: str) -> Example:
     """An example.
 
     Raises:
-        UserError: there is none of this name.
+        UserError: no example has this name.
     """
     known = all_examples()
     if name not in known:

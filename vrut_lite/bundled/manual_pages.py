@@ -28,6 +28,7 @@ ROOT_PAGES = {
 _PAGE_OF = {source: page for page, source in ROOT_PAGES.items()}
 _SECTION = re.compile(r"^  - (.+):$")
 _ENTRY = re.compile(r"^      - (.+): (\S+\.md)$")
+_PAGE_NAME = re.compile(r"(docs/)?\w+\.md")
 _STYLE = """
 body { margin: 0; font: 16px/1.55 system-ui, sans-serif; color: #222; background: #fff; }
 nav { position: fixed; top: 0; bottom: 0; width: 14em; padding: 1em 1.2em; overflow-y: auto;
@@ -82,10 +83,10 @@ def write_manual(root: Path, folder: Path) -> Path:
     """Write all pages of a checkout and their pictures into a folder; the start page's path."""
     folder.mkdir(parents=True, exist_ok=True)
     listed = entries(root)
-    known = {entry.page for entry in listed}
+    titles = {entry.page: entry.title for entry in listed}
     for entry in listed:
         source = _source(root, entry.page)
-        writer = _PageWriter(root, source, known)
+        writer = _PageWriter(root, source, titles)
         content = writer.content()
         for picture in writer.pictures:
             target = folder / picture.relative_to(root / "docs")
@@ -122,8 +123,8 @@ def _menu(listed: list[ManualEntry], here: ManualEntry) -> Iterator[str]:
 class _PageWriter:
     """One page's HTML; `pictures` are the files that it shows, once `content` was called."""
 
-    def __init__(self, root: Path, source: Path, known: set[str]):
-        self._root, self._source, self._known = root, source, known
+    def __init__(self, root: Path, source: Path, titles: dict[str, str]):
+        self._root, self._source, self._titles = root, source, titles
         self.pictures: list[Path] = []
 
     def content(self) -> str:
@@ -150,6 +151,8 @@ class _PageWriter:
                 token.attrs["href"] = target
             elif token.type == "link_close" and not open_links.pop():
                 continue
+            elif token.type == "text" and open_links and _PAGE_NAME.fullmatch(token.content):
+                token.content = self._title(token.content)
             elif token.type == "image" and not self._shows(token):
                 yield _left_out(token.content)
                 continue
@@ -162,9 +165,14 @@ class _PageWriter:
         path, _, anchor = target.partition("#")
         file = (self._source.parent / path).resolve()
         page = _PAGE_OF.get(file.name) if file.parent == self._root.resolve() else file.name
-        if page not in self._known:
+        if page not in self._titles:
             return None
         return _html_name(page) + (f"#{anchor}" if anchor else "")
+
+    def _title(self, name: str) -> str:
+        """The title of a page that a link names by its file."""
+        page = Path(name).name
+        return self._titles.get(_PAGE_OF.get(page, page), name)
 
     def _shows(self, image: Token) -> bool:
         """Whether a picture is small enough; its source is then the manual's."""

@@ -17,7 +17,7 @@ def about() -> None:
 
 
 def _graphics() -> str:
-    """The renderer and its driver's version, or why there is none."""
+    """The renderer and its driver's version, or the reason for their lack."""
     owner = GlOwner()
     try:
         device = owner.opened.device

@@ -1,4 +1,4 @@
-"""`vrut-lite cache`: what is kept on disk, and its removal."""
+"""`vrut-lite cache`: lists and removes cached files."""
 
 import click
 
@@ -18,7 +18,7 @@ from vrut_lite.user_files import (
 @click.group(name="cache", invoke_without_command=True)
 @click.pass_context
 def cache(context: click.Context) -> None:
-    """List what this program keeps on disk, by kind; clear what it can compute again.
+    """List cached files by kind, and the folders of settings and session; clear the cache.
 
     Example: vrut-lite cache clear kernels
     """

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtGui import QDesktopServices, QGuiApplication
+from PySide6.QtWidgets import QFileDialog
 from window_driver import PATIENCE_MS
 
 from vrut_lite import __version__
@@ -11,7 +12,7 @@ from vrut_lite.app.engine.session_project import folder_of
 from vrut_lite.app.window.about_box import AboutBox
 from vrut_lite.app.window.manual_window import ManualWindow
 from vrut_lite.bundled import places
-from vrut_lite.bundled.examples import all_examples
+from vrut_lite.bundled.examples import all_examples, example_named
 from vrut_lite.messages.scene import SceneOpened
 
 
@@ -40,6 +41,23 @@ def test_what_is_saved_from_an_example_goes_to_the_users_documents(driver, monke
     assert Path(folder_of(driver.session)) == scene.parent
     monkeypatch.setattr(places, "DATA", scene.parents[1])
     assert not Path(folder_of(driver.session)).is_relative_to(scene.parents[1])
+
+
+def test_an_example_is_not_saved_over(driver, monkeypatch, tmp_path):
+    """The installed file is shared by all; its copy is saved where the user says."""
+    street = example_named("street").opens
+    monkeypatch.setattr(places, "DATA", street.parents[1])
+    driver.window.files.open_path(str(street))
+    assert driver.window.files.project is None
+    proposed = []
+    chosen = tmp_path / "mine"
+    monkeypatch.setattr(
+        QFileDialog, "getSaveFileName", lambda *said: proposed.append(said[2]) or (str(chosen), "")
+    )
+    driver.window.files.ask_to_save()
+    assert not Path(proposed[0]).is_relative_to(street.parents[1])
+    assert proposed[0].endswith(".vrut.toml")
+    assert chosen.with_suffix(".vrut.toml").is_file()
 
 
 def test_the_manual_opens_in_the_browser(driver, monkeypatch):

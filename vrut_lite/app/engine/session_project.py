@@ -68,7 +68,7 @@ def foretold(project: Project) -> list[Message]:
 def folder_of(session: Session) -> str:
     """The folder of the open scene, or an empty text; of an example that of the user's documents.
 
-    An upgrade would take away what is saved beside an example.
+    An upgrade removes files beside an installed example.
     """
     scene = session.last(SceneOpened)
     if scene is None:

@@ -19,12 +19,14 @@ from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.unsaved import Unsaved
 from vrut_lite.app.window.views import Views
+from vrut_lite.bundled.places import is_bundled
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, Input, SetSetting
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.weather import SetWeather
 from vrut_lite.project import (
+    PROJECT_ENDING,
     PROJECT_SUFFIX,
     CameraView,
     Project,
@@ -98,8 +100,9 @@ class Files:
             self.name_project(path)
 
     def name_project(self, path: str) -> None:
-        """The open project is that of a file: it is saved there."""
-        self.project = Path(path)
+        """The open project is that of a file: it is saved there. An example is nobody's file:
+        saving asks for a name."""
+        self.project = None if is_bundled(Path(path)) else Path(path)
         self.title_changed()
         self.add_recent(path)
 
@@ -265,10 +268,10 @@ class Files:
     def ask_to_save(self) -> None:
         """Let a name be chosen, and save the project."""
         proposed = self.project or Path(
-            folder_of(self._session), file_title(self._session) + PROJECT_SUFFIX
+            folder_of(self._session), file_title(self._session) + PROJECT_ENDING
         )
         path, _ = QFileDialog.getSaveFileName(
             self._desk.viewport, "Save project as", str(proposed), "Projects (*.toml)"
         )
         if path:
-            self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
+            self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_ENDING)

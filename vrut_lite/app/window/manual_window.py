@@ -1,4 +1,4 @@
-"""The manual in the user's browser, or, where there is none, in a window of its own."""
+"""The manual in the user's browser, or in a window where no browser is installed."""
 
 from pathlib import Path
 
