@@ -30,6 +30,9 @@ def open_context() -> Any:
         except Exception as error:  # moderngl raises plain exceptions.
             if "but found" in str(error):
                 break
+            # A missing library is missing for each device, of which there is no last one.
+            if "not loaded" in str(error):
+                raise no_opengl(str(error)) from error
             seen.append(f"{index}: {_older(index) or error}")
             continue
         name = context.info["GL_RENDERER"]
