@@ -124,8 +124,16 @@ class _KernelLocator(caching._SourceFileBackedLocatorMixin, caching._CacheLocato
         return str(compiled_code.folder_of(Path(self._py_file).parent))
 
 
+# Functions of notebook cells have no file; the class has an underscore before numba 0.62.
+_IN_NOTEBOOKS = [
+    each
+    for each in caching.CacheImpl._locator_classes
+    if each.__name__.endswith("IPythonCacheLocator")
+]
+
+
 class _KernelFiles(caching.CompileResultCacheImpl):
-    _locator_classes: ClassVar = [_KernelLocator, caching.IPythonCacheLocator]
+    _locator_classes: ClassVar = [_KernelLocator, *_IN_NOTEBOOKS]
 
 
 class _KernelCache(caching.FunctionCache):
