@@ -36,6 +36,9 @@ class JitFunction:
     @property
     def compiled(self) -> Any:
         """numba's object of the function."""
+        return self._made()
+
+    def _made(self) -> Any:
         if self._compiled is None:
             make = getattr(_compiler, self._make)
             with _making:
@@ -55,7 +58,8 @@ class JitFunction:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return getattr(self.compiled, name)
+        # Not the property: an AttributeError of numba's would lead back here, without end.
+        return getattr(self._made(), name)
 
     def __reduce__(self) -> str:
         return self.__qualname__
