@@ -30,10 +30,11 @@ DAYLIGHT = (
 # Which parts of vrut_lite each part may import; all may import the single files beside them that
 # are listed as values.
 VALUES = {
-    "arguments", "array", "array_cache", "checks", "compiled_code", "errors", "foreign_errors",
-    "host_version", "interrupts", "lazy", "mailbox", "memory_limit", "njit", "npz_arrays",
-    "numba_compiler", "numba_shortcuts", "numeric_types", "package_facts", "plain_numbers",
-    "quantities", "sound_environment", "text_files", "uniform_block", "write_atomic",
+    "arguments", "array", "array_cache", "checks", "compiled_code", "deprecation", "errors",
+    "file_lock", "foreign_errors", "host_version", "interrupts", "lazy", "mailbox",
+    "memory_limit", "njit", "npz_arrays", "numba_compiler", "numba_shortcuts", "numeric_types",
+    "operating_system", "package_facts", "plain_numbers", "quantities", "sound_environment",
+    "text_files", "uniform_block", "write_atomic",
 }  # fmt: skip
 # They name what panels, commands and engines of modules may use of the layers above.
 KITS = {"panel_kit", "headless", "scene_engine"}

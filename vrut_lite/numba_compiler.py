@@ -7,7 +7,6 @@ recompiles a kernel when its own file changes, but not when another changes whos
 constants it uses: here all files of its package that it imports count, directly or not.
 """
 
-import fcntl
 import hashlib
 import importlib
 import os
@@ -16,12 +15,13 @@ import re
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
 
 from vrut_lite import compiled_code
+from vrut_lite.file_lock import lock_file
 from vrut_lite.interrupts import interrupts_held
 
 with interrupts_held():
@@ -147,14 +147,14 @@ def _remove_unused_once() -> None:
 
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        # Some file systems have no locks; numba then works as without this class.
+    # Some file systems have no locks, and Windows none of folders; numba then works as without
+    # this class, and a lost entry is compiled again.
+    with ExitStack() as stack:
         with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
+            handle = os.open(folder, os.O_RDONLY)
+            stack.callback(os.close, handle)
+            lock_file(handle, wait=True)
         yield
-    finally:
-        os.close(handle)
 
 
 def _is_whole(content: bytes) -> bool:

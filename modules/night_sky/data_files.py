@@ -18,5 +18,5 @@ def night_data() -> dict[str, FloatArray]:
 @lru_cache(maxsize=2)
 def table(name: str) -> FloatArray:
     """The numbers of a table in a text file."""
-    with (files("night_sky") / "data" / name).open() as lines:
+    with (files("night_sky") / "data" / name).open(encoding="utf-8") as lines:
         return np.loadtxt(lines, delimiter=",")

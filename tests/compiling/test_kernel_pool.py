@@ -115,8 +115,7 @@ def test_closing_ends_what_is_under_way() -> None:
     pool.add([KernelGroup("old", (ListedKernel("light_transport.rays.tree", "_nodes", "[]"),) * 2)])
     pool.close()
     assert not pool.is_on
-    assert pool._process is not None
-    assert pool._process.poll() is not None
+    assert [process.poll() is not None for process in pool._processes] == [True]
 
 
 class Began:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 
+from vrut_lite import operating_system
 from vrut_lite.errors import UserError
 from vrut_lite.render.gl_environment import prepare_environment
 
@@ -39,7 +40,7 @@ def require_desktop(meanwhile: Callable[[], object] = lambda: None) -> None:
         [sys.executable, "-c", _PROBE],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="locale",
         errors="replace",
     )
     try:
@@ -59,7 +60,7 @@ def has_display() -> bool:
     """Whether the environment names a display, or needs none."""
     if os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0] in _SCREENLESS:
         return True
-    if sys.platform != "linux":
+    if operating_system.NAME in ("win32", "darwin"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 

@@ -85,7 +85,7 @@ def sunlit_albedo(
 @lru_cache(maxsize=1)
 def _table() -> FloatArray:
     source = files("vrut_lite.atmosphere") / "data" / "ground_reflectance.csv"
-    with source.open() as lines:
+    with source.open(encoding="utf-8") as lines:
         table: FloatArray = np.loadtxt(lines, delimiter=",")
     return table
 

@@ -4,11 +4,10 @@ Within a process numba compiles one kernel at a time. A process saves its kernel
 on disk, where this process finds them: it waits for the kernels that it needs. Kernels with the
 same named tuples call the same inner functions, which each process compiles for itself: they go to
 one process, which saves a seventh of the CPU time on two. All are forked from one that has imported
-numba.
+numba; where a process cannot be forked, each imports it.
 """
 
 import atexit
-import fcntl
 import json
 import os
 import signal
@@ -20,11 +19,13 @@ import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import IO, Any, NamedTuple, TextIO
+from typing import IO, Any, NamedTuple
 
 import platformdirs
 
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of
+from vrut_lite.file_lock import lock_file
+from vrut_lite.operating_system import can_fork, usable_cores
 
 # Each process takes 0.45 GB.
 MOST_PROCESSES = 4
@@ -47,6 +48,13 @@ class Progress(NamedTuple):
     left_s: float
 
 
+class WorkerLines(NamedTuple):
+    """Our ends of the way to a process: kernels to compile, a line each, and its answers."""
+
+    orders: IO[str]
+    answers: IO[str]
+
+
 Key = tuple[str, str, str]
 Follow = Callable[[Progress], None]
 
@@ -60,7 +68,7 @@ class KernelPool:
 
     def __init__(self, follow: Follow, processes: int | None = None, niceness: int = 0):
         self._follow, self._niceness = follow, niceness
-        self.processes = processes or min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
+        self.processes = processes or min(MOST_PROCESSES, usable_cores())
         self._changed = threading.Condition()
         self._queue: deque[tuple[str, ListedKernel]] = deque()
         # Number of the process that compiles the kernels of a family.
@@ -74,8 +82,8 @@ class KernelPool:
         self._servers: list[threading.Thread] = []
         # How many of them still feed a process.
         self._serving = 0
-        # The first of the processes, which has forked the others of its group.
-        self._process: subprocess.Popen[bytes] | None = None
+        # The first of them, which has forked the others of its group; or all of them.
+        self._processes: list[subprocess.Popen[str]] = []
         self._lock: IO[str] | None = None
         self._closed = False
 
@@ -132,9 +140,10 @@ class KernelPool:
             self._queue.clear()
             self._running.clear()
             self._changed.notify_all()
-        if self._process is not None and self._process.poll() is None:
-            os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
+        for process in self._processes:
+            if process.poll() is None:
+                _kill(process)
+                process.wait()
         for server in self._servers:
             server.join()
 
@@ -155,7 +164,7 @@ class KernelPool:
             family_s[kernel.family] += kernel.seconds
         self._owners[max(family_s, key=lambda family: family_s[family])] = 0
         try:
-            ends = self._processes(count)
+            ends = self._forked(count) if can_fork() else self._started(count)
         except OSError:  # No memory for a process, say: kernels are compiled where they are needed.
             self._serving = 1
             self._end()
@@ -169,31 +178,52 @@ class KernelPool:
         for server in self._servers:
             server.start()
 
-    def _processes(self, count: int) -> list[socket.socket]:
-        """Start processes; returns our ends of the sockets to them."""
+    def _forked(self, count: int) -> list[WorkerLines]:
+        """Start a process that forks the others; returns our ends of the sockets to them."""
         pairs = [socket.socketpair() for _ in range(count)]
         numbers = [theirs.fileno() for _, theirs in pairs]
         try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", _WORKER, str(self._niceness), *map(str, numbers)],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                pass_fds=numbers,
-                process_group=0,
-            )
+            self._processes.append(self._process(numbers))
         finally:
             for _, theirs in pairs:
                 theirs.close()
-        return [ours for ours, _ in pairs]
+        ends = []
+        for ours, _ in pairs:
+            # The socket is closed with its file.
+            with ours:
+                lines = ours.makefile("rw", encoding="utf-8")
+            ends.append(WorkerLines(lines, lines))
+        return ends
+
+    def _started(self, count: int) -> list[WorkerLines]:
+        """Start all processes; returns our ends of their pipes."""
+        self._processes = [self._process([]) for _ in range(count)]
+        return [
+            WorkerLines(process.stdin, process.stdout)
+            for process in self._processes
+            if process.stdin is not None and process.stdout is not None
+        ]
+
+    def _process(self, sockets: list[int]) -> "subprocess.Popen[str]":
+        """A process for the sockets of these numbers; without any, for its standard pipes."""
+        pipe = subprocess.DEVNULL if sockets else subprocess.PIPE
+        return subprocess.Popen(
+            [sys.executable, "-c", _WORKER, str(self._niceness), *map(str, sockets)],
+            stdin=pipe,
+            stdout=pipe,
+            stderr=subprocess.DEVNULL,
+            pass_fds=sockets,
+            process_group=0,
+            encoding="utf-8",
+        )
 
     def _is_alone(self) -> bool:
         """Whether no other program compiles; if so, none will until this one has ended."""
         file = _lock_file()
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            self._lock = open(file, "w")  # noqa: SIM115
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock = open(file, "w", encoding="utf-8")  # noqa: SIM115
+            lock_file(self._lock.fileno(), wait=False)
         except BlockingIOError:
             with self._changed:
                 self._queue.clear()
@@ -203,12 +233,12 @@ class KernelPool:
             pass
         return True
 
-    def _serve(self, number: int, end: socket.socket) -> None:
+    def _serve(self, number: int, ends: WorkerLines) -> None:
         """Feed one process."""
         try:
-            # It ends when its socket is closed.
-            with end, end.makefile("rw") as lines:
-                while not self._closed and self._feed(lines, number):
+            # It ends when its socket or pipe is closed.
+            with ends.answers, ends.orders:
+                while not self._closed and self._feed(ends, number):
                     pass
         except OSError:  # The process has ended.
             pass
@@ -216,7 +246,7 @@ class KernelPool:
             # After any error, a follower's too, nobody may wait for ever.
             self._end()
 
-    def _feed(self, lines: TextIO, number: int) -> bool:
+    def _feed(self, ends: WorkerLines, number: int) -> bool:
         """Compile the next kernel; False without one, or if the process has ended."""
         with self._changed:
             if not self._queue:
@@ -225,7 +255,7 @@ class KernelPool:
             self._running[kernel.key] = f"{title}: {kernel.title}"
         try:
             self._tell()
-            return _is_answered(lines, kernel)
+            return _is_answered(ends, kernel)
         finally:
             with self._changed:
                 self._running.pop(kernel.key, None)
@@ -278,10 +308,18 @@ def _lock_file() -> Path:
     return platformdirs.user_cache_path("vrut_lite") / "compiling.lock"
 
 
-def _is_answered(lines: TextIO, kernel: ListedKernel) -> bool:
+def _kill(process: "subprocess.Popen[str]") -> None:
+    """End a process, with those that it has forked."""
+    if hasattr(os, "killpg"):
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
+
+
+def _is_answered(ends: WorkerLines, kernel: ListedKernel) -> bool:
     """Let a process compile a kernel; False where the process has ended."""
     try:
-        print(json.dumps(kernel.key), file=lines, flush=True)
-        return bool(lines.readline())
+        print(json.dumps(kernel.key), file=ends.orders, flush=True)
+        return bool(ends.answers.readline())
     except OSError:
         return False

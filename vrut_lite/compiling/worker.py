@@ -1,7 +1,8 @@
-"""Processes that compile kernels: each reads one a line from its socket, answers each by a line.
+"""Processes that compile kernels: each reads one a line, and answers each by a line.
 
 Arguments are their niceness and the numbers of their sockets. The first process imports numba, and
-forks one for each further socket: an import takes a second.
+forks one for each further socket: an import takes a second. Without sockets a process has its
+standard input and output.
 """
 
 import gc
@@ -10,9 +11,11 @@ import os
 import socket
 import sys
 import threading
+from typing import TextIO
 
 from vrut_lite.compiling.kernel_list import compile_kernel
 from vrut_lite.lazy import lazy
+from vrut_lite.operating_system import lower_priority
 
 # Module by which numba colours its error messages; it took 2 % of the time, for messages about
 # typings that numba tries and drops.
@@ -22,7 +25,7 @@ _compiler = lazy("vrut_lite.numba_compiler")
 
 def main() -> None:
     """Compile the kernels that the sockets name, until they end."""
-    os.nice(int(sys.argv[1]))
+    lower_priority(int(sys.argv[1]))
     # Collections took 12 % of the CPU time; without them a process takes 0.17 GB more.
     gc.disable()
     sys.modules[_COLOURS] = None  # type: ignore[assignment]
@@ -32,9 +35,10 @@ def main() -> None:
     for number, end in enumerate(ends):
         if number != own:
             end.close()
+    lines = _lines(ends[own]) if ends else _standard_lines()
     # On a thread: the C library returns a first thread's memory after each compilation, and the
     # system took 2.4 s to clear it again, where a thread's arena takes 1.0.
-    compiling = threading.Thread(target=_compile_what_comes, args=(ends[own],))
+    compiling = threading.Thread(target=_compile_what_comes, args=lines)
     compiling.start()
     compiling.join()
     for child in children:
@@ -54,13 +58,25 @@ def _forked(count: int) -> tuple[int, list[int]]:
     return 0, children
 
 
-def _compile_what_comes(end: socket.socket) -> None:
-    with end, end.makefile("rw") as lines:
-        for line in lines:
+def _lines(end: socket.socket) -> tuple[TextIO, TextIO]:
+    lines = end.makefile("rw", encoding="utf-8")
+    return lines, lines
+
+
+def _standard_lines() -> tuple[TextIO, TextIO]:
+    """Standard input, and the former standard output: libraries may write to the present one."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    return sys.stdin, answers
+
+
+def _compile_what_comes(orders: TextIO, answers: TextIO) -> None:
+    with orders, answers:
+        for line in orders:
             try:
                 compile_kernel(*json.loads(line))
                 answer = "compiled"
             except Exception:
                 # The caller of the kernel compiles it then, and reports the error.
                 answer = "failed"
-            print(answer, file=lines, flush=True)
+            print(answer, file=answers, flush=True)

@@ -40,7 +40,7 @@ _FEWEST_FOR_INTEGRATION = 8
 def colour_table() -> NDArray[np.float64]:
     """Columns wavelength (nm), x_bar, y_bar, z_bar, solar irradiance (W m^-2 nm^-1), each 5 nm."""
     source = files("vrut_lite.geometry") / "data" / "cie1931_astm_g173.csv"
-    with source.open() as lines:
+    with source.open(encoding="utf-8") as lines:
         table = np.loadtxt(lines, delimiter=",")
     table.flags.writeable = False
     return table

@@ -123,7 +123,7 @@ def try_loading(package: str, folder: Path) -> None:
             cwd=folder,
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            text=True,
+            encoding="locale",
             errors="replace",
             timeout=_LONGEST_TRIAL_S,
             check=False,

@@ -51,7 +51,7 @@ def run_pip(arguments: Sequence[str], folder: Path) -> None:
         cwd=folder,
         stdin=subprocess.DEVNULL,
         capture_output=True,
-        text=True,
+        encoding="locale",
         errors="replace",
         check=False,
     )

@@ -102,7 +102,7 @@ def _record_session(package: Path) -> None:
         cwd=package,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONDONTWRITEBYTECODE": "1"},
         capture_output=True,
-        text=True,
+        encoding="locale",
         check=False,
     )
     if done.returncode != 0:

@@ -118,7 +118,7 @@ def _file() -> Any:
 def _known() -> dict[str, Any]:
     """Trial times by renderer and version; empty if the file is missing or damaged."""
     with suppress(OSError, ValueError):
-        content = json.loads(_file().read_text())
+        content = json.loads(_file().read_text(encoding="utf-8"))
         return content if isinstance(content, dict) else {}
     return {}
 
@@ -128,4 +128,4 @@ def _keep(times: dict[str, Any]) -> None:
     with suppress(OSError, UserError):
         _file().parent.mkdir(parents=True, exist_ok=True)
         with atomic_output(_file()) as beside:
-            beside.write_text(json.dumps(times))
+            beside.write_text(json.dumps(times), encoding="utf-8")

@@ -2,14 +2,18 @@
 
 A laptop may have two cards, and Mesa's software renderer beside them; each is an EGL device.
 `VRUT_LITE_GPU` names one by its number or a part of its name, such as "nvidia", "intel" or
-"llvmpipe". Without it the first that has what the renderer needs is taken.
+"llvmpipe". Without it the first that has what the renderer needs is taken. Windows and macOS have
+no EGL: there the system chooses the card, and moderngl the way (WGL with a hidden window, CGL).
 """
 
 import os
+from collections.abc import Iterable
 from itertools import count
 from typing import Any
 
+from vrut_lite import operating_system
 from vrut_lite.errors import UserError
+from vrut_lite.operating_system import has_egl
 
 VARIABLE = "VRUT_LITE_GPU"
 _NEEDED, _OLDEST = 430, 330
@@ -24,7 +28,8 @@ def open_context() -> Any:
     """
     wish = os.environ.get(VARIABLE, "").strip()
     seen: list[str] = []
-    for index in count():
+    devices: Iterable[int] = count() if has_egl() else (0,)
+    for index in devices:
         try:
             context = _create(index, _NEEDED)
         except Exception as error:  # moderngl raises plain exceptions.
@@ -47,6 +52,8 @@ def open_context() -> Any:
 def _create(index: int, version: int) -> Any:
     import moderngl
 
+    if not has_egl():
+        return moderngl.create_context(standalone=True, require=version)
     # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
     return moderngl.create_context(
         standalone=True,
@@ -87,14 +94,23 @@ def _refusal(wish: str, seen: list[str]) -> UserError:
     if wish:
         return UserError(f"{VARIABLE} names no usable graphics card: {wish!r}; there are {there}")
     return UserError(
-        f"no OpenGL 4.3 with clip control through EGL here ({there}): a newer driver is needed, or "
-        f"Mesa's llvmpipe; {_WITHOUT}"
+        f"no OpenGL 4.3 with clip control{_way()} here ({there}): {_newer()}; {_WITHOUT}"
     )
 
 
 def no_opengl(reason: str) -> UserError:
     """The refusal where no driver answers, or where it ends the process."""
-    return UserError(
-        f"no OpenGL 4.3 through EGL here ({reason}): install the packages libegl1 and libgl1, or "
-        f"their like; {_WITHOUT}"
-    )
+    remedy = "install the packages libegl1 and libgl1, or their like" if has_egl() else _newer()
+    return UserError(f"no OpenGL 4.3{_way()} here ({reason}): {remedy}; {_WITHOUT}")
+
+
+def _way() -> str:
+    return " through EGL" if has_egl() else ""
+
+
+def _newer() -> str:
+    """What would bring a newer OpenGL."""
+    if operating_system.NAME == "darwin":
+        return "macOS has none above 4.1"
+    mesa = ", or Mesa's llvmpipe" if has_egl() else ""
+    return f"a newer driver is needed{mesa}"

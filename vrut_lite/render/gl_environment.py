@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.operating_system import has_egl
 from vrut_lite.render.gl_choice import no_opengl
 from vrut_lite.render.gl_record import take_record
 
@@ -39,7 +40,9 @@ _PARTS = {
 
 
 def prepare_environment() -> None:
-    """Ask PyOpenGL and Qt for EGL; to be called before either is imported."""
+    """Ask PyOpenGL and Qt for EGL, where it is; to be called before either is imported."""
+    if not has_egl():
+        return
     os.environ["PYOPENGL_PLATFORM"] = "egl"
     os.environ.setdefault("QT_XCB_GL_INTEGRATION", "xcb_egl")
 
@@ -58,7 +61,11 @@ def begin_probe() -> "str | subprocess.Popen[str]":
     """The renderer on record, or the process of `probe_gl`, at work while others import."""
     prepare_environment()
     return take_record() or subprocess.Popen(
-        [sys.executable, "-c", _PROBE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", _PROBE],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="locale",
+        errors="replace",
     )
 
 

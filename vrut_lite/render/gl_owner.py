@@ -5,6 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.errors import UserError
+from vrut_lite.operating_system import has_egl
 from vrut_lite.render.device import Device, device_of
 from vrut_lite.render.first_mipmaps import make_first_mipmaps
 from vrut_lite.render.gl_choice import open_context
@@ -44,7 +45,7 @@ class GlOwner:
         """The renderer, context and device; waits until OpenGL is open.
 
         Raises:
-            UserError: there is no OpenGL 4.3 through EGL on this machine.
+            UserError: there is no OpenGL 4.3 on this machine.
         """
         return self._opened.result()
 
@@ -92,13 +93,16 @@ def _open(trial_ns: float | None) -> Opened:
 
 
 def _release(context: Any) -> None:
-    from OpenGL import EGL, contextdata
+    from OpenGL import contextdata
 
     # PyOpenGL keeps arrays that were passed to this context, by its address.
     contextdata.cleanupContext()
     context.release()
-    # A context that is current to a thread lives on, with every texture that is left in it.
-    EGL.eglReleaseThread()
+    if has_egl():
+        from OpenGL import EGL
+
+        # A context that is current to a thread lives on, with every texture that is left in it.
+        EGL.eglReleaseThread()
 
 
 def _create_context() -> Any:

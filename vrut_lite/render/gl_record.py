@@ -22,7 +22,7 @@ def take_record() -> str | None:
     """The renderer's name, if recorded for this boot and environment; removes the record."""
     with suppress(OSError, ValueError):
         file = _file()
-        here, _, renderer = file.read_text().rpartition("\n")
+        here, _, renderer = file.read_text(encoding="utf-8").rpartition("\n")
         file.unlink()
         return renderer if here == _here() else None
     return None
@@ -34,12 +34,14 @@ def keep_record(renderer: str) -> None:
         here = _here()
         _file().parent.mkdir(parents=True, exist_ok=True)
         with atomic_output(_file()) as beside:
-            beside.write_text(f"{here}\n{renderer}")
+            beside.write_text(f"{here}\n{renderer}", encoding="utf-8")
 
 
 def _here() -> str:
     chosen = sorted(each for each in os.environ.items() if each[0].startswith(_CHOOSING))
-    return repr((_BOOT.read_text(), os.stat("/").st_ino, os.stat("/").st_dev, chosen))
+    return repr(
+        (_BOOT.read_text(encoding="ascii"), os.stat("/").st_ino, os.stat("/").st_dev, chosen)
+    )
 
 
 def _file() -> Path:

@@ -32,7 +32,7 @@ def shader_source(name: str | Path) -> str:
             return f"layout(binding = {part_units()[second]}) uniform {first} {second};"
         return _included(path.parent, first)
 
-    return _LINE.sub(text_of, path.read_text())
+    return _LINE.sub(text_of, path.read_text(encoding="utf-8"))
 
 
 def _included(folder: Path, name: str) -> str:

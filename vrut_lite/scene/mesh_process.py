@@ -1,7 +1,6 @@
 """Runs a library without limits of memory and time in a separate process."""
 
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -12,6 +11,7 @@ import msgspec
 from vrut_lite.memory_limit import VARIABLE
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.mesh_file import MeshFile
+from vrut_lite.scene.process_limits import TIME_IS_UP
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 # The process itself limits its CPU time; this ends one that waits.
@@ -50,7 +50,7 @@ def read_apart(reader: MeshReader, suffix: str, data: bytes, budget: SceneBudget
                 check=False,
                 timeout=_MOST_SECONDS,
             )
-            took_too_long = done.returncode in (-signal.SIGXCPU, -signal.SIGKILL)
+            took_too_long = done.returncode in TIME_IS_UP
         except subprocess.TimeoutExpired:
             took_too_long = True
         if took_too_long:

@@ -1,12 +1,12 @@
 """Background jobs of a window: pictures that a hand is waiting for go before them."""
 
 import os
-import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
+from vrut_lite import operating_system
 from vrut_lite.kernel.job import Job
 from vrut_lite.kernel.jobs import WORKERS, Finish, ThreadRunner
 
@@ -72,7 +72,7 @@ class WindowJobs(ThreadRunner):
             self._executor.submit(self._run_nicely, job, finish)
 
     def _run_nicely(self, job: Job, finish: Finish) -> None:
-        if sys.platform == "linux":
+        if operating_system.NAME == "linux":
             niceness = os.getpriority(os.PRIO_PROCESS, os.getpid()) + _NICER
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), min(niceness, 19))
         self._run(job, finish)

@@ -14,6 +14,7 @@ from bruneton_sky.tables.sizes import TableSizes, refuse_untabled
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.operating_system import has_egl
 
 Progress = Callable[[float], None]
 Observe = Callable[[Pass], None]
@@ -164,10 +165,12 @@ def _standalone_context() -> Any:
     import moderngl
 
     try:
+        if not has_egl():
+            return moderngl.create_context(standalone=True, require=430)
         # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
         return moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
     except Exception as reason:
         raise UserError(
-            f"no OpenGL 4.3 through EGL here ({reason}): precompute on the CPU, or install the "
-            "packages libegl1 and libgl1, or their like"
+            f"no OpenGL 4.3 here ({reason}): precompute on the CPU, or install a driver (on Debian "
+            "the packages libegl1 and libgl1)"
         ) from None

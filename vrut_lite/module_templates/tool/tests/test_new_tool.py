@@ -79,7 +79,7 @@ def test_the_panel_lists_and_saves_what_is_posted(tmp_path, monkeypatch):
     row = panel.list.topLevelItem(0)
     assert [row.text(column) for column in range(3)] == ["2026-06-21 07:00", "106,473", "0.25"]
     panel.write(tmp_path / "lux.csv")
-    assert (tmp_path / "lux.csv").read_text() == as_csv(panel.values)
+    assert (tmp_path / "lux.csv").read_text(encoding="utf-8") == as_csv(panel.values)
     panel.forget()
     assert panel.list.topLevelItemCount() == 0
     application.processEvents()
