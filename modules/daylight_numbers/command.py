@@ -1,5 +1,6 @@
 """`vrut-lite daylight`: illuminance, daylight factors and a year at sensors of a scene."""
 
+from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from vrut_lite.headless import (
     daylight_options,
     project_of_path,
     scene_options,
+    tell_notices,
     tracked,
     with_options,
     with_scene_options,
@@ -145,9 +147,16 @@ def daylight(
             )
         )
     with workers_of(jobs, dask, len(wanted)) as workers:
-        found = (workers.map if workers else map)(_folder.measured, folders, wanted)
-        for lines in tracked(found, "scenes", len(wanted)) if workers else found:
-            click.echo("\n".join(lines))
+        found: Iterable[Any]
+        if workers is None:
+            found = map(_folder.measured, folders, wanted)
+        else:
+            made = workers.map(_folder.measured_elsewhere, wanted)
+            found = tracked(made, "scenes", len(wanted))
+        for folder, done in zip(folders, found, strict=True):
+            tell_notices(done.notices)
+            _folder.write_files(folder, done)
+            click.echo("\n".join([*done.lines, f"the page is {folder / 'report.html'}"]))
 
 
 def _folders(output: Path, scenes: tuple[str, ...]) -> list[Path]:

@@ -1,11 +1,12 @@
 """Output of the command: tables, plans, a page, and lines for the terminal."""
 
 import csv
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
 import numpy as np
 from light_transport.public import Illumination
@@ -25,7 +26,7 @@ from daylight_numbers.sensors import SensorGrid, Sensors
 from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
 from daylight_numbers.work import DaylightWork, work_of
 from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
-from vrut_lite.headless import Project, busy_with, tell_notices, tracked, write_png
+from vrut_lite.headless import Project, busy_with, tracked, write_png
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.quantities import percent_text
 from vrut_lite.write_atomic import atomic_output
@@ -53,8 +54,17 @@ class DaylightRequest:
     sun_day: date
 
 
-def measured(folder: Path, asked: DaylightRequest) -> list[str]:
-    """Open a project's scene, compute and write; lines as of `write_daylight`.
+class Measured(NamedTuple):
+    """What was written: a line for each plane, lines on what the scene lacks, and, where a worker
+    wrote them, its files by name."""
+
+    lines: list[str]
+    notices: Sequence[str]
+    files: dict[str, bytes]
+
+
+def measured(folder: Path, asked: DaylightRequest) -> Measured:
+    """Open a project's scene, compute and write into a folder.
 
     Raises:
         UserError: the scene cannot be read, or by `write_daylight`.
@@ -62,10 +72,28 @@ def measured(folder: Path, asked: DaylightRequest) -> list[str]:
     with busy_with(f"opening {asked.project.scene}"):
         opened = OpenedScene(asked.project)
     try:
-        tell_notices(opened.scene.notices)
-        return write_daylight(folder, opened, asked)
+        return Measured(write_daylight(folder, opened, asked), opened.scene.notices, {})
     finally:
         opened.close()
+
+
+def measured_elsewhere(asked: DaylightRequest) -> Measured:
+    """The same by a worker, which hands over the files: it need not see their folder."""
+    with TemporaryDirectory() as name:
+        found = measured(Path(name), asked)
+        files = {path.name: path.read_bytes() for path in sorted(Path(name).iterdir())}
+        return found._replace(files=files)
+
+
+def write_files(folder: Path, found: Measured) -> None:
+    """Write a worker's files.
+
+    Raises:
+        UserError: one cannot be written.
+    """
+    for name, content in found.files.items():
+        with atomic_output(folder / name) as beside:
+            beside.write_bytes(content)
 
 
 def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) -> list[str]:
@@ -117,7 +145,7 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
     )
     title = f"Daylight of {Path(where.scene).stem}"
     write_report(folder / "report.html", ReportPage(title, subtitle, tables, pictures, method))
-    lines = [
+    return [
         f"{table.heading}: "
         + "; ".join(
             f"{row[0]}: "
@@ -128,7 +156,6 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
         )
         for table in tables
     ]
-    return [*lines, f"the page is {folder / 'report.html'}"]
 
 
 def _now(
@@ -220,7 +247,10 @@ def write_tables(folder: Path, sensors: Sensors, numbers: Mapping[str, FloatArra
         *(sensors.normals.T),
         *numbers.values(),
     ]
-    with atomic_output(folder / "sensors.csv") as beside, beside.open("w", newline="") as file:
+    with (
+        atomic_output(folder / "sensors.csv") as beside,
+        beside.open("w", encoding="utf-8", newline="") as file,
+    ):
         writer = csv.writer(file)
         writer.writerow(names)
         for row in zip(*columns, strict=True):

@@ -1,12 +1,10 @@
 """Workers that make pictures: processes of this machine, or a Dask cluster."""
 
-import logging
 import os
-import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.context import SpawnContext
 from threading import Thread
@@ -15,10 +13,9 @@ from typing import Any
 import click
 
 from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.studio.dask_workers import LOCAL, dask_workers
+from vrut_lite.studio.interrupts_blocked import ignore_interrupts, interrupts_blocked
 from vrut_lite.studio.number_types import WholeRange
-
-LOCAL = "local"
-_ANSWER_S = 10
 
 
 def worker_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -42,7 +39,7 @@ def workers_of(jobs: int, dask: str | None, pictures: int) -> Iterator[Executor 
         UserError: Dask is not installed, or no scheduler answers.
     """
     if dask is not None:
-        with _dask(dask, jobs) as executor:
+        with dask_workers(dask, jobs) as executor:
             yield executor
     elif min(jobs, pictures) > 1:
         with _processes(min(jobs, pictures)) as executor:
@@ -62,8 +59,8 @@ def spawn_context() -> SpawnContext:
         context.Lock()
     except OSError as error:
         raise UserError(
-            "pictures cannot be made by other processes: they share memory in /dev/shm, which "
-            f"cannot be written ({error.strerror}); make it writable, or leave --jobs at 1"
+            "pictures cannot be made by other processes: they share memory, which cannot be had "
+            f"({error.strerror}); on Linux make /dev/shm writable, or leave --jobs at 1"
         ) from None
     return context
 
@@ -91,7 +88,8 @@ def _processes(count: int) -> Iterator[Executor]:
 
 
 def _end_with_the_parent() -> None:
-    """Let a worker process end with its parent, which may be killed."""
+    """Let a worker process end with its parent, which may be killed, and not by Ctrl-C."""
+    ignore_interrupts()
     parent = parent_process()
     assert parent is not None
 
@@ -106,65 +104,5 @@ class _UninterruptedPool(ProcessPoolExecutor):
     """Processes that ignore Ctrl-C; the parent handles it."""
 
     def submit(self, *arguments: Any, **named: Any) -> Any:
-        with _interrupts_blocked():
+        with interrupts_blocked():
             return super().submit(*arguments, **named)
-
-
-@contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C in threads and processes that start meanwhile; it comes here afterwards."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
-def _dask(address: str, jobs: int) -> Iterator[Executor]:
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise UserError(
-            "--dask needs the package distributed: pip install 'vrut-lite[dask]'"
-        ) from None
-    with ExitStack() as stack:
-        if address == LOCAL:
-            with _interrupts_blocked():
-                cluster: Any = LocalCluster(
-                    n_workers=jobs if jobs > 1 else os.cpu_count() or 1,
-                    threads_per_worker=1,
-                    dashboard_address=None,
-                    silence_logs=logging.CRITICAL,
-                )
-            stack.enter_context(cluster)
-        else:
-            _check_answers(address)
-            cluster = address
-        client = stack.enter_context(Client(cluster, timeout=_ANSWER_S, set_as_default=False))
-        if address == LOCAL:
-            client.run(_ignore_interrupts)
-        yield client.get_executor(pure=False, retries=0)
-
-
-def _ignore_interrupts() -> None:
-    """Let a local worker ignore Ctrl-C, which the terminal sends to it too."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _check_answers(address: str) -> None:
-    """Raise UserError unless a scheduler answers; a client would retry much longer."""
-    import asyncio
-
-    from distributed.comm import connect
-
-    async def visit() -> None:
-        (await connect(address, timeout=_ANSWER_S)).abort()
-
-    try:
-        asyncio.run(visit())
-    except (OSError, ValueError) as error:
-        raise UserError(
-            f"no Dask scheduler answers at {address} ({error}): name it as tcp://HOST:8786, or "
-            f"'{LOCAL}'"
-        ) from None
