@@ -13,31 +13,21 @@ from typing import Any
 import click
 import msgspec
 
+from tools.public_names import PYTHON
 from vrut_lite.cli import root
 from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.kernel.messages import KERNEL_MESSAGES
 from vrut_lite.kernel.settings import describe
 from vrut_lite.messages.vocabulary import DERIVED, INPUTS
 
 ROOT = Path(__file__).parents[1]
+_MESSAGES = {kind.__name__ for kind in KERNEL_MESSAGES}
 # Files of the repository's root, by their page.
 ROOT_PAGES = {
     "index.md": "README.md",
     "architecture.md": "ARCHITECTURE.md",
     "contributing.md": "CONTRIBUTING.md",
     "changelog.md": "CHANGELOG.md",
-}
-# What a program imports; each shows what its package exports.
-PYTHON = {
-    "Skies": ["bruneton_sky", "dynamic_skylight"],
-    "A host of one's own": ["vrut_lite.host.Host"],
-    "Modules": [
-        "vrut_lite.kernel.module.Manifest",
-        "vrut_lite.kernel.module.Module",
-        "vrut_lite.sky.sky_module.SkyModule",
-        "vrut_lite.sky.sky_of_hour",
-        "vrut_lite.testing.sky_contract.SkyContract",
-    ],
-    "Journals": ["vrut_lite.recording.recorder.Recorder", "vrut_lite.recording.replay.Replay"],
 }
 
 
@@ -128,9 +118,10 @@ def settings_reference() -> Iterator[str]:
 
 
 def messages_reference() -> Iterator[str]:
-    """Every message of daylight: what it says and its fields."""
+    """Every message of the host: what it says and its fields."""
     yield "# Messages\n"
-    for title, types in (("Inputs", INPUTS), ("What modules post", DERIVED)):
+    kinds = (("Inputs", INPUTS), ("What modules post", DERIVED), ("The kernel's", KERNEL_MESSAGES))
+    for title, types in kinds:
         yield f"## {title}\n"
         for kind in types:
             yield f"### {kind.__name__}\n"
@@ -156,10 +147,18 @@ def _type_text(kind: Any) -> str:
 def python_reference() -> Iterator[str]:
     """Directives that mkdocstrings fills from the docstrings."""
     yield "# Python\n"
-    for title, names in PYTHON.items():
+    yield "These names are public; [promises.md](../promises.md) says what that means.\n"
+    for title, modules in PYTHON.items():
         yield f"## {title}\n"
-        for name in names:
-            yield f"::: {name}\n"
+        for module, names in modules.items():
+            yield from (f"::: {name}\n" for name in _shown(module, names))
+
+
+def _shown(module: str, names: tuple[str, ...] | None) -> list[str]:
+    """A python module, or some of its names; messages have a page of their own."""
+    if names is None:
+        return [module]
+    return [f"{module}.{name}" for name in names if name not in _MESSAGES]
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:

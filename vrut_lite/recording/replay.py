@@ -17,6 +17,7 @@ from vrut_lite.recording.comparison import Difference, entry_difference
 from vrut_lite.recording.entry import Entry
 from vrut_lite.recording.gpu_stand_in import GpuStandIn
 from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.later_fields import with_later_fields
 from vrut_lite.recording.observer import Observer, entry_of
 from vrut_lite.recording.recipes import Recipes
 from vrut_lite.recording.recorder import Recorder
@@ -133,6 +134,7 @@ class Replay:
         self, expected: Entry | None, actual: Entry | None, by_value: bool
     ) -> Difference:
         if expected is not None and actual is not None:
+            expected = self._with_later_fields(expected, actual)
             phrase = entry_difference(self._recipes.translated(expected), actual, by_value)
             if phrase is None:
                 self._recipes.note(expected, actual)
@@ -140,6 +142,13 @@ class Replay:
         if expected is not None:
             return f"{_title(expected)}, is in the journal and not here"
         return None if actual is None else f"{_title(actual)}, is here and not in the journal"
+
+    def _with_later_fields(self, expected: Entry, actual: Entry) -> Entry:
+        if expected.digest == actual.digest or expected.type_name != actual.type_name:
+            return expected
+        kind = self._registry.find(expected.type_name)
+        message = with_later_fields(kind, expected.message, actual.message)
+        return msgspec.structs.replace(expected, message=message)
 
     def _signature_differences(self) -> list[str]:
         manifests = (seat.manifest for seat in self.kernel.seats.values())
