@@ -44,6 +44,8 @@ def dask_workers(address: str, jobs: int) -> Iterator[Executor]:
         raise UserError(
             "--dask needs the package distributed: pip install 'vrut-lite[dask]'"
         ) from None
+    # A lost scheduler is reported by a sentence of ours.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with ExitStack() as stack:
         if address == LOCAL:
             with interrupts_blocked():
