@@ -11,6 +11,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+from vrut_lite import operating_system
 from vrut_lite.bundled.places import PACKAGE
 from vrut_lite.errors import UserError
 from vrut_lite.write_atomic import atomic_output
@@ -75,7 +76,7 @@ def remove_entry() -> list[Path]:
 
 
 def _data_folder() -> Path:
-    if sys.platform in ("win32", "darwin"):
+    if operating_system.NAME in ("win32", "darwin"):
         raise UserError("desktop entries are for Linux and its like: here start vrut-lite run")
     named = os.environ.get("XDG_DATA_HOME", "")
     # A relative path is invalid by the Base Directory Specification.
