@@ -4,9 +4,14 @@ It solves for the source by successive orders on a grid of suns, altitudes and d
 memory grows with the square of their number: 4.8 GB at these sizes. In clear air at 445 nm that
 errs by 0.3 % rms under a sun at 30 degrees of zenith angle, 0.6 at 80 (110 directions: 0.4 and
 0.5). Discrete ordinates take half a second; light scattered more than once is then that of flat
-layers, exact to 1e-4 of I where the planet is large, 0.6 % too bright on Earth.
+layers, exact to 1e-4 of I where the planet is large, 0.6 % too bright on Earth: they judge the
+whole sky of a large planet (`on_large_planet`).
+
+Particles need 512 Legendre coefficients: with 128 of them light scattered once errs by 0.6 % rms in
+the default air and by 5 % in desert dust.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +25,7 @@ from vrut_lite_lab.polarised_truth.views import Rays
 _sasktran2 = lazy("sasktran2")
 
 # Suns, altitudes and directions of the source; Legendre coefficients of light scattered once.
-_SUNS, _ALTITUDES, _DIRECTIONS, _COEFFICIENTS = 3, 15, 194, 128
+_SUNS, _ALTITUDES, _DIRECTIONS, _COEFFICIENTS = 3, 15, 194, 512
 _ANGLE_DEG = np.concatenate([np.arange(0.0, 10.0, 0.05), np.arange(10.0, 180.1, 0.25)])
 _STREAMS = 32
 
@@ -37,7 +42,7 @@ def sasktran_stokes(air: Atmosphere, rays: Rays, c: int, *, flat: bool = False) 
     sources = sk.MultipleScatterSource
     config.multiple_scatter_source = sources.DiscreteOrdinates if flat else sources.SuccessiveOrders
     config.single_scatter_source = sk.SingleScatterSource.Exact
-    config.num_singlescatter_moments = _COEFFICIENTS
+    config.num_singlescatter_moments, config.delta_m_scaling = _COEFFICIENTS, True
     config.num_successive_orders_incoming = _DIRECTIONS
     config.num_successive_orders_outgoing = _DIRECTIONS
     config.num_successive_order_points, config.num_sza = _ALTITUDES, 1 if flat else _SUNS
@@ -62,6 +67,11 @@ def sasktran_stokes(air: Atmosphere, rays: Rays, c: int, *, flat: bool = False) 
     found = sk.Engine(config, geometry, views).calculate_radiance(light)
     # It measures Q and U from the horizon.
     return found["radiance"].to_numpy()[0] * (1.0, -1.0, -1.0) * air.solar_irradiance[c]
+
+
+def on_large_planet(air: Atmosphere) -> Atmosphere:
+    """The same layers around a planet of a hundred Earth radii, which is flat to 1e-4."""
+    return replace(air, ground_radius_m=100.0 * air.ground_radius_m)
 
 
 def _altitudes_m(top_m: float) -> FloatArray:
