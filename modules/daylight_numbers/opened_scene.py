@@ -96,8 +96,9 @@ class OpenedScene:
 
     @property
     def source(self) -> str:
-        """Who makes the sky."""
-        return self._light.background.source
+        """The title of the module that makes the sky, and its name."""
+        name = self._light.background.source
+        return f"{self._kernel.check_module(name).manifest.title}, {name}"
 
     @property
     def _light(self) -> SkyLightChanged:

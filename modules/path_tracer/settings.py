@@ -55,6 +55,6 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
         Literal["auto", "scalar", "llvm"],
         setting(
             "Of mitsuba: scalar_rgb, or llvm_ad_rgb; auto: llvm where it runs",
-            label="Variant of mitsuba",
+            label="Variant of Mitsuba",
         ),
     ] = "auto"
