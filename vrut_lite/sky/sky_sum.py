@@ -55,7 +55,7 @@ class SkySum(Module):
 
     speaks = (SumOutdated,)
     manifest = Manifest(
-        name=NAME, title="Sum of the sky and its layers", version=__version__, auxiliary=True
+        name=NAME, title="All light of the sky", version=__version__, auxiliary=True
     )
 
     def __init__(self, link: Link, settings: Any):

@@ -24,8 +24,9 @@ def paint_picture(painter: QPainter, place: QRectF, image: QImage) -> None:
 
 
 def write(painter: QPainter, place: QRectF, where: Qt.AlignmentFlag, text: str) -> None:
-    """Write text with a shadow, legible on any picture."""
+    """Write text with a shadow, legible on any picture; a narrow one has it in several lines."""
+    flags = where.value | Qt.TextFlag.TextWordWrap.value
     painter.setPen(QColor(0, 0, 0, 170))
-    painter.drawText(place.translated(1.0, 1.0), where, text)
+    painter.drawText(place.translated(1.0, 1.0), flags, text)
     painter.setPen(QColor(theme.TEXT))
-    painter.drawText(place, where, text)
+    painter.drawText(place, flags, text)
