@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -32,26 +33,40 @@ LETTERS = "Wm il09\N{DEGREE SIGN}\N{MINUS SIGN}\N{MULTIPLICATION SIGN}\N{SUPERSC
 )
 
 
-def drawn(folder: Path, font: str) -> tuple[str, list[str]]:
-    """The font, and the letters' digests, by a process whose system has no font."""
+LEGEND = """
+import hashlib
+import numpy as np
+from vrut_lite.pictures.value_picture import value_pixels, values_of
+values = np.linspace(10.0, 900.0, 200 * 120, dtype=np.float32).reshape(120, 200)
+pixels = value_pixels(values_of(values, "illuminance"))
+print(hashlib.blake2b(pixels.tobytes()).hexdigest())
+"""
+
+
+def without_fonts(folder: Path) -> dict[str, str]:
+    """The environment of a process whose system has no font."""
     (folder / "fonts.conf").write_text(
         '<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd"><fontconfig></fontconfig>'
     )
-    empty = {
+    return os.environ | {
         "FONTCONFIG_FILE": str(folder / "fonts.conf"),
         "XDG_DATA_HOME": str(folder),
         "QT_QPA_PLATFORM": "offscreen",
         "QT_QPA_FONTDIR": str(folder / "none"),
     }
-    done = subprocess.run(
-        [sys.executable, "-c", DRAW, font, LETTERS],
-        env=os.environ | empty,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    first, *digests = done.stdout.splitlines()
-    return first, digests
+
+
+def printed(code: str, environment: Mapping[str, str], *arguments: str) -> list[str]:
+    """Lines that Python code prints in a process of this environment."""
+    command = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
+
+
+def drawn(folder: Path, font: str) -> tuple[str, list[str]]:
+    """The font, and the letters' digests, by a process whose system has no font."""
+    family, *digests = printed(DRAW, without_fonts(folder), font, LETTERS)
+    return family, digests
 
 
 def test_letters_differ_without_fonts_of_the_system(tmp_path: Path) -> None:
@@ -60,6 +75,11 @@ def test_letters_differ_without_fonts_of_the_system(tmp_path: Path) -> None:
     family, letters = drawn(tmp_path, "with")
     assert family == "DejaVu Sans"
     assert len({*letters}) == len(LETTERS)
+
+
+def test_the_legend_of_false_colours_needs_no_font_of_the_system(tmp_path: Path) -> None:
+    """Pillow brings the font in which pictures are labelled: the picture is the same."""
+    assert printed(LEGEND, without_fonts(tmp_path)) == printed(LEGEND, os.environ)
 
 
 def test_a_systems_own_font_is_kept(qapp) -> None:
