@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from vrut_lite import cli
+from vrut_lite.commands.demo import scene_projects
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.project import Project, load_project
 
@@ -212,6 +213,20 @@ def test_fov_changes_a_projects_camera(vrut_lite, tmp_path):
         vrut_lite("render", SCENES / "sundial.toml", *arguments)
     wide, narrow = (read_exr(tmp_path / f"{name}.exr")[0] for name in ("wide", "narrow"))
     assert not np.allclose(wide, narrow, rtol=0.1)
+
+
+def test_a_project_and_its_scene_are_one(tmp_path):
+    """A scene beside its project is drawn by it, whichever ending the project has."""
+    for name in ("a", "b", "c"):
+        shutil.copy(SCENES / "sundial.glb", tmp_path / f"{name}.glb")
+    for name in ("a.toml", "b.vrut.toml"):
+        (tmp_path / name).write_text(f'scene = "{name[0]}.glb"\nsize = [32, 32]\n')
+    found = scene_projects(tmp_path)
+    assert {name: project.size for name, project in found.items()} == {
+        "a": (32, 32),
+        "b": (32, 32),
+        "c": Project().size,
+    }
 
 
 @pytest.mark.long

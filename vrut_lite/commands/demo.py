@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from vrut_lite.bundled.examples import example_named
 from vrut_lite.commands.options import at_weather
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
@@ -18,6 +19,7 @@ from vrut_lite.kernel.messages import SetClock
 from vrut_lite.pictures.image_files import check_writable, write_png
 from vrut_lite.place_time import local_text, time_zone_at
 from vrut_lite.project import (
+    PROJECT_ENDING,
     PROJECT_SUFFIX,
     Project,
     daylight_inputs,
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
     from vrut_lite.host import Host
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".obj")
+# An example beside the other three, and the end of a project's name before its suffix.
+_FIRST, _MARK = "street", PROJECT_ENDING.removesuffix(PROJECT_SUFFIX)
 PLACE = "50.0875,14.4213,190"
 DAY = "2026-05-21"
 _THUMBNAIL = (480, 270)
@@ -44,18 +48,18 @@ _SUNRISE_DEG, _LATE_DEG, _DUSK_DEG = 2.0, 14.0, -4.0
 
 @click.command(name="demo")
 @click.option("--out", default="out", show_default=True, metavar="FOLDER", help="Made if missing.")
-@click.option("--scenes", default="scenes", show_default=True, metavar="FOLDER")
+@click.option("--scenes", metavar="FOLDER", help="Instead of four scenes of the program.")
 @click.option(
     "--weather",
     metavar="FILE.epw",
     help="A year of weather: its place instead of Prague, and the sky of its hours.",
 )
-def demo(out: str, scenes: str, weather: str | None) -> None:
+def demo(out: str, scenes: str | None, weather: str | None) -> None:
     """Render all scenes of a folder at sunrise, noon, late afternoon and dusk in Prague.
 
     Example: vrut-lite demo --out out
     """
-    projects = scene_projects(Path(scenes))
+    projects = scene_projects(Path(scenes) if scenes else example_named(_FIRST).opens.parent)
     prague = Project(place=PLACE, at=DAY + "T00:00")
     where = prague if weather is None else at_weather(prague, weather)
     folder = _folder(Path(out))
@@ -84,7 +88,11 @@ def scene_projects(folder: Path) -> dict[str, Project]:
         UserError: there is neither, or a project file cannot be read.
     """
     files = sorted(folder.glob("*")) if os.path.isdir(folder) else []
-    projects = {f.stem: load_project(f) for f in files if f.suffix.lower() == PROJECT_SUFFIX}
+    projects = {
+        f.name[: -len(PROJECT_SUFFIX)].removesuffix(_MARK): load_project(f)
+        for f in files
+        if f.suffix.lower() == PROJECT_SUFFIX
+    }
     scenes = [f for f in files if f.suffix.lower() in SCENE_SUFFIXES and f.stem not in projects]
     stems = [scene.stem for scene in scenes]
     for scene in scenes:
