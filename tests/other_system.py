@@ -33,7 +33,7 @@ LACKING = {
             "setregid setreuid setsid setuid setxattr splice statvfs sync sysconf tcgetpgrp "
             "ttyname uname wait wait3 wait4 waitid writev O_CLOEXEC O_DIRECTORY O_NOCTTY "
             "O_NOFOLLOW O_NONBLOCK O_SYNC PRIO_PROCESS RTLD_GLOBAL RTLD_NOW SEEK_DATA "
-            "WIFEXITED WIFSIGNALED WNOHANG WTERMSIG"
+            "WIFEXITED WIFSIGNALED WTERMSIG"
         ),
         "signal": (
             "SIGALRM SIGBUS SIGCHLD SIGCONT SIGHUP SIGIO SIGKILL SIGPIPE SIGPROF SIGQUIT SIGSTOP "
@@ -95,7 +95,7 @@ TRACED = (
 def take_away(system: str) -> None:
     """Remove from Python what a system lacks, and let vrut_lite believe that it runs there."""
     # Libraries of this machine go the way of this machine.
-    os.environ["PYOPENGL_PLATFORM"] = "egl"
+    os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
     for name in LIBRARIES:
         # Some are optional, some need a library of the system.
         with suppress(ImportError, OSError, RuntimeError, NameError):
@@ -144,7 +144,7 @@ def main() -> None:
     del sys.path[0]
     system, packages, commands = sys.argv[1], sys.argv[2].split(","), json.loads(sys.argv[3])
     take_away(system)
-    lacking = import_all(tuple(packages))
+    lacking = import_all(tuple(filter(None, packages)))
     run(commands)
     print(json.dumps(lacking))
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 
 import other_system
 import pytest
@@ -72,6 +73,28 @@ def test_without_what_only_linux_has_the_same_files_come_out(
     assert contents(tmp_path / "there") == contents(tmp_path / "here")
     if other_system.LIGHT[1] in commands:
         assert re.search("day.mcap: 10 inputs and .* are equal, compared by digest", said)
+
+
+@pytest.mark.long
+@pytest.mark.gl
+@pytest.mark.skipif(which("xvfb-run") is None, reason="the package xvfb is missing")
+def test_a_picture_by_the_librarys_own_way_to_opengl(tmp_path, monkeypatch):
+    """GLX stands for WGL and CGL, which choose no device: the pixels are those by EGL."""
+    picture = ("render", str(ROOT / "scenes" / "sundial.glb"), "-o", "dial.exr", "--size",
+               "160x90", *other_system.DAY)  # fmt: skip
+    for name in ("here", "there"):
+        (tmp_path / name).mkdir()
+    script = str(ROOT / "tests" / "other_system.py")
+    subprocess.run(
+        ["xvfb-run", "-a", sys.executable, script, "darwin", "", json.dumps([picture])],
+        cwd=tmp_path / "there",
+        env=os.environ | {"PYOPENGL_PLATFORM": "glx"},
+        check=True,
+    )
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.setattr(sys, "argv", [])
+    other_system.run([picture])
+    assert contents(tmp_path / "there") == contents(tmp_path / "here")
 
 
 def test_what_is_taken_away_is_there_otherwise():

@@ -37,7 +37,10 @@ def test_the_window_draws_the_sky_on_the_cpu(qtbot, tmp_path):
     assert np.isfinite(radiance).all()
     red, _, blue = radiance.mean(axis=(0, 1))
     assert blue > 1.5 * red > 0.0
-    assert "CPU" in driver.window.statusBar().facts.text()
+    facts = driver.window.statusBar().facts
+    assert facts.text().strip().endswith("CPU, sky alone")
+    # The line with the reason fades; the tooltip stays.
+    assert facts.toolTip() == "CPU, sky alone (no context)"
     driver.close()
 
 

@@ -77,7 +77,7 @@ class CpuSkyStage:
         self.kernel.add_module(
             SceneManager, view=self._view, cube_size=_CUBE_SIZE, lights_surfaces=False
         )
-        self.renderer = "CPU, sky alone"
+        self.renderer = f"CPU, sky alone ({reason})"
         self.device: Device | None = None
         self.pass_seconds: dict[str, float] = {}
         self.frame_counters = WorkCounters()

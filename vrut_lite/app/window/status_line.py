@@ -78,12 +78,13 @@ class StatusLine(QStatusBar):
         self.work.setVisible(bool(line))
 
     def show_facts(self, shown: Shown, renderer: str) -> None:
-        """Size and time of a picture, and the renderer's name without its part in brackets."""
+        """Size and time of a picture and the renderer's name, in full as a tooltip."""
         height, width = shown.picture.display.shape[:2]
         self.facts.setText(
             f"{width} \N{MULTIPLICATION SIGN} {height} in {_duration(shown.seconds)}, "
             f"{renderer.partition(' (')[0]}   "
         )
+        self.facts.setToolTip(renderer)
 
     def _tell(self, line: str, colour: str) -> None:
         self.remedy.hide()
