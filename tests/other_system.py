@@ -128,9 +128,15 @@ def import_all(packages: tuple[str, ...]) -> list[str]:
 
 
 def run(commands: tuple[tuple[str, ...], ...]) -> None:
-    """Run commands in the present folder, one after another in this process."""
-    from vrut_lite import cli
+    """Run commands in the present folder, one after another in this process; keep an array."""
+    import numpy as np
 
+    from vrut_lite import cli
+    from vrut_lite.array_cache import ArrayCache
+
+    cache = ArrayCache(Path("cache"))
+    cache.put("a recipe", {"values": np.arange(3.0)})
+    assert cache.get("a recipe") is not None
     Path("yard.obj").write_text(YARD, encoding="utf-8")
     Path("desks.csv").write_text("1,0.8,1\n2,0.8,2\n", encoding="utf-8")
     for command in commands:
