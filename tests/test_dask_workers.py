@@ -16,6 +16,7 @@ from vrut_lite import cli
 from vrut_lite.errors import UserError
 from vrut_lite.studio import dask_workers
 
+dask = pytest.importorskip("dask", reason="distributed is not installed: extra dask")
 distributed = pytest.importorskip("distributed", reason="distributed is not installed: extra dask")
 ROOT = Path(__file__).parents[1]
 SKIES = ("sky", "--sky", "dynamic_skylight", "--size", "16", "--at", "2026-06-21T12:00", "--from",
@@ -29,6 +30,8 @@ def cluster(tmp_path_factory):
     processes_or_skip()
     folder = tmp_path_factory.mktemp("cluster")
     with (
+        # After so long `restored` may replace a worker that was taken out.
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "0.1s"}),
         distributed.LocalCluster(
             n_workers=3,
             threads_per_worker=1,
@@ -39,6 +42,17 @@ def cluster(tmp_path_factory):
         distributed.Client(cluster, set_as_default=False) as client,
     ):
         yield client
+
+
+def restored(cluster):
+    """Wait until the cluster has three sound workers; their processes by name."""
+    names = cluster.run(fill_disk, None)
+    cluster.run(slow_disk, 0.0)
+    if len(names) < 3:
+        time.sleep(1.0)
+        cluster.cluster.scale(3)
+    cluster.wait_for_workers(3, timeout=120)
+    return cluster.run(os.getpid)
 
 
 def run(*arguments):
@@ -81,14 +95,11 @@ def slow_disk(seconds):
 @pytest.fixture
 def bad_workers(cluster):
     """One slow worker, one with a full disk, and the process of the third."""
-    cluster.wait_for_workers(3)
-    pids = cluster.run(os.getpid)
+    pids = restored(cluster)
     slow, full, killed = pids
     cluster.run(slow_disk, 0.3, workers=[slow])
     cluster.run(fill_disk, 100, workers=[full])
-    yield pids[killed]
-    cluster.run(slow_disk, 0.0)
-    cluster.run(fill_disk, None)
+    return pids[killed]
 
 
 def kill_after_first(folder, pid, killed):
@@ -158,7 +169,7 @@ def test_a_sequence_is_whole_though_workers_fail(cluster, bad_workers, tmp_path)
 
 def test_full_disks_everywhere_end_in_one_sentence(cluster):
     """It names a worker and the remedy; nothing is left waiting."""
-    cluster.wait_for_workers(3)
+    restored(cluster)
     cluster.run(fill_disk, 100)
     executor = dask_workers.ClusterExecutor(cluster)
     try:
@@ -171,7 +182,7 @@ def test_full_disks_everywhere_end_in_one_sentence(cluster):
 
 def test_workers_of_another_version_are_refused(cluster):
     """Their pictures would be others."""
-    cluster.wait_for_workers(3)
+    restored(cluster)
 
     def become(version):
         dask_workers.__version__ = version
@@ -187,7 +198,7 @@ def test_workers_of_another_version_are_refused(cluster):
 
 def test_a_function_that_raises_is_called_once(cluster):
     """Only a full disk sends work elsewhere: other failures are the work's own."""
-    cluster.wait_for_workers(3)
+    restored(cluster)
     failed = cluster.run_on_scheduler(erred)
     asked = dask_workers.ClusterExecutor(cluster).submit(int, "no number")
     with pytest.raises(ValueError, match="no number"):

@@ -1,8 +1,8 @@
 """Workers of a Dask cluster, of this machine or another.
 
 A worker that is killed is the cluster's matter: its work begins again elsewhere. A worker whose
-disk is full would fail with all that it gets, and get more than others as it fails quickly: from
-its first failure on the others do its work.
+disk is full would fail with all that it gets, and get more than others as it fails quickly: it is
+taken out of the cluster, and the others do its work.
 """
 
 import errno
@@ -82,7 +82,6 @@ class ClusterExecutor(Executor):
 
     def __init__(self, client: Any):
         self._client = client
-        self._full: dict[str, str] = {}
         self._waiting: set[Any] = set()
         self._lock = Lock()
 
@@ -106,17 +105,8 @@ class ClusterExecutor(Executor):
             self._client.cancel(list(waiting))
 
     def _send(self, answer: "Future[Any]", call: tuple[Any, ...], tries: int) -> None:
-        others = [name for name in _names(self._client) if name not in self._full]
-        promise = self._client.submit(
-            _done,
-            (__version__, os.getcwd()),
-            *call,
-            pure=False,
-            retries=0,
-            # Any, while no disk is full: also workers that come later.
-            workers=others if self._full else None,
-            allow_other_workers=bool(self._full),
-        )
+        asker = __version__, os.getcwd()
+        promise = self._client.submit(_done, asker, *call, pure=False, retries=0)
         with self._lock:
             self._waiting.add(promise)
 
@@ -141,12 +131,13 @@ class ClusterExecutor(Executor):
             answer.set_result(promise.result())
         except DiskFullError as error:
             name, reason = error.args
-            self._full[name] = reason
-            if tries == _MOST_TRIES or not set(_names(self._client)) - self._full.keys():
+            if tries == _MOST_TRIES or _names(self._client) in ([], [name]):
                 raise UserError(
                     f"no worker of the cluster has room on its disk ({reason} on {name}): free "
                     "some there, or name another folder for temporary files in TMPDIR"
                 ) from None
+            # Where a cluster replaces lost workers, the new one may have room.
+            self._client.retire_workers([name])
             self._send(answer, call, tries + 1)
         except KilledWorker as error:
             raise ModuleFailed(
