@@ -4,6 +4,7 @@ The README and its like become pages; the reference is written from the code: co
 settings and slots from the modules' manifests, messages from their types. `make docs` builds it.
 """
 
+import importlib
 import inspect
 import re
 from collections.abc import Iterable, Iterator
@@ -158,7 +159,12 @@ def _shown(module: str, names: tuple[str, ...] | None) -> list[str]:
     """A python module, or some of its names; messages have a page of their own."""
     if names is None:
         return [module]
-    return [f"{module}.{name}" for name in names if name not in _MESSAGES]
+    shown = [name for name in names if name not in _MESSAGES]
+    imported = importlib.import_module(module)
+    if hasattr(imported, "__getattr__"):
+        # mkdocstrings reads files: a name that is imported late stands in its own.
+        return [f"{getattr(imported, name).__module__}.{name}" for name in shown]
+    return [f"{module}.{name}" for name in shown]
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
