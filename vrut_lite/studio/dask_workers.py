@@ -98,7 +98,7 @@ class ClusterExecutor(Executor):
         return answer
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Take back what is not done."""
+        """Cancel waiting calls."""
         if cancel_futures:
             with self._lock:
                 waiting, self._waiting = self._waiting, set()
@@ -185,7 +185,7 @@ def _done(
 
 
 def _full_disk(error: BaseException | None) -> str:
-    """What could not be written for want of room, among an exception's causes; else empty."""
+    """The system's sentence on a full disk among an exception's causes; empty without one."""
     while error is not None:
         if isinstance(error, OSError) and error.errno in _NO_ROOM:
             return (error.strerror or str(error)).lower()
