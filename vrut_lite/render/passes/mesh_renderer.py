@@ -124,6 +124,8 @@ class MeshRenderer(CasterRenderer):
             self._uploads, self._places_seen_by = scene.uploads, None
             self._programs.clear()
             self._surfaces.clear()
+            # Films of other scenes would gather.
+            self._terms.release()
         super().update(scene)
 
     def read_finer(self, scene: PyrenderScene, levels: float) -> None:
@@ -209,7 +211,7 @@ class MeshRenderer(CasterRenderer):
     def _mesh_program(self, primitive: Any, defines: Defines) -> Program:
         """The program of a mesh with these defines, bound."""
         program = self._programs.get((primitive, defines))
-        if program is None:
+        if program is None or not program._in_context():
             self._program_cache.also = defines
             program = self._programs[primitive, defines] = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL

@@ -15,11 +15,17 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E402
 
 
+# Programs that stay compiled: 3 MiB each where a processor renders. A picture needs 10 to 30.
+MOST_PROGRAMS = 64
+
+
 class Program(ShaderProgram):
     """A program of our shaders, with pyrender's names defined in GLSL's syntax."""
 
     def __init__(self, *shaders: str, defines: Mapping[str, int]):
         super().__init__(*shaders, defines=defines)
+        # Whether it was bound since `Programs` looked last.
+        self.was_bound = True
         self._places: dict[str, int] = {}
         self._values: dict[str, object] = {}
         self._last: dict[str, Mapping[str, Any]] = {}
@@ -34,6 +40,7 @@ class Program(ShaderProgram):
         return self._places[name]
 
     def _bind(self) -> None:
+        self.was_bound = True
         direct_gl.use_program(self._program_id)
 
     def set_uniforms(self, kind: str, values: Mapping[str, Any]) -> None:
@@ -69,7 +76,10 @@ class Program(ShaderProgram):
 
 
 class Programs(ShaderProgramCache):
-    """Programs by their shaders and defines, pyrender's and `also` ours."""
+    """Programs by their shaders and defines, pyrender's and `also` ours.
+
+    Beyond MOST_PROGRAMS the oldest that was not bound lately is freed (a clock, Corbato 1968).
+    """
 
     also: Defines = ()
 
@@ -85,8 +95,20 @@ class Programs(ShaderProgramCache):
         all_defines = {**(defines or {}), **dict.fromkeys(self.also, 1)}
         key = (vertex_shader, fragment_shader, *sorted(all_defines.items()))
         if key not in known:
+            self._make_room()
             known[key] = Program(vertex_shader, fragment_shader, defines=all_defines)
         return known[key]
+
+    def _make_room(self) -> None:
+        known = self._program_cache
+        while len(known) >= MOST_PROGRAMS:
+            key = next(iter(known))
+            oldest = known.pop(key)
+            if oldest.was_bound:
+                oldest.was_bound = False
+                known[key] = oldest
+            else:
+                oldest.delete()
 
 
 def compile_error(defines: Defines) -> str | None:
