@@ -235,6 +235,20 @@ def test_the_oldest_messages_make_place(qtbot):
     assert model.index_of(last).row() == model.rowCount() - 1
 
 
+def test_live_messages_behind_a_journal_make_place_too(driver, inspector, tmp_path):
+    """A journal left open while time plays must not gather live messages for ever."""
+    path = str(tmp_path / "session.mcap")
+    driver.session.save_journal(path, lambda _: inspector.journal.open_from(path))
+    driver.until(lambda: inspector.journal.is_open)
+    watch = driver.asked(lambda stage: inspector._watch)
+    for first in range(10**6, 10**6 + 2 * MOST_LIVE, 4000):
+        watch._seen.extend(rows(*range(first, first + 4000)))
+        driver.until(lambda: not watch._seen)
+        driver.settled()
+    inspector.journal.leave()
+    assert MOST_LIVE // 2 < inspector.table.messages.rowCount() <= MOST_LIVE
+
+
 def test_values_take_one_short_line():
     """Arrays by type and shape, texts without their line breaks, and not all of a shader."""
     assert value_text({"$array": "ab", "dtype": "<f4", "shape": [25, 3]}) == "<f4 (25, 3)"

@@ -18,7 +18,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.cause_tree import CauseTree
 from vrut_lite.app.panels.journal_bar import JournalBar
-from vrut_lite.app.panels.message_table import MessageTable
+from vrut_lite.app.panels.message_table import MessageTable, with_latest
 from vrut_lite.app.widgets import make_timer, panel_column
 
 _LOOK_MS = 250
@@ -135,7 +135,7 @@ class MessageInspector(QWidget):
         if clears != self._clears:
             return
         if rows and self.journal.is_open:
-            self._live.extend(rows)
+            self._live = with_latest(self._live, rows)
         elif rows:
             self.table.append(rows)
 

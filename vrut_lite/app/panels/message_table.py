@@ -53,7 +53,7 @@ class MessageModel(QAbstractTableModel):
     def append(self, rows: list[MessageRow]) -> None:
         """Append rows; the oldest are dropped beyond the limit."""
         if len(self._rows) + len(rows) > MOST_LIVE:
-            self.replace([*self._rows, *rows][-MOST_LIVE * 3 // 4 :])
+            self.replace(with_latest(self._rows, rows))
             return
         self._rows.extend(rows)
         passing = [row for row in rows if self._passes(row)]
@@ -166,6 +166,12 @@ class MessageTable(QTreeView):
     def _moved(self, current: QModelIndex) -> None:
         if current.isValid():
             self.chosen.emit(self.messages.shown[current.row()].number)
+
+
+def with_latest(rows: list[MessageRow], more: list[MessageRow]) -> list[MessageRow]:
+    """Live rows and newer ones; beyond the limit the oldest quarter is dropped."""
+    both = [*rows, *more]
+    return both if len(both) <= MOST_LIVE else both[-MOST_LIVE * 3 // 4 :]
 
 
 def colour_of(row: MessageRow) -> QColor:

@@ -14,7 +14,6 @@ import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E402
 
-
 # Programs that stay compiled: 3 MiB each where a processor renders. A picture needs 10 to 30.
 MOST_PROGRAMS = 64
 
