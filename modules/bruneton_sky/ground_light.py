@@ -1,12 +1,12 @@
 """Irradiance and radiance of level ground under sun and sky."""
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.solver import SourceField, ground_irradiance
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.sun_light import sun_irradiance
@@ -40,7 +40,7 @@ def ground_radiance(field: SourceField, mu_s: ArrayLike) -> GroundLight:
     return GroundLight(*(_interpolate(cosine, suns, part) for part in light))
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _light_on_ground(field: SourceField) -> tuple[FloatArray, GroundLight]:
     """Cosines (n,) of suns, rising, and the ground's radiance (n, C) under each."""
     air = field.atmosphere

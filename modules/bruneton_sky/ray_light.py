@@ -6,13 +6,13 @@ is the solver's source function at the nodes times the scattering coefficient (B
 2008, equations 7 and 10).
 """
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.geometry import (
     Ray,
     altitude_along,
@@ -308,7 +308,7 @@ def _level(field: SourceField, height: FloatArray, sun: FloatArray) -> FloatArra
     return light_over_lines(bend, far[:, None])
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _bends(field: SourceField) -> FloatArray:
     """`sun_bend` of each wavelength's group (altitudes, suns, C)."""
     mu_s, groups = SunGrid(field.atmosphere, field.sizes.mu_s).mu_s, range(len(field.rayleigh))
@@ -328,7 +328,7 @@ def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:
     return np.asarray(place + share * (in_layer - place))
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _tables(field: SourceField) -> tuple[SingleArray, SingleArray]:
     """The source function of molecules (altitudes, suns, 4, C), and that of aerosol (altitudes, mu,
     azimuths, suns, C), all wavelengths side by side; empty without aerosol."""
@@ -337,7 +337,7 @@ def _tables(field: SourceField) -> tuple[SingleArray, SingleArray]:
     return np.ascontiguousarray(rayleigh), _by_sun(field.mie, count)
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _polarised_table(field: SourceField) -> SingleArray:
     """Coefficients of Q and U of aerosol (altitudes, suns, 2, harmonics, C); empty without."""
     assert field.polarised is not None

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.background import background_cube, surroundings
+from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.geometry import rays_in_air
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.ray_light import light_along, polarised_light_along
@@ -279,11 +279,13 @@ class SolvedSky:
         return (slice(start, start + step) for start in range(0, count, step))
 
 
-@lru_cache(maxsize=2)
 def with_polarised_orders(field: SourceField) -> SourceField:
     """The field with Q and U of all orders; solved here if the sky has none."""
-    if field.polarised is not None:
-        return field
+    return field if field.polarised is not None else _polarised(field)
+
+
+@table_of_field
+def _polarised(field: SourceField) -> SourceField:
     sizes = replace(field.sizes, polarised_orders=None)
     return solve_source(field.atmosphere, sizes=sizes, all_orders=True)
 

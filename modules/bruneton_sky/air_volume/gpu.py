@@ -3,7 +3,6 @@
 The CPU computes the matter along the rays, row by row, the GPU the light of all columns.
 """
 
-from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.air_volume.kernels import SLICE_FLOATS, pack_slices
 from bruneton_sky.air_volume.volume import AirSizes, Matter, matter_before, volume_of
+from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.sky_view.table import channel_phases
 from bruneton_sky.solver import SourceField
@@ -94,7 +94,7 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
 
 
 # Kept while sun and observer move: neither made nor uploaded again.
-@lru_cache(maxsize=1)
+@table_of_field
 def _on_gpu(field: SourceField) -> _FieldOnGpu:
     source, transmittance = source_of_group(field, 0), field.transmittance[0]
     suns = source.rayleigh.shape[2] // LANES
@@ -118,7 +118,7 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
 
 
 # One while the sun moves: not uploaded again.
-@lru_cache(maxsize=1)
+@table_of_field
 def _angles(field: SourceField, altitude_m: float) -> Array:
     """The shader's `Phases` (n, 20)."""
     phases = channel_phases(field, altitude_m)

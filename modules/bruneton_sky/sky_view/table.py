@@ -10,13 +10,13 @@ of ten between neighbouring rows, and linear interpolation of the roots follows 
 below zero, a colour outside the gamut, becomes zero.
 """
 
-from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
 from bruneton_sky.sky_view.cube_kernels import fill_faces
 from bruneton_sky.sky_view.rays import SkyViewRays, table_rows
@@ -252,7 +252,7 @@ def aerosol_bands(field: SourceField, altitude_m: float) -> AerosolBands:
     return _bands(field, _mean_above_m(field.atmosphere, altitude_m))
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _bands(field: SourceField, above_m: float) -> AerosolBands:
     air = field.atmosphere
     each, shown = _phases(field, above_m)
@@ -271,7 +271,7 @@ def _bands(field: SourceField, above_m: float) -> AerosolBands:
     )
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _bands_in_groups(
     field: SourceField, above_m: float
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -298,7 +298,7 @@ def channel_phases(field: SourceField, altitude_m: float) -> ChannelPhases:
     return _channels(field, 0.5 * _mean_above_m(field.atmosphere, altitude_m))
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _channels(field: SourceField, above_m: float) -> ChannelPhases:
     each, shown = _phases(field, above_m)
     channels = shown @ channel_shares(field.atmosphere)
@@ -319,7 +319,7 @@ def _phases(field: SourceField, above_m: float) -> tuple[NDArray[np.float64], ND
     return each, np.einsum("kc,knc->nc", share, each)
 
 
-@lru_cache(maxsize=2)
+@table_of_field
 def _by_kind(field: SourceField) -> NDArray[np.float64]:
     nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
     return kind_phases(field.atmosphere, field.sizes.degree, nu)
@@ -343,14 +343,14 @@ def channel_shares(atmosphere: Atmosphere) -> NDArray[np.float64]:
     return np.asarray(coloured / coloured.sum(axis=0))
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _sources(field: SourceField) -> list[tuple[WavelengthGroup, "Source"]]:
     """Air and source function of each group of wavelengths."""
     airs = groups_of_air(field.thinned)
     return [(air, source_of_group(field, k)) for k, air in enumerate(airs)]
 
 
-@lru_cache(maxsize=4)
+@table_of_field
 def _colours(field: SourceField) -> tuple[NDArray[np.float32], list[GroundColours]]:
     """Colours (groups, 4 * 4) of the wavelengths in skylight, and of the ground under any sun."""
     air, wavelength_nm = field.atmosphere, field.atmosphere.wavelength_nm
