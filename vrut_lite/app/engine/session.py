@@ -21,6 +21,7 @@ from vrut_lite.app.engine.garbage import GarbageOnQtThread
 from vrut_lite.app.engine.history import History
 from vrut_lite.app.engine.module_catalogue import ModuleCatalogue, catalogue_of
 from vrut_lite.app.engine.preview_kernel import PreviewKernel
+from vrut_lite.app.engine.spare_memory import SpareMemory
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
@@ -82,6 +83,7 @@ class Session(QObject):
         self._recorder: FlightRecorder | None = None
         self._engine = Engine(open_stage, self._mailbox.put, self._attend)
         self._garbage = GarbageOnQtThread(self)
+        self._spare = SpareMemory(self)
 
     def start(self) -> None:
         """Open the host, in the background."""
@@ -225,6 +227,7 @@ class Session(QObject):
         if came:
             self._mailbox.close()
             self._garbage.stop()
+            self._spare.stop()
         return came
 
     @property
@@ -256,6 +259,7 @@ class Session(QObject):
             self._hear(*value)
         elif kind == revision_news.PICTURE:
             self.shown = value
+            self._spare.picture_shown()
             self.picture_shown.emit(value)
         elif kind == revision_news.WAITS:
             self.waits_for = value
@@ -275,6 +279,7 @@ class Session(QObject):
             self._begin_to_end()
             # Also of a session that nobody joins, as one whose host could not be opened.
             self._garbage.stop()
+            self._spare.stop()
             self.ended.emit()
         else:
             self._take_answer(*value)
