@@ -3,6 +3,7 @@
 from datetime import timedelta
 
 import numpy as np
+from bruneton_sky.panel import PolarisationPanel
 from PIL import Image
 
 from vrut_lite.app.compare.compare_panel import ComparePanel
@@ -103,15 +104,30 @@ def dialogs(posed: PosedWindow) -> list[Pixels]:
     return found
 
 
+def choose_sky(posed: PosedWindow, module: str) -> None:
+    """Let a module hold the sky, and wait until it does."""
+    posed.session.send(ChooseSlot(slot="sky", module=module))
+    posed.until(lambda: posed.session.catalogue.holders["sky"] == module)
+    posed.rest()
+
+
+def polarisation(posed: PosedWindow) -> Pixels:
+    """The panel of the sky's polarisation, which a sky computes while it is seen."""
+    panel = posed.window.panels["panel bruneton_sky"]
+    assert isinstance(panel, PolarisationPanel)
+    posed.window.show_dock("panel bruneton_sky")
+    posed.until(lambda: panel.shown is not None)
+    return posed.panel("panel bruneton_sky")
+
+
 def all_parts(posed: PosedWindow) -> list[Pixels]:
     """Each panel, in the order of the sheet."""
     parts = [posed.panel(name) for name in ("place", "sun", "picture", "export")]
     for sky in ("dynamic_skylight", "bruneton_sky"):
-        posed.session.send(ChooseSlot(slot="sky", module=sky))
-        posed.rest()
+        choose_sky(posed, sky)
         parts.append(posed.panel("sky"))
     parts += [posed.panel(name) for name in posed.window.docks if name.startswith("module ")]
-    parts += [posed.panel(f"panel {name}") for name in ("light_transport", "bruneton_sky")]
+    parts += [posed.panel("panel light_transport"), polarisation(posed)]
     posed.window.show_dock("compare")
     posed.rest()
     compare = posed.window.panels["compare"]
