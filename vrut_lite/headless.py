@@ -9,11 +9,15 @@ A command is a `click.Command` of the group `vrut_lite.commands`.
   `kernel.add_module` where a scene is opened. `setting_inputs`, `daylight_inputs` and `view_inputs`
   are a project's inputs; `FaultCollector` raises what modules raised; `require_sun` asks for a sun.
 * The terminal: `busy_with`, `tracked` and `tell_notices`; `write_png` for pictures.
+* Stills of a project by `ScenePlan.open`, drawn as `render` draws them; `display_numbers` are those
+  of the tone map.
 """
 
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight_kernel import FaultCollector
+from vrut_lite.lazy import lazy
+from vrut_lite.pictures.display import display_numbers
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import (
     Project,
@@ -29,14 +33,19 @@ from vrut_lite.studio.pictures import tell_notices
 from vrut_lite.studio.progress import busy_with, tracked
 from vrut_lite.studio.workers import worker_options, workers_of
 
+# Only commands that draw need it.
+ScenePlan = lazy("vrut_lite.studio.scene_pictures:ScenePlan")
+
 __all__ = [
     "FaultCollector",
     "FiniteRange",
     "Project",
     "SceneManager",
+    "ScenePlan",
     "busy_with",
     "daylight_inputs",
     "daylight_options",
+    "display_numbers",
     "open_kernel",
     "project_of_path",
     "require_sun",

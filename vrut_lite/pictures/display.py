@@ -1,14 +1,24 @@
 """Exposure, white balance, tone map and dither on the CPU, as the frame's last pass has them."""
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.glare import with_glare
-from vrut_lite.pictures.night_eye import adapted_cd, as_sharp_as_seen, seen_by_eye
+from vrut_lite.pictures.night_eye import (
+    CONES_ALONE_CD,
+    RODS_ALONE_CD,
+    RODS_BLUE_RGB,
+    RODS_GREY_RGB,
+    XYZ_FROM_SRGB,
+    adapted_cd,
+    as_sharp_as_seen,
+    seen_by_eye,
+)
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
@@ -45,6 +55,26 @@ def display_picture(
         return np.rint(encoded * 65535.0).astype(np.uint16)
     encoded += dither(*radiance.shape[:2])[..., None] / 255.0
     return np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
+
+
+def display_numbers() -> dict[str, Any]:
+    """The numbers of AgX and of the eye by night, for a program elsewhere that does the same.
+
+    Matrices are row after row; luminances are CIE Y in W m^-2 sr^-1.
+    """
+    return {
+        "inset": tone_map.INSET.ravel().tolist(),
+        "outset": tone_map.OUTSET.ravel().tolist(),
+        "darkest": tone_map.DARKEST_LOG2,
+        "brightest": tone_map.BRIGHTEST_LOG2,
+        "sigmoid": list(tone_map.SIGMOID),
+        "contrast": tone_map.CONTRAST,
+        "saturation": tone_map.SATURATION,
+        "xyz_from_srgb": XYZ_FROM_SRGB.ravel().tolist(),
+        "rods_grey": RODS_GREY_RGB.tolist(),
+        "rods_blue": RODS_BLUE_RGB.tolist(),
+        "rods_range": [RODS_ALONE_CD / LUMENS_PER_WATT, CONES_ALONE_CD / LUMENS_PER_WATT],
+    }
 
 
 def developed(

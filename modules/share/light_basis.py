@@ -1,0 +1,192 @@
+"""Light maps as sums of few basis maps, by clusters of texels: clustered principal components.
+
+Texels whose light changes alike over the year make a cluster, and each cluster has basis maps of
+its own (Sloan, Hall, Hart and Snyder 2003, "Clustered principal components for precomputed radiance
+transfer"). The three channels share maps and differ in coefficients, which depend on the hour.
+Values are bytes, finer around 0: sign(b) |b / 127|^1.5.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from share.light_maps import LightMaps
+from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+CLUSTERS = 48
+# Exponent of the bytes.
+POWER = 1.5
+_MOST = 127.0
+# Codes of a value's factor are its logarithm to base 2, times this; 0 is no light.
+CODES_PER_STOP = 16.0
+# Errors count in shares of a texel's mean light to this power: dark texels count, but not as much
+# as if nobody saw brighter ones beside them.
+_WEIGHT_POWER = 0.75
+# Directions of all maps that clusters are built in, and texels that these are found by.
+_DIMENSIONS, _SAMPLES = 256, 6000
+_CLUSTERED_DIMENSIONS, _ROUNDS = 64, 8
+_BLOCK = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class LightBasis:
+    """Basis maps over T values, K terms in each of C clusters.
+
+    Attributes:
+        factor_code: (T,) uint8; the factor is 2^((code - 255) / `CODES_PER_STOP`), 0 for code 0.
+        cluster: (T,) uint8.
+        terms: (K, T) int8.
+        sun: (S, C, K, 3) float32, coefficients of the sun's places, as shares of levels.
+        glow, lamps: (C, K, 3) float32, W m^-2.
+    """
+
+    factor_code: NDArray[np.uint8]
+    cluster: NDArray[np.uint8]
+    terms: NDArray[np.int8]
+    sun: Float32Array
+    glow: Float32Array
+    lamps: Float32Array
+
+    def light(self, coefficients: FloatArray) -> Float32Array:
+        """Light (T, 3) of coefficients (C, K, 3): the twin of the page's sum."""
+        values = decoded(self.terms)
+        found = np.zeros((len(self.cluster), 3), np.float32)
+        for number in range(len(coefficients)):
+            at = self.cluster == number
+            found[at] = values[:, at].T @ coefficients[number].astype(np.float32)
+        return np.maximum(found * factors(self.factor_code)[:, None], 0.0)
+
+
+def decoded(codes: NDArray[np.int8]) -> Float32Array:
+    """Values of bytes."""
+    share = np.abs(codes.astype(np.float32)) / np.float32(_MOST)
+    return np.asarray(np.sign(codes) * share ** np.float32(POWER), np.float32)
+
+
+def factors(code: NDArray[np.uint8]) -> Float32Array:
+    """Factors (T,) of codes."""
+    found = np.exp2((code.astype(np.float32) - 255.0) / np.float32(CODES_PER_STOP))
+    return np.where(code > 0, found, 0.0).astype(np.float32)
+
+
+def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
+    """The basis of light maps; `seed` chooses the samples, so that a page is the same twice."""
+    random = np.random.default_rng(seed)
+    code = _factor_code(maps)
+    columns = _Columns(maps, factors(code))
+    used = np.flatnonzero(code)
+    sample = random.permutation(used)[:_SAMPLES]
+    rows = columns.rows(sample)
+    directions = _principal(rows.T @ rows, _DIMENSIONS)
+    towards = np.empty((len(code), directions.shape[1]), np.float32)
+    for block in _blocks(len(code)):
+        towards[block] = columns.rows(block) @ directions
+    cluster = _clusters(towards, used, random)
+    values = np.zeros((terms, len(code)), np.int8)
+    count = columns.count
+    found = np.zeros((CLUSTERS, terms, count), np.float32)
+    for number in range(CLUSTERS):
+        at = used[cluster[used] == number]
+        if not len(at):
+            continue
+        own = _principal(towards[at].T @ towards[at], terms)
+        basis = towards[at] @ own
+        peak = np.maximum(np.abs(basis).max(axis=0), 1e-30)
+        share = (np.abs(basis) / peak) ** (1.0 / POWER)
+        coded = (np.sign(basis) * np.rint(_MOST * share)).astype(np.int8)
+        values[: coded.shape[1], at] = coded.T
+        # Coefficients of the coded maps, by least squares.
+        exact = decoded(coded)
+        inner = (exact.T @ exact).astype(float)
+        inner += np.eye(len(inner)) * max(1e-6 * np.trace(inner) / len(inner), 1e-20)
+        product = exact.T @ columns.rows(at)
+        found[number, : len(inner)] = np.linalg.solve(inner, product)
+    sun, glow, lamps = columns.split(found)
+    return LightBasis(code, cluster, values, sun, glow, lamps)
+
+
+class _Columns:
+    """All light of values as rows: the sun's places, the glow and the lamps, channel by channel."""
+
+    def __init__(self, maps: LightMaps, factor: Float32Array):
+        self._maps = maps
+        self._inverse = np.where(factor > 0.0, 1.0 / np.maximum(factor, 1e-30), 0.0)
+        self._places = len(maps.by_sun)
+        # Deep in hundreds of the sun's places, one of night or lamps would hardly count.
+        weight = np.sqrt(max(self._places, 1) / 8.0)
+        means = [float(light.mean()) for light in (maps.by_glow, maps.by_lamps)]
+        level = float(maps.by_sun.mean())
+        self._scales = [weight * level / mean if mean > 0.0 else 0.0 for mean in means]
+        self.count = 3 * (self._places + 2)
+
+    def rows(self, at: NDArray[np.integer] | slice) -> Float32Array:
+        """Rows (n, columns) of values, over their factors."""
+        sun = self._maps.by_sun[:, at].transpose(1, 0, 2)
+        extra = [
+            light[at] * np.float32(scale)
+            for light, scale in zip(
+                (self._maps.by_glow, self._maps.by_lamps), self._scales, strict=True
+            )
+        ]
+        found = np.concatenate([sun.reshape(len(sun), -1), *extra], axis=1)
+        return np.asarray(found * self._inverse[at][:, None], np.float32)
+
+    def split(self, found: Float32Array) -> tuple[Float32Array, Float32Array, Float32Array]:
+        """Coefficients (C, K, columns) of the sun's places, the glow and the lamps."""
+        clusters, terms, _ = found.shape
+        sun = found[..., : 3 * self._places].reshape(clusters, terms, self._places, 3)
+        extra = [
+            np.asarray(part / scale if scale else part * 0.0, np.float32)
+            for part, scale in zip(np.split(found[..., -6:], 2, axis=-1), self._scales, strict=True)
+        ]
+        return np.ascontiguousarray(sun.transpose(2, 0, 1, 3)), extra[0], extra[1]
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    for first in range(0, count, _BLOCK):
+        yield slice(first, min(first + _BLOCK, count))
+
+
+def _principal(gram: Float32Array, count: int) -> Float32Array:
+    """The first eigenvectors (n, <= count) of a matrix (n, n), the strongest first."""
+    vectors = np.linalg.eigh(np.asarray(gram, float))[1]
+    return np.asarray(vectors[:, ::-1][:, :count], np.float32)
+
+
+def _clusters(
+    towards: Float32Array, used: NDArray[np.integer], random: np.random.Generator
+) -> NDArray[np.uint8]:
+    """Clusters (T,) of values by the direction of their rows (Lloyd's k-means)."""
+    points = towards[used, :_CLUSTERED_DIMENSIONS]
+    points = points / np.maximum(np.linalg.norm(points, axis=1, keepdims=True), 1e-20)
+    centres = points[random.permutation(len(points))[:CLUSTERS]]
+    nearest = np.zeros(len(points), np.int64)
+    for _ in range(_ROUNDS):
+        for block in _blocks(len(points)):
+            away = np.square(centres).sum(axis=1) - 2.0 * points[block] @ centres.T
+            nearest[block] = away.argmin(axis=1)
+        centres = np.stack([
+            points[nearest == number].mean(axis=0) if np.any(nearest == number) else centre
+            for number, centre in enumerate(centres)
+        ])
+    found = np.zeros(len(towards), np.uint8)
+    found[used] = nearest
+    return found
+
+
+def _factor_code(maps: LightMaps) -> NDArray[np.uint8]:
+    """Codes (T,) of the factors of values: their mean light to a power."""
+    mean = np.zeros(maps.by_sun.shape[1])
+    for light in maps.by_sun:
+        mean += light @ LUMINANCE_WEIGHTS
+    mean /= max(float(mean.max()), 1e-30)
+    for extra in (maps.by_glow, maps.by_lamps):
+        # Where lamps alone give light, theirs counts.
+        own = extra @ LUMINANCE_WEIGHTS
+        mean = np.maximum(mean, own * (0.1 / max(float(own.max()), 1e-30)))
+    stops = _WEIGHT_POWER * np.log2(np.maximum(mean, 1e-30))
+    code = np.clip(np.rint(255.0 + CODES_PER_STOP * stops), 1, 255)
+    return np.where(mean > 0.0, code, 0).astype(np.uint8)

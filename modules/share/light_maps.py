@@ -1,0 +1,186 @@
+"""Light maps of a scene under the sun in many places, in the dark night, and by its lamps.
+
+Light is linear in its sources: sunlight, moonlight, the night's glow and lamps add up, and the
+moon's is the sun's in the moon's place times a factor, as in the sky itself (`sky_at_night.py`).
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from light_transport.public import (
+    Illumination,
+    SceneTransport,
+    TransportSizes,
+    first_rays,
+    quality_for,
+    surfaces_of,
+)
+from numpy.typing import NDArray
+
+from share.shared_scene import direction_of
+from share.sky_table import SkyTable
+from share.sun_grid import SunGrid
+from vrut_lite.array import Array
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.sky.night_glow import glow_cube
+
+# Edge of the cube maps that light the scene: cells of the sky are coarser.
+_CUBE = 64
+# Texels and faces of probes up to which a page stays small enough to be sent.
+MOST_VALUES = 400_000
+_BLACK = (0.0, 0.0, 0.0)
+
+
+def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTransport:
+    """A scene's transport by all rays of a tolerance; rays are kept on disk.
+
+    Raises:
+        UserError: the scene has no surfaces, or its light map is too large for a page.
+    """
+    if not scene.triangles:
+        raise UserError("the scene has no surfaces: there is no light on them to share")
+    quality = quality_for(tolerance)
+    sizes = TransportSizes(
+        None, texels or quality.texels, quality.patch_texels, quality.bounces_left
+    )
+    found = SceneTransport.of_scene(scene, surfaces_of(scene), sizes)
+    values = len(Values.of(found).where)
+    if values > MOST_VALUES:
+        raise UserError(
+            f"the light map has {values:,} texels, more than the {MOST_VALUES:,} that fit into a "
+            f"page: reduce them, as by --texels {max(quality.texels // 2, 1000)}"
+        )
+    # Patches follow from the first round, and so do kept rays: it is the module's own.
+    for rays in (first_rays(found.rows), quality.rays):
+        found.add_cached_rays(rays - found.rays)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Values:
+    """The values of a light map that a page keeps: its used texels, then its probes' faces.
+
+    `size_px` is the width and height of the map, `where` (T,) the places of used texels in it, row
+    by row, and `probes` the shape (nz, ny, nx, 6) of the probes, or None.
+    """
+
+    size_px: tuple[int, int]
+    where: NDArray[np.int64]
+    probes: tuple[int, ...] | None
+
+    @classmethod
+    def of(cls, transport: SceneTransport) -> "Values":
+        """The values of a transport's map."""
+        laid = transport.layout_message
+        used = transport.texels.row_of.ravel() >= 0
+        probes = None if laid.probes is None else (*laid.probes.counts[::-1], 6)
+        return cls(tuple(laid.size_px), np.flatnonzero(used), probes)
+
+    def __len__(self) -> int:
+        return len(self.where) + (0 if self.probes is None else int(np.prod(self.probes)))
+
+    def taken(self, texels: Float32Array, probes: Float32Array | None) -> Float32Array:
+        """Values (T, 3) of a map (height, width, >= 3) and of probes (nz, ny, nx, 6, >= 3)."""
+        found = texels.reshape(-1, texels.shape[-1])[self.where, :3]
+        if probes is None:
+            return found
+        return np.concatenate([found, probes.reshape(-1, probes.shape[-1])[:, :3]])
+
+
+def illumination(
+    table: SkyTable, true_rad: float, apparent_rad: float, azimuth_rad: float
+) -> Illumination:
+    """The light of the sun in a place, by the table of the sky."""
+    cube = table.cube(_CUBE, true_rad, azimuth_rad)
+    layer, share = table.place(true_rad)
+    albedo = (1.0 - share) * table.albedo_rgb[layer] + share * table.albedo_rgb[layer + 1]
+    return Illumination(
+        sky=cube,
+        ground_radiance_rgb=tuple(table.mixed(table.ground, true_rad).tolist()),
+        ground_albedo_rgb=tuple(albedo.tolist()),
+        key_direction=direction_of(azimuth_rad, apparent_rad),
+        key_irradiance_rgb=tuple(table.mixed(table.key, true_rad).tolist()),
+        open_sky=irradiance_coefficients(cube),
+    )
+
+
+def glow_illumination(glow: Float32Array | None, albedo_rgb: FloatArray) -> Illumination:
+    """The light of a night's glow (rows, columns, 3); darkness for None."""
+    ground = np.zeros(3)
+    cube = np.zeros((6, _CUBE, _CUBE, 3), np.float32)
+    if glow is not None:
+        ground = albedo_rgb / np.pi * horizontal_irradiance(glow_cube(Array(glow), _CUBE, _BLACK))
+        cube = glow_cube(Array(glow), _CUBE, (float(ground[0]), float(ground[1]), float(ground[2])))
+    return Illumination(
+        sky=cube,
+        ground_radiance_rgb=tuple(ground.tolist()),
+        ground_albedo_rgb=tuple(np.asarray(albedo_rgb).tolist()),
+        key_direction=(0.0, 1.0, 0.0),
+        key_irradiance_rgb=_BLACK,
+        open_sky=irradiance_coefficients(cube),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class LightMaps:
+    """Light (T, 3) on the values of a map, W m^-2: without the key light's own.
+
+    Attributes:
+        by_sun: (S, T, 3), at the lit nodes of a grid, as shares of `level_rgb` (S, 3).
+        by_glow: (T, 3), of a moonless night.
+        by_lamps: (T, 3), of lamps and surfaces that glow, their direct light too.
+    """
+
+    by_sun: Float32Array
+    level_rgb: FloatArray
+    by_glow: Float32Array
+    by_lamps: Float32Array
+
+
+def light_maps(
+    transport: SceneTransport,
+    values: Values,
+    table: SkyTable,
+    grid: SunGrid,
+    apparent_of: Callable[[float], float],
+    glow: Float32Array | None,
+    tracked: Callable[[Iterable[int]], Iterable[int]],
+) -> LightMaps:
+    """The light maps of a scene."""
+
+    def light(hour: Illumination) -> Float32Array:
+        found = transport.light(hour)
+        return values.taken(found.texels, found.probes)
+
+    albedo = table.albedo_rgb[-1]
+    by_lamps = light(glow_illumination(None, albedo))
+    by_glow = np.maximum(light(glow_illumination(glow, albedo)) - by_lamps, 0.0)
+    by_sun = np.empty((len(grid.lit), len(values), 3), np.float32)
+    levels = np.empty((len(grid.lit), 3))
+    heights, azimuths = grid.heights.ravel(), grid.azimuths.ravel()
+    for number in tracked(range(len(grid.lit))):
+        node = grid.lit[number]
+        height = float(heights[node])
+        hour = illumination(table, height, apparent_of(height), float(azimuths[node]))
+        levels[number] = table.level(height)
+        by_sun[number] = np.maximum(light(hour) - by_lamps, 0.0) / levels[number]
+    return LightMaps(by_sun, levels, by_glow, by_lamps + _drawn_lamps(transport, values))
+
+
+def _drawn_lamps(transport: SceneTransport, values: Values) -> Float32Array:
+    """Direct light (T, 3) of the lamps that a frame draws with their shadow maps."""
+    cache = transport.cache
+    if cache.lamps is None:
+        return np.zeros((len(values), 3), np.float32)
+    rows = np.vstack([cache.lamps.drawn, np.zeros((1, 3), np.float32)])
+    texels = len(transport.texels.pixel)
+    shown = np.where(cache.shown < texels, cache.shown, len(rows) - 1)
+    probes = None
+    if values.probes is not None:
+        count = int(np.prod(values.probes))
+        probes = rows[texels : texels + count].reshape(*values.probes, 3)
+    return values.taken(rows[shown], probes)

@@ -1,0 +1,84 @@
+// The light map of an hour: a sum of basis maps, whose coefficients depend on where the sun stands.
+import * as THREE from 'three';
+import { halfValue } from './data.js';
+import { clamp } from './sky.js';
+import { fullScreen, LIGHT_FRAGMENT } from './shaders.js';
+
+/** Weights of four even nodes about t (Catmull and Rom 1974). @param {number} t */
+function cubic(t) {
+  return [0.5 * t * (t * (2 - t) - 1), 0.5 * (t * t * (3 * t - 5) + 2),
+    0.5 * t * (t * (4 - 3 * t) + 1), 0.5 * t * t * (t - 1)];
+}
+
+export class LightMap {
+  /** @param {import('./data.js').PageData} data @param {import('./sky.js').SkyTable} table */
+  constructor(data, table) {
+    const about = data.header.basis;
+    this.about = about;
+    this.grid = data.header.grid;
+    this.table = table;
+    /** Coefficients of a place: clusters by terms by channels. */
+    this.count = about.clusters * about.terms * 3;
+    const bits = data.array('sun');
+    this.sun = Float32Array.from(bits, halfValue);
+    const extra = data.array('night_and_lamps');
+    this.glow = extra.subarray(0, this.count);
+    this.lamps = extra.subarray(this.count);
+    const [planes, height, width] = data.shape('planes');
+    this.size = [width, height];
+    const layers = Math.ceil(planes / 4), area = width * height, from = data.array('planes');
+    const texels = new Uint8Array(4 * area * layers);
+    for (let p = 0; p < planes; ++p) {
+      const base = 4 * area * (p >> 2) + (p & 3), at = p * area;
+      for (let i = 0; i < area; ++i) texels[base + 4 * i] = from[at + i];
+    }
+    this.basis = new THREE.DataArrayTexture(texels, width, height, layers);
+    this.basis.magFilter = this.basis.minFilter = THREE.NearestFilter;
+    this.basis.needsUpdate = true;
+    this.values = new Float32Array(4 * about.clusters * about.terms);
+    this.coefficients = new THREE.DataTexture(this.values, about.terms, about.clusters,
+      THREE.RGBAFormat, THREE.FloatType);
+    this.target = new THREE.WebGLRenderTarget(width, height, {
+      type: THREE.HalfFloatType, depthBuffer: false,
+      magFilter: THREE.LinearFilter, minFilter: THREE.LinearFilter,
+    });
+    this.pass = fullScreen(LIGHT_FRAGMENT, {
+      basis: { value: this.basis }, coefficients: { value: this.coefficients },
+    }, { TERMS: about.terms, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
+    /** Factor from the map's values to W m^-2. */
+    this.scale = 1;
+  }
+
+  /** Adds the coefficients of a body, W m^-2.
+   * @param {number} declination @param {number} hour angle @param {import('./sky.js').Body} body
+   * @param {Float64Array} into */
+  add(declination, hour, body, into) {
+    const { declinations, hours, most_declination: most, nodes } = this.grid;
+    const step = 2 * most / (declinations - 1);
+    const v = clamp((declination + most) / step, 0, declinations - 1);
+    const turn = ((hour / (2 * Math.PI)) % 1 + 1) % 1, u = (turn * hours) % hours;
+    const row = Math.min(Math.floor(v), declinations - 2), column = Math.floor(u);
+    const along = cubic(u - column), level = this.table.level(body.trueRad);
+    for (let j = 0; j < 2; ++j) {
+      for (let i = 0; i < 4; ++i) {
+        const weight = along[i] * (j ? v - row : 1 - (v - row));
+        const start = nodes[row + j][(column + i - 1 + hours) % hours] * this.count;
+        for (let c = 0; c < 3; ++c) {
+          const factor = weight * level[c] * body.share[c];
+          for (let k = c; k < this.count; k += 3) into[k] += factor * this.sun[start + k];
+        }
+      }
+    }
+  }
+
+  /** Draws the map of these coefficients. @param {THREE.WebGLRenderer} renderer
+   * @param {Float64Array} coefficients @param {number} bright light of the brightest texels, about */
+  draw(renderer, coefficients, bright) {
+    this.scale = bright;
+    for (let i = 0; i < this.count / 3; ++i) {
+      for (let c = 0; c < 3; ++c) this.values[4 * i + c] = coefficients[3 * i + c] / bright;
+    }
+    this.coefficients.needsUpdate = true;
+    this.pass.draw(renderer, this.target);
+  }
+}

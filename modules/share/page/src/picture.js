@@ -1,0 +1,413 @@
+// The picture of an hour: light map, sky, shadows, surfaces, exposure and display.
+import * as THREE from 'three';
+import { adaptedCd, automaticEv, scaleOf } from './exposure.js';
+import { LightMap } from './light.js';
+import { sceneOf } from './scene.js';
+import {
+  COPY_FRAGMENT, CUBE_FRAGMENT, SKY_FRAGMENT, SKY_VERTEX, TONE_FRAGMENT, fullScreen, program,
+} from './shaders.js';
+import { OpenIrradiance, SkyTable, directionOf, placed } from './sky.js';
+import { Ephemeris, nightShare, sunShare, visible } from './sun.js';
+
+const MIRROR_EDGE = 64, METER = [128, 72], STILLS = 16;
+const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
+const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
+
+/** @param {number[]} rows of a 3 x 3 matrix, row after row */
+const matrix = (rows) => new THREE.Matrix3().fromArray(rows).transpose();
+
+export class Picture {
+  /** @param {import('./data.js').PageData} data @param {HTMLCanvasElement} canvas */
+  constructor(data, canvas) {
+    const { header } = data;
+    this.header = header;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, alpha: false });
+    this.renderer.autoClear = false;
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    const gl = this.renderer.getContext();
+    const about = gl.getExtension('WEBGL_debug_renderer_info');
+    const name = about ? String(gl.getParameter(about.UNMASKED_RENDERER_WEBGL)) : '';
+    /** Whether a processor draws. */
+    this.soft = /swiftshader|llvmpipe|software|basic render/i.test(name);
+    this.table = new SkyTable(data);
+    this.open = new OpenIrradiance(this.table);
+    this.light = new LightMap(data, this.table);
+    this.ephemeris = new Ephemeris(header.place, header.moon);
+    this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 1e5);
+    this.exposure = { automatic: true, ev: 12, compensation: 0 };
+    this.ev = 12;
+    this.values = false;
+    this.stillCount = 0;
+    const [columns, rows] = [this.table.columns, this.table.rows];
+    this.defines = { COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1) };
+    const tone = header.tone;
+    const sky = data.array('visible_sky'), [mapHeight, mapWidth] = data.shape('visible_sky');
+    const skyTexture = new THREE.DataTexture(sky, mapWidth, mapHeight);
+    skyTexture.magFilter = skyTexture.minFilter = THREE.LinearFilter;
+    skyTexture.needsUpdate = true;
+    const tableEdge = data.shape('reflectance')[0];
+    const reflectance = new THREE.DataTexture(data.array('reflectance'), tableEdge, tableEdge,
+      THREE.RGBAFormat, THREE.HalfFloatType);
+    reflectance.magFilter = reflectance.minFilter = THREE.LinearFilter;
+    reflectance.needsUpdate = true;
+    this.mirror = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
+      type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
+      depthBuffer: false,
+    });
+    const edge = this.soft ? 2048 : 4096;
+    this.shadow = new THREE.WebGLRenderTarget(edge, edge, { depthBuffer: true });
+    const depth = new THREE.DepthTexture(edge, edge, THREE.FloatType);
+    depth.compareFunction = THREE.LessEqualCompare;
+    depth.magFilter = depth.minFilter = THREE.LinearFilter;
+    this.shadow.depthTexture = depth;
+    this.tinted = new THREE.WebGLRenderTarget(edge / 2, edge / 2, { depthBuffer: false });
+    const body = () => ({ light: new THREE.Vector3(), azimuth: new THREE.Vector2(), height: 0, layer: 0, share: 0 });
+    /** @type {Record<string, THREE.IUniform>} */
+    this.shared = {
+      bodies: { value: [body(), body()] },
+      sky_table: { value: this.table.texture },
+      glow_map: { value: this.table.glow },
+      glow: { value: 0 },
+      below_horizon: { value: new THREE.Vector3() },
+      extinction_per_m: { value: new THREE.Vector3(...header.air.extinction_per_m) },
+      scene_m: { value: header.scene.size_m },
+      from_radiance: { value: new THREE.Matrix3() },
+      outset: { value: matrix(tone.outset) },
+      stops: { value: new THREE.Vector2(tone.darkest, 1 / (tone.brightest - tone.darkest)) },
+      curve: { value: tone.sigmoid },
+      contrast: { value: tone.contrast },
+      saturation: { value: tone.saturation },
+      night_field: { value: 0 },
+      xyz_from_srgb: { value: matrix(tone.xyz_from_srgb) },
+      rods_grey: { value: new THREE.Vector3(...tone.rods_grey) },
+      rods_blue: { value: new THREE.Vector3(...tone.rods_blue) },
+      rods_range: { value: new THREE.Vector2(...tone.rods_range) },
+      pre: { value: 1 },
+      on_headset: { value: 0 },
+      values_shown: { value: 0 },
+      jitter: { value: new THREE.Vector2() },
+      light_map: { value: this.light.target.texture },
+      visible_sky: { value: skyTexture },
+      open_sky: { value: this.open.texture },
+      reflectance: { value: reflectance },
+      mirrored_sky: { value: this.mirror.texture },
+      light_scale: { value: 1 },
+      open_scale: { value: 1 },
+      mirror_scale: { value: 1 },
+      mirror_levels: { value: Math.log2(MIRROR_EDGE) },
+      light_size: { value: new THREE.Vector2(...this.light.size) },
+      key_direction: { value: new THREE.Vector3(0, 1, 0) },
+      key_irradiance: { value: new THREE.Vector3() },
+      shadow_map: { value: depth },
+      glass_map: { value: this.tinted.texture },
+      shadow_from_world: { value: new THREE.Matrix4() },
+      shadow_texel_m: { value: 0.01 },
+      shadow_radius: { value: 1.5 },
+      ground_albedo: { value: new THREE.Vector4(0.1, 0.1, 0.1, 1) },
+    };
+    if (header.map.chart) {
+      const { chart } = header.map;
+      this.shared.chart = { value: new THREE.Vector4(chart.corner_px[0] + 0.5, chart.corner_px[1] + 0.5, chart.edge_px - 1, chart.half_width_m) };
+      this.shared.chart_place = { value: new THREE.Vector3(chart.centre_xz_m[0], chart.centre_xz_m[1], chart.warp) };
+    }
+    if (header.map.probes) {
+      const { probes } = header.map;
+      this.shared.probe_lower = { value: new THREE.Vector3(...probes.lower_m) };
+      this.shared.probe_per_m = { value: new THREE.Vector3(...probes.step_m.map((/** @type {number} */ s) => 1 / s)) };
+      this.shared.probe_counts = { value: probes.counts };
+      this.shared.probe_row = { value: probes.row };
+    }
+    const one = this.shared;
+    this.skyPass = new THREE.Mesh(new THREE.BufferGeometry(), program(SKY_VERTEX, SKY_FRAGMENT, {
+      ...one,
+      world_from_clip: { value: new THREE.Matrix4() },
+      disc_direction: { value: new THREE.Vector3() },
+      disc_radiance: { value: new THREE.Vector3() },
+      disc_radius: { value: 0.005 },
+      limb: { value: Array.from({ length: 6 }, () => new THREE.Vector3()) },
+      eye_height: { value: 1.7 },
+    }, this.defines, { depthTest: false, depthWrite: false }));
+    this.skyPass.geometry.setAttribute('position', new THREE.BufferAttribute(
+      new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
+    this.skyPass.frustumCulled = false;
+    this.skyPass.renderOrder = -1;
+    this.skyPass.onBeforeRender = (_renderer, _scene, camera) => {
+      const u = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms;
+      const view = camera.matrixWorld.clone();
+      u.world_from_clip.value.copy(view).multiply(camera.projectionMatrixInverse);
+      const jitter = one.jitter.value;
+      if (jitter.x || jitter.y) {
+        u.world_from_clip.value.multiply(new THREE.Matrix4().makeTranslation(-jitter.x, -jitter.y, 0));
+      }
+      u.eye_height.value = new THREE.Vector3().setFromMatrixPosition(view).y - header.scene.ground_m;
+      /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniformsNeedUpdate = true;
+    };
+    this.cubePass = fullScreen(CUBE_FRAGMENT, { ...one, face: { value: 0 }, cube_scale: { value: 1 } }, this.defines);
+    this.copy = fullScreen(COPY_FRAGMENT, { from: { value: null }, factor: { value: 1 } });
+    this.add = fullScreen(COPY_FRAGMENT, { from: { value: null }, factor: { value: 1 } }, {}, {
+      transparent: true, blending: THREE.CustomBlending, blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor,
+      blendEquation: THREE.AddEquation,
+    });
+    const ramp = new THREE.DataTexture(new Uint8Array(header.false_colours.flat().map((/** @type {number} */ v, /** @type {number} */ i) => v)), header.false_colours.length, 1);
+    ramp.magFilter = ramp.minFilter = THREE.LinearFilter;
+    ramp.needsUpdate = true;
+    this.tone = fullScreen(TONE_FRAGMENT, {
+      ...one, radiance: { value: null }, range: { value: new THREE.Vector2(0, 1) }, colours: { value: ramp },
+    });
+    this.range = [10, 10000];
+    this.meter = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.FloatType, depthBuffer: false });
+    this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
+    this.scene = new THREE.Scene();
+    this.scene.matrixWorldAutoUpdate = false;
+    this.casters = new THREE.Scene();
+    this.tints = new THREE.Scene();
+    this.resize(4, 4, 1);
+  }
+
+  /** @param {ArrayBuffer} glb */
+  async load(glb) {
+    const defines = { ...this.defines };
+    const map = this.header.map;
+    if (this.header.scene.glass) Object.assign(defines, { GLASS_SHADOW: 1 });
+    const found = await sceneOf(glb, this.shared, defines, map);
+    this.scene.add(this.skyPass, found.opaque, found.glass);
+    found.glass.renderOrder = 1;
+    found.casters.forEach((mesh) => this.casters.add(mesh));
+    found.tints.forEach((mesh) => this.tints.add(mesh));
+    this.scene.updateMatrixWorld(true);
+  }
+
+  /** @param {number} width @param {number} height CSS pixels @param {number} ratio */
+  resize(width, height, ratio) {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    const w = Math.max(1, Math.round(width * ratio)), h = Math.max(1, Math.round(height * ratio));
+    for (const target of [this.target, this.sum]) target?.dispose();
+    this.size = [w, h];
+    const samples = this.soft ? 0 : 4;
+    this.target = new THREE.WebGLRenderTarget(w, h, {
+      type: THREE.HalfFloatType, samples, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
+    });
+    this.sum = new THREE.WebGLRenderTarget(w, h, {
+      type: THREE.FloatType, depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
+    });
+    this.camera.aspect = w / h;
+    this.camera.updateProjectionMatrix();
+    this.stillCount = 0;
+  }
+
+  /** Lights the scene at an instant. @param {Date} date */
+  setHour(date) {
+    const sun = this.ephemeris.sun(date), moon = this.ephemeris.moon(date);
+    this.sun = sun;
+    this.moon = moon;
+    const left = sunShare(sun.trueRad), night = nightShare(sun.trueRad);
+    const bodies = [
+      { ...sun, share: [left, left, left] },
+      { ...moon, share: moon.share.map((v) => v * night * (moon.trueRad > -0.02 ? 1 : 0)) },
+    ];
+    const ground = [0, 1, 2].map((c) => night * this.header.glow_ground[c]);
+    const coefficients = new Float64Array(this.light.count);
+    const { glow, lamps } = this.light;
+    for (let i = 0; i < coefficients.length; ++i) coefficients[i] = night * glow[i] + lamps[i];
+    const uniform = this.shared.bodies.value;
+    bodies.forEach((body, number) => {
+      const level = this.table.level(body.trueRad);
+      const [layer, share] = placed(this.table.about.true_rad, body.trueRad);
+      const is = body.share[1] > 0;
+      uniform[number].light.set(...level.map((v, c) => (is ? v * body.share[c] : 0)));
+      uniform[number].azimuth.set(Math.sin(body.azimuthRad), -Math.cos(body.azimuthRad));
+      uniform[number].height = Math.max(body.apparentRad, 0);
+      Object.assign(uniform[number], { layer, share });
+      if (!is) return;
+      this.light.add(body.declination, body.hour, body, coefficients);
+      this.table.of('ground', body.trueRad).forEach((v, c) => { ground[c] += v * body.share[c]; });
+    });
+    const lit = bodies.filter((body) => body.share[1] > 0);
+    this.shared.glow.value = night * this.table.glowScale;
+    this.shared.below_horizon.value.set(...ground);
+    this.shared.ground_albedo.value.set(...this.table.albedo(sun.trueRad), 1);
+    // The key light: the sun while any of its disc is up, else the moon.
+    const byDay = visible(sun.apparentRad) > 0;
+    const key = byDay ? bodies[0] : bodies[1];
+    const shown = byDay ? 1 : visible(moon.apparentRad) > 0 ? 1 : 0;
+    const strength = key.share[1] > 0 ? this.table.of('key', key.trueRad).map((v, c) => v * key.share[c] * shown) : [0, 0, 0];
+    this.keyDirection = directionOf(key.azimuthRad, key.apparentRad);
+    this.shared.key_direction.value.copy(this.keyDirection);
+    this.shared.key_irradiance.value.set(...strength);
+    const level = Math.max(...lit.flatMap((body) => this.table.level(body.trueRad).map((v, c) => v * body.share[c])), night * this.header.basis.glow_bright, 1e-9);
+    this.light.draw(this.renderer, coefficients, Math.max(level, this.header.basis.lamps_bright));
+    this.shared.light_scale.value = this.light.scale;
+    this.open.update(lit, night, ground, 1 / level);
+    this.shared.open_scale.value = level;
+    this.cubePass.material.uniforms.cube_scale.value = 1 / level;
+    this.shared.mirror_scale.value = level;
+    for (let face = 0; face < 6; ++face) {
+      this.cubePass.material.uniforms.face.value = face;
+      this.cubePass.material.uniformsNeedUpdate = true;
+      this.cubePass.draw(this.renderer, this.mirror, face);
+    }
+    const { disc } = this.header, u = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms;
+    const radius = byDay ? disc.angular_radius_rad : 0.0045;
+    const solid = 2 * Math.PI * (1 - Math.cos(radius));
+    u.disc_direction.value.copy(this.keyDirection);
+    const covered = byDay ? Math.max(visible(sun.apparentRad), 1e-3) : 1;
+    u.disc_radiance.value.set(...strength.map((v) => v / solid / covered));
+    u.disc_radius.value = radius;
+    for (let k = 0; k < 6; ++k) {
+      u.limb.value[k].set(...[0, 1, 2].map((c) => (byDay ? disc.limb_darkening_rgb[c][k] || 0 : k === 0 ? 1 : 0)));
+    }
+    this.white = (luminance(this.openUp()) + luminance(strength)) / Math.PI;
+    this.soft_radius = byDay ? disc.even_radius_rad : 0.0045;
+    this.drawShadow(this.keyDirection);
+    this.stillCount = 0;
+  }
+
+  openUp() { return this.open.up || [0, 0, 0]; }
+
+  /** @param {THREE.Vector3} towards the key light */
+  drawShadow(towards) {
+    const { lower, upper } = this.header.scene;
+    const middle = new THREE.Vector3(...lower.map((/** @type {number} */ v, /** @type {number} */ i) => 0.5 * (v + upper[i])));
+    const up = Math.abs(towards.y) > 0.99 ? new THREE.Vector3(0, 0, -1) : new THREE.Vector3(0, 1, 0);
+    const view = new THREE.Matrix4().lookAt(towards, new THREE.Vector3(), up).setPosition(middle).invert();
+    const box = new THREE.Box3();
+    for (let k = 0; k < 8; ++k) {
+      box.expandByPoint(new THREE.Vector3(...[0, 1, 2].map((i) => (k >> i & 1 ? upper : lower)[i])).applyMatrix4(view));
+    }
+    const pad = 0.01 * this.header.scene.size_m;
+    box.expandByScalar(pad);
+    const project = new THREE.Matrix4().makeOrthographic(box.min.x, box.max.x, box.max.y, box.min.y, -box.max.z, -box.min.z);
+    this.shared.shadow_from_world.value.multiplyMatrices(project, view);
+    this.shared.shadow_texel_m.value = Math.max(box.max.x - box.min.x, box.max.y - box.min.y) / this.shadow.width;
+    if (!(this.shared.key_irradiance.value.y > 0)) return;
+    this.renderer.setRenderTarget(this.shadow);
+    this.renderer.clear();
+    this.renderer.render(this.casters, this.camera);
+    if (this.header.scene.glass) {
+      this.renderer.setRenderTarget(this.tinted);
+      this.renderer.setClearColor(0xffffff, 1);
+      this.renderer.clear();
+      this.renderer.render(this.tints, this.camera);
+      this.renderer.setClearColor(0x000000, 1);
+    }
+  }
+
+  /** Draws a picture; the first after a change alone, further ones refine it. Returns whether one
+   * more would. @param {boolean} refines */
+  draw(refines) {
+    const count = this.stillCount;
+    if (count >= STILLS) return false;
+    const { jitter, pre } = this.shared, [w, h] = this.size;
+    // A second picture at rest starts the mean, with shifts and parts of the sun's disc.
+    const still = refines && count > 0;
+    if (still) {
+      const k = count - 1;
+      jitter.value.set(2 * (halton(k + 1, 2) - 0.5) / w, 2 * (halton(k + 1, 3) - 0.5) / h);
+      if (this.shared.key_irradiance.value.y > 0) this.drawShadow(this.inDisc(k));
+    } else jitter.value.set(0, 0);
+    this.camera.near = Math.max(0.02, 2e-4 * this.header.scene.size_m);
+    this.camera.far = 150 * this.header.scene.size_m;
+    this.camera.updateProjectionMatrix();
+    this.shared.values_shown.value = this.values ? 1 : 0;
+    if (count === 0) pre.value = 0.3 * scaleOf(this.ev);
+    const { renderer } = this;
+    renderer.setRenderTarget(this.target);
+    renderer.clear();
+    renderer.render(this.scene, this.camera);
+    let shown = this.target;
+    if (still) {
+      const k = count - 1;
+      const pass = k === 0 ? this.copy : this.add;
+      pass.material.uniforms.from.value = this.target.texture;
+      pass.draw(renderer, this.sum);
+      shown = this.sum;
+    }
+    const factor = still ? 1 / count : 1;
+    if (this.exposure.automatic && !this.values && (count === 0 || count === STILLS - 1)) this.meterPicture(shown, factor * 1 / pre.value);
+    if (!this.exposure.automatic) this.ev = this.exposure.ev;
+    this.display(shown, pre.value / factor);
+    this.stillCount = refines || count === 0 ? count + 1 : 1;
+    return this.stillCount < STILLS;
+  }
+
+  /** @param {number} k */
+  inDisc(k) {
+    const far = this.soft_radius * Math.sqrt((k + 0.5) / (STILLS - 1)), turn = 2.399963 * k;
+    const side = new THREE.Vector3(0, 1, 0).cross(this.keyDirection);
+    if (side.lengthSq() < 1e-6) side.set(1, 0, 0);
+    side.normalize();
+    const up = this.keyDirection.clone().cross(side);
+    return this.keyDirection.clone().addScaledVector(side, far * Math.cos(turn)).addScaledVector(up, far * Math.sin(turn)).normalize();
+  }
+
+  /** @param {THREE.WebGLRenderTarget} target @param {number} factor */
+  meterPicture(target, factor) {
+    this.copy.material.uniforms.from.value = target.texture;
+    this.copy.material.uniforms.factor.value = factor;
+    this.copy.draw(this.renderer, this.meter);
+    this.copy.material.uniforms.factor.value = 1;
+    const texels = new Float32Array(4 * METER[0] * METER[1]);
+    this.renderer.readRenderTargetPixels(this.meter, 0, 0, METER[0], METER[1], texels);
+    const values = new Float32Array(METER[0] * METER[1]);
+    for (let i = 0; i < values.length; ++i) values[i] = luminance([texels[4 * i], texels[4 * i + 1], texels[4 * i + 2]]);
+    this.ev = automaticEv(values, this.white) - this.exposure.compensation;
+  }
+
+  /** Sets the range of false colours by the picture's values. */
+  meterValues() {
+    this.copy.material.uniforms.from.value = this.target.texture;
+    this.copy.draw(this.renderer, this.meter);
+    const texels = new Float32Array(4 * METER[0] * METER[1]);
+    this.renderer.readRenderTargetPixels(this.meter, 0, 0, METER[0], METER[1], texels);
+    const values = texels.filter((v, i) => i % 4 === 0 && v > 0).sort();
+    if (!values.length) return;
+    const high = values[Math.floor(0.99 * (values.length - 1))];
+    const low = Math.max(values[Math.floor(0.01 * (values.length - 1))], high / 1e3);
+    const before = this.range;
+    this.range = [low, Math.max(high, low * 1.01)];
+    if (before[0] !== this.range[0] || before[1] !== this.range[1]) this.display(this.target, 1);
+  }
+
+  /** @param {THREE.WebGLRenderTarget} target @param {number} pre */
+  display(target, pre) {
+    this.setTone();
+    const u = this.tone.material.uniforms;
+    u.radiance.value = target.texture;
+    u.range.value.set(Math.log(this.range[0]), Math.log(this.range[1]));
+    const kept = this.shared.pre.value;
+    this.shared.pre.value = this.values ? 1 : pre;
+    this.tone.draw(this.renderer, null);
+    this.shared.pre.value = kept;
+  }
+
+  setTone() {
+    const inset = matrix(this.header.tone.inset).multiplyScalar(scaleOf(this.ev));
+    this.shared.from_radiance.value.copy(inset);
+    this.shared.night_field.value = adaptedCd(this.ev) / 683;
+  }
+
+  /** Illuminance in lux at a place of the picture; NaN in the sky. @param {number} x @param {number} y
+   * CSS pixels */
+  luxAt(x, y) {
+    const ratio = this.renderer.getPixelRatio(), [w, h] = this.size;
+    this.camera.setViewOffset(w, h, Math.floor(x * ratio), Math.floor(y * ratio), 1, 1);
+    this.shared.values_shown.value = 1;
+    this.shared.jitter.value.set(0, 0);
+    this.renderer.setRenderTarget(this.probe);
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+    const texel = new Float32Array(4);
+    this.renderer.readRenderTargetPixels(this.probe, 0, 0, 1, 1, texel);
+    this.camera.clearViewOffset();
+    this.shared.values_shown.value = this.values ? 1 : 0;
+    return texel[0] < 0 ? NaN : texel[0];
+  }
+}
+
+/** @param {number} i @param {number} base */
+function halton(i, base) {
+  let f = 1, r = 0;
+  for (; i > 0; i = Math.floor(i / base)) { f /= base; r += f * (i % base); }
+  return r;
+}

@@ -1,0 +1,189 @@
+// The sky by the sun's height; share/sky_table.py says how its table is laid out.
+import * as THREE from 'three';
+import { halfValue } from './data.js';
+
+/** @typedef {{trueRad: number, apparentRad: number, azimuthRad: number, share: number[]}} Body
+ * A source of the sky's light: geometric and apparent height, azimuth from -Z clockwise, and its
+ * light as a share of the sun's by channel. */
+
+export const HALF_PI = Math.PI / 2;
+
+/** @param {number} x @param {number} low @param {number} high */
+export const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
+
+/** @param {number} azimuth from -Z, clockwise @param {number} height @returns {THREE.Vector3} */
+export function directionOf(azimuth, height) {
+  const level = Math.cos(height);
+  return new THREE.Vector3(level * Math.sin(azimuth), Math.sin(height), -level * Math.cos(azimuth));
+}
+
+/** Interpolated y of a rising x. @param {number[]} xs @param {number[]} ys @param {number} x */
+export function interpolated(xs, ys, x) {
+  const [i, t] = placed(xs, x);
+  return ys[i] * (1 - t) + ys[i + 1] * t;
+}
+
+/** @param {number[]} xs rising @param {number} x @returns {[number, number]} */
+export function placed(xs, x) {
+  let i = 0;
+  while (i < xs.length - 2 && x > xs[i + 1]) ++i;
+  return [i, clamp((x - xs[i]) / (xs[i + 1] - xs[i]), 0, 1)];
+}
+
+export class SkyTable {
+  /** @param {import('./data.js').PageData} data */
+  constructor(data) {
+    this.about = data.header.sky;
+    this.bits = data.array('sky');
+    const [layers, rows, columns] = data.shape('sky');
+    Object.assign(this, { layers, rows, columns });
+    this.layers = layers; this.rows = rows; this.columns = columns;
+    this.lower = this.about.lower;
+    const rgba = new Uint16Array(layers * rows * columns * 4);
+    for (let i = 0; i < layers * rows * columns; ++i) {
+      rgba.set(this.bits.subarray(3 * i, 3 * i + 3), 4 * i);
+    }
+    this.texture = new THREE.DataArrayTexture(rgba, columns, rows, layers);
+    this.texture.type = THREE.HalfFloatType;
+    this.texture.magFilter = this.texture.minFilter = THREE.LinearFilter;
+    this.texture.needsUpdate = true;
+    const [glowRows, glowColumns] = data.shape('glow');
+    this.glow = new THREE.DataTexture(glowTexels(data.array('glow'), glowRows * glowColumns),
+      glowColumns, glowRows, THREE.RGBAFormat, THREE.HalfFloatType);
+    this.glow.magFilter = this.glow.minFilter = THREE.LinearFilter;
+    this.glow.wrapS = THREE.RepeatWrapping;
+    this.glow.needsUpdate = true;
+    this.glowBits = data.array('glow');
+    this.glowSize = [glowRows, glowColumns];
+    this.glowScale = data.header.glow_scale;
+  }
+
+  /** Level by channel at a geometric height of the sun. @param {number} trueRad */
+  level(trueRad) {
+    const [i, t] = placed(this.about.true_rad, trueRad);
+    return [0, 1, 2].map((c) => Math.exp(
+      (1 - t) * Math.log(this.about.level[i][c]) + t * Math.log(this.about.level[i + 1][c])));
+  }
+
+  /** A table's shares of the level, times the level. @param {string} name @param {number} trueRad */
+  of(name, trueRad) {
+    const [i, t] = placed(this.about.true_rad, trueRad), level = this.level(trueRad);
+    const rows = this.about[name];
+    return [0, 1, 2].map((c) => (rows[i][c] * (1 - t) + rows[i + 1][c] * t) * level[c]);
+  }
+
+  /** Albedo of open ground. @param {number} trueRad */
+  albedo(trueRad) {
+    const [i, t] = placed(this.about.true_rad, trueRad), rows = this.about.albedo;
+    return [0, 1, 2].map((c) => rows[i][c] * (1 - t) + rows[i + 1][c] * t);
+  }
+
+  /** Radiance in a direction above the horizon. @param {Body} body @param {THREE.Vector3} d */
+  radiance(body, d) {
+    const sun = Math.max(body.apparentRad, 0), height = Math.asin(clamp(d.y, 0, 1));
+    const across = Math.max(Math.hypot(d.x, d.z), 1e-12);
+    const cosine = (d.x * Math.sin(body.azimuthRad) - d.z * Math.cos(body.azimuthRad)) / across;
+    const column = Math.sqrt(Math.acos(clamp(cosine, -1, 1)) / Math.PI) * (this.columns - 1);
+    const row = height < sun
+      ? Math.acos(1 - 2 * clamp(height / sun, 0, 1)) / Math.PI * (this.lower - 1)
+      : this.lower + Math.sqrt(clamp((height - sun) / Math.max(HALF_PI - sun, 1e-9), 0, 1))
+        * (this.rows - this.lower - 1);
+    const [layer, t] = placed(this.about.true_rad, body.trueRad);
+    const level = this.level(body.trueRad);
+    return [0, 1, 2].map((c) => body.share[c] * level[c]
+      * ((1 - t) * this.texel(layer, row, column, c) + t * this.texel(layer + 1, row, column, c)));
+  }
+
+  /** @param {number} layer @param {number} row @param {number} column @param {number} c */
+  texel(layer, row, column, c) {
+    const r = Math.min(Math.floor(row), this.rows - 2), v = row - r;
+    const k = Math.min(Math.floor(column), this.columns - 2), u = column - k;
+    const at = (/** @type {number} */ i, /** @type {number} */ j) =>
+      halfValue(this.bits[((layer * this.rows + r + i) * this.columns + k + j) * 3 + c]);
+    return (1 - v) * ((1 - u) * at(0, 0) + u * at(0, 1)) + v * ((1 - u) * at(1, 0) + u * at(1, 1));
+  }
+
+  /** Radiance of the night's glow. @param {THREE.Vector3} d */
+  glowRadiance(d) {
+    const [rows, columns] = this.glowSize;
+    const row = clamp(Math.round(Math.asin(clamp(d.y, 0, 1)) / HALF_PI * rows - 0.5), 0, rows - 1);
+    const turn = (Math.atan2(d.x, -d.z) / (2 * Math.PI) + 1) % 1;
+    const column = Math.floor(turn * columns) % columns;
+    return [0, 1, 2].map((c) => halfValue(this.glowBits[(row * columns + column) * 3 + c])
+      * this.glowScale);
+  }
+}
+
+/** @param {Uint16Array} bits @param {number} count */
+function glowTexels(bits, count) {
+  const rgba = new Uint16Array(4 * count);
+  for (let i = 0; i < count; ++i) rgba.set(bits.subarray(3 * i, 3 * i + 3), 4 * i);
+  return rgba;
+}
+
+/** The open sky's irradiance in an octahedron's unfolded surface, as drawing/open_irradiance.py. */
+export class OpenIrradiance {
+  /** @param {SkyTable} table */
+  constructor(table) {
+    this.table = table;
+    this.size = 12;
+    this.values = new Float32Array(this.size * this.size * 4);
+    this.texture = new THREE.DataTexture(this.values, this.size, this.size, THREE.RGBAFormat,
+      THREE.FloatType);
+    // Rays of equal solid angle over the upper hemisphere, denser at the sun's height is not needed:
+    // the aureole's width is far below the cosine's.
+    this.rays = spiral(768);
+  }
+
+  /** Irradiance of directions by sky and ground.
+   * @param {Body[]} bodies @param {number} night @param {number[]} ground radiance
+   * @param {number} scale of the texture's values */
+  update(bodies, night, ground, scale) {
+    const radiance = this.rays.map((d) => {
+      const sum = this.table.glowRadiance(d).map((v) => v * night);
+      for (const body of bodies) {
+        const more = this.table.radiance(body, d);
+        for (let c = 0; c < 3; ++c) sum[c] += more[c];
+      }
+      return sum;
+    });
+    const weight = 2 * Math.PI / this.rays.length, n = this.size;
+    this.up = [0, 0, 0];
+    this.rays.forEach((d, i) => {
+      for (let c = 0; c < 3; ++c) this.up[c] += weight * d.y * radiance[i][c];
+    });
+    const normal = new THREE.Vector3();
+    for (let row = 0; row < n; ++row) {
+      for (let column = 0; column < n; ++column) {
+        octahedral(2 * column / (n - 1) - 1, 2 * row / (n - 1) - 1, normal);
+        const sum = [0, 0, 0];
+        this.rays.forEach((d, i) => {
+          const cosine = weight * Math.max(normal.dot(d), 0);
+          if (cosine > 0) for (let c = 0; c < 3; ++c) sum[c] += cosine * radiance[i][c];
+        });
+        const below = Math.PI * 0.5 * (1 - normal.y);
+        const at = 4 * (row * n + column);
+        for (let c = 0; c < 3; ++c) this.values[at + c] = (sum[c] + below * ground[c]) * scale;
+      }
+    }
+    this.texture.needsUpdate = true;
+  }
+}
+
+/** @param {number} x @param {number} z @param {THREE.Vector3} out */
+function octahedral(x, z, out) {
+  const y = 1 - Math.abs(x) - Math.abs(z);
+  if (y < 0) {
+    const a = (1 - Math.abs(z)) * (x < 0 ? -1 : 1), b = (1 - Math.abs(x)) * (z < 0 ? -1 : 1);
+    return out.set(a, y, b).normalize();
+  }
+  return out.set(x, y, z).normalize();
+}
+
+/** Directions of equal solid angle over the upper hemisphere. @param {number} count */
+function spiral(count) {
+  return Array.from({ length: count }, (_, i) => {
+    const y = (i + 0.5) / count, level = Math.sqrt(1 - y * y), turn = i * 2.399963229728653;
+    return new THREE.Vector3(level * Math.cos(turn), y, level * Math.sin(turn));
+  });
+}

@@ -1,0 +1,408 @@
+"""A page of a project: its light, its sky, its geometry, and the error of its compression."""
+
+import io
+import math
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+import numpy as np
+from light_transport.public import Illumination, SceneTransport
+from numpy.typing import NDArray
+from PIL import Image
+
+from share.glb import glb_of
+from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light_basis
+from share.light_maps import Values, glow_illumination, light_maps, traced
+from share.page_file import page_text
+from share.scene_mesh import groups_of
+from share.shared_scene import SharedScene
+from share.sky_table import LOWER, SkyTable, sky_table
+from share.sun_grid import SunGrid, apparent, equatorial
+from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.false_colours import colours_at
+from vrut_lite.geometry.reflection import reflectance_table
+from vrut_lite.headless import Project, display_numbers, tracked
+from vrut_lite.messages.camera import frame_bounds
+from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.sun import KeyLightChanged
+from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.place_time import time_zone_at
+
+# Geometric elevations (degrees) of the sun at which the sky is computed.
+_HEIGHTS_DEG = (
+    *(-19.0, -18.0, -16.5, -15.0, -13.5, -12.0, -10.5, -9.0, -8.0, -7.0, -6.0, -5.0, -4.0, -3.0),
+    *(-2.5, -2.0, -1.5, -1.1, -0.85, -0.6, -0.3, 0.0, 0.4, 0.8, 1.3, 2.0, 3.0, 4.0, 5.5, 7.0, 9.0),
+    *(11.0, 13.5, 16.0, 19.0, 22.5, 26.5, 31.0, 36.0, 41.0, 47.0, 53.0, 59.0, 65.0, 71.0, 77.0),
+    *(83.0, 89.0),
+)
+DECLINATIONS, HOURS = 9, 72
+# Number of hours of the day at which the error is measured.
+_ERROR_HOURS = 12
+# Extinction (1/m) of clean air at sea level at the three primaries (Bucholtz 1995).
+_MOLECULES_PER_M = (5.8e-6, 1.36e-5, 3.31e-5)
+_MOLECULES_HEIGHT_M = 8000.0
+_BYTES_OF_COLOURS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class HourError:
+    """Error of the page's light map in one hour, in shares of the map's mean illuminance.
+
+    `mean_lux` is the mean of the scene's own light map; `rms`, `worst` and `p99` of the differences.
+    """
+
+    at: str
+    sun_deg: float
+    mean_lux: float
+    rms: float
+    p99: float
+    worst: float
+
+    def line(self) -> str:
+        """The error in one line."""
+        return (
+            f"{self.at}, sun {self.sun_deg:.1f} deg: mean {self.mean_lux:,.4g} lx, error rms "
+            f"{self.rms:.2%}, 99 of 100 texels below {self.p99:.2%}, worst {self.worst:.1%}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SharedPage:
+    """A page's text, and the errors of its light on the project's day."""
+
+    text: str
+    errors: list[HourError]
+    texels: int
+    terms: int
+
+
+def shared_page(
+    project: Project,
+    title: str,
+    texels: int | None,
+    terms: int,
+    stills: list[tuple[str, bytes]],
+) -> SharedPage:
+    """The page of a project.
+
+    Raises:
+        UserError: the scene cannot be read, has no surfaces or too many texels.
+    """
+    opened = SharedScene(project)
+    try:
+        return _page(opened, project, title, texels, terms, stills)
+    finally:
+        opened.close()
+
+
+def _page(
+    opened: SharedScene,
+    project: Project,
+    title: str,
+    texels: int | None,
+    terms: int,
+    stills: list[tuple[str, bytes]],
+) -> SharedPage:
+    scene, place = opened.scene, opened.place
+    tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
+    transport = traced(scene, tolerance, texels)
+    values = Values.of(transport)
+    disc, key = opened.disc, opened.light.key_light
+    table = sky_table(opened.sun_skies(np.radians(_HEIGHTS_DEG)))
+    glow = opened.moonless_glow()
+    grid = SunGrid(math.radians(place.latitude_deg), place.north_offset_rad, DECLINATIONS, HOURS)
+    pressure_pa = pressure_at_altitude_pa(place.altitude_m)
+    maps = light_maps(
+        transport,
+        values,
+        table,
+        grid,
+        lambda true_rad: apparent(true_rad, pressure_pa),
+        glow,
+        lambda steps: tracked(steps, "light of the sun's places", len(grid.lit)),
+    )
+    basis = light_basis(maps, terms)
+    # As the page reads them.
+    sun = grid.filled(basis.sun.astype(np.float16).astype(np.float32))
+    moon = _moon_table(opened)
+    errors = [
+        _error(opened, transport, values, table, grid, basis, sun, instant)
+        for instant in _hours_of(project.instant(), _ERROR_HOURS)
+    ]
+    header = {
+        "title": title,
+        "start": project.instant().isoformat(),
+        "year_days": 365,
+        "place": {
+            "latitude_deg": place.latitude_deg,
+            "longitude_deg": place.longitude_deg,
+            "altitude_m": place.altitude_m,
+            "north_offset_rad": place.north_offset_rad,
+            "pressure_pa": pressure_pa,
+            "zone": time_zone_at(project.where()).key,
+            "text": _place_text(place.latitude_deg, place.longitude_deg),
+        },
+        "scene": _about_scene(scene),
+        "views": _views(project, scene),
+        "map": _about_map(transport, scene),
+        "grid": {
+            "declinations": DECLINATIONS,
+            "hours": HOURS,
+            "most_declination": float(grid.declination_rad[-1]),
+            "nodes": grid.sources.tolist(),
+        },
+        "basis": {
+            "clusters": CLUSTERS,
+            "terms": len(basis.terms),
+            "power": POWER,
+            "codes_per_stop": CODES_PER_STOP,
+            "lamps_bright": float(maps.by_lamps.max()),
+            "glow_bright": float(maps.by_glow.max()),
+        },
+        "sky": {
+            "lower": LOWER,
+            "true_rad": table.true_rad.tolist(),
+            "apparent_rad": table.apparent_rad.tolist(),
+            "level": table.level_rgb.tolist(),
+            "key": table.key.tolist(),
+            "ground": table.ground.tolist(),
+            "albedo": table.albedo_rgb.tolist(),
+        },
+        "moon": moon,
+        "glow_ground": list(glow_illumination(glow, table.albedo_rgb[-1]).ground_radiance_rgb),
+        "air": {"extinction_per_m": _extinction(key, place.altitude_m)},
+        "disc": {
+            "angular_radius_rad": disc.angular_radius_rad,
+            "even_radius_rad": key.even_radius_rad,
+            "limb_darkening_rgb": [list(terms) for terms in disc.limb_darkening_rgb],
+        },
+        "tone": display_numbers(),
+        "false_colours": _false_colours(),
+        "facts": _facts(errors, values, basis),
+    }
+    glow_bits, glow_scale = encode_float16(np.zeros((2, 2, 3)) if glow is None else glow)
+    header["glow_scale"] = glow_scale
+    planes = _planes(basis, values)
+    arrays: dict[str, NDArray] = {
+        "planes": planes,
+        "sun": basis.sun.astype(np.float16).view(np.uint16),
+        "night_and_lamps": np.stack([basis.glow, basis.lamps]),
+        "sky": table.radiance.view(np.uint16),
+        "glow": glow_bits.view(np.uint16),
+        "visible_sky": _visible_sky(transport, planes.shape[1:]),
+        "reflectance": _reflectance(),
+    }
+    glb = glb_of(
+        groups_of(scene, transport.layout_message),
+        scene.materials.all(),
+        table.albedo_rgb[-1].tolist(),
+    )
+    return SharedPage(page_text(title, header, arrays, glb, stills), errors, len(values), len(basis.terms))
+
+
+# --- light ----------------------------------------------------------------------------------------
+
+
+def _planes(basis: LightBasis, values: Values) -> NDArray[np.uint8]:
+    """Planes (K + 2, h, w) of factors' codes, of clusters, and of terms, which count from 128.
+
+    The probes' rows come after the map's.
+    """
+    width, height = values.size_px
+    count = 0 if values.probes is None else int(np.prod(values.probes))
+    rows = height + -(-count // width)
+    where = np.concatenate([values.where, width * height + np.arange(count)])
+    found = np.zeros((2 + len(basis.terms), rows * width), np.uint8)
+    found[2:] = 128
+    found[0, where], found[1, where] = basis.factor_code, basis.cluster
+    found[2:, where] = basis.terms.astype(np.int16) + 128
+    return found.reshape(-1, rows, width)
+
+
+def _visible_sky(transport: SceneTransport, shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    """`SurfaceLightChanged.visible_sky` (h, w, 4) as bytes of (value + 2) / 4."""
+    seen = transport.cache.visible_sky.values.astype(np.float32)
+    found = np.full((*shape, 4), 128, np.uint8)
+    found[: seen.shape[0]] = np.rint(np.clip((seen + 2.0) / 4.0, 0.0, 1.0) * 255.0)
+    return found
+
+
+def _reflectance() -> NDArray[np.uint16]:
+    table = reflectance_table().astype(np.float16)
+    return np.dstack([table, np.ones(table.shape[:2], np.float16)]).view(np.uint16)
+
+
+def page_light(
+    table: SkyTable,
+    grid: SunGrid,
+    basis: LightBasis,
+    sun: FloatArray,
+    bodies: list[tuple[float, float, FloatArray]],
+    night: float,
+) -> Float32Array:
+    """Light (T, 3) as the page sums it: the twin of `page/src/light.js`.
+
+    `sun` (declinations, hours, C, K, 3); `bodies` are geometric elevation, azimuth from north, and
+    share (3,) of the sun's light; `night` is the share of the night's.
+    """
+    coefficients = night * basis.glow + basis.lamps
+    for elevation, azimuth, share in bodies:
+        declination, hour = equatorial(elevation, azimuth, grid.latitude_rad)
+        found = sum(w * sun[row, column] for row, column, w in grid.weights(declination, hour))
+        coefficients = coefficients + found * table.level(elevation) * share
+    return basis.light(coefficients)
+
+
+def _error(
+    opened: SharedScene,
+    transport: SceneTransport,
+    values: Values,
+    table: SkyTable,
+    grid: SunGrid,
+    basis: LightBasis,
+    sun: FloatArray,
+    instant: datetime,
+) -> HourError:
+    """The error of an hour: the page's map against that of the scene's own sky."""
+    hour: Illumination = opened.hour(instant)
+    light = transport.light(hour)
+    true = luminance(values.taken(light.texels, light.probes))
+    bodies, night = opened.bodies()
+    made = luminance(page_light(table, grid, basis, sun, bodies, night))
+    mean = max(float(true.mean()), 1e-30)
+    off = np.abs(made - true) / mean
+    return HourError(
+        at=instant.strftime("%Y-%m-%dT%H:%M"),
+        sun_deg=math.degrees(bodies[0][0]),
+        mean_lux=mean * LUMENS_PER_WATT,
+        rms=float(np.sqrt(np.mean(off * off))),
+        p99=float(np.quantile(off, 0.99)),
+        worst=float(off.max()),
+    )
+
+
+def _hours_of(start: datetime, count: int) -> list[datetime]:
+    """Even hours of the day of an instant, off the grid of the sun's places."""
+    midnight = start.replace(hour=0, minute=0, second=0, microsecond=0)
+    return [midnight + timedelta(minutes=7 + 1440.0 * k / count) for k in range(count)]
+
+
+# --- sky ------------------------------------------------------------------------------------------
+
+
+def _moon_table(opened: SharedScene) -> dict[str, Any] | None:
+    """Moonlight at its mean distance as shares of sunlight, by phase angle."""
+    found = []
+    for moon in opened.moons():
+        phase = math.degrees(math.acos(np.clip(2.0 * moon.lit_fraction - 1.0, -1.0, 1.0)))
+        near = math.asin(1737.4 / 384_400.0) / moon.angular_radius_rad
+        share = np.maximum(moon.of_sunlight_rgb, 1e-30) * near**2
+        found.append((phase, np.log(share).tolist()))
+    if len(found) < 2:
+        return None
+    found.sort()
+    return {"phase_deg": [phase for phase, _ in found], "log_share": [row for _, row in found]}
+
+
+def _extinction(key: KeyLightChanged, altitude_m: float) -> list[float]:
+    """Extinction (1/m) of the air at the place: molecules, and the layers of haze."""
+    total = np.array(_MOLECULES_PER_M) * math.exp(-altitude_m / _MOLECULES_HEIGHT_M)
+    for layer in key.haze:
+        if layer.peak_m is None:
+            thins = math.exp(-altitude_m / layer.height_m)
+            total = total + np.asarray(layer.optical_depth) / layer.height_m * thins
+    return total.tolist()
+
+
+# --- scene ----------------------------------------------------------------------------------------
+
+
+def _about_scene(scene: SceneOpened) -> dict[str, Any]:
+    size = math.dist(scene.lower_m, scene.upper_m)
+    ground = scene.lower_m[1] if scene.ground is None else scene.ground.height_m
+    clear = any(m.terms.transmits or m.alpha_mode == "BLEND" for m in scene.materials.all())
+    return {
+        "lower": list(scene.lower_m),
+        "upper": list(scene.upper_m),
+        "size_m": size,
+        "ground_m": ground,
+        "glass": clear,
+    }
+
+
+def _views(project: Project, scene: SceneOpened) -> dict[str, Any]:
+    camera = project.camera.camera() if project.camera else scene.camera
+    if camera is None:
+        camera = frame_bounds(scene.lower_m, scene.upper_m, 16.0 / 9.0)
+    first = {
+        "eye_m": list(camera.eye_m),
+        "target_m": list(camera.target_m),
+        "vertical_field_of_view_deg": math.degrees(camera.vertical_field_of_view_rad),
+    }
+    named = {
+        name: {
+            "eye_m": list(view.eye_m),
+            "target_m": list(view.target_m),
+            "vertical_field_of_view_deg": view.vertical_field_of_view_deg,
+        }
+        for name, view in project.views.items()
+    }
+    return {"first view": first, **named}
+
+
+def _about_map(transport: SceneTransport, scene: SceneOpened) -> dict[str, Any]:
+    laid = transport.layout_message
+    found: dict[str, Any] = {"chart": None, "probes": None}
+    if laid.ground is not None and scene.ground is not None:
+        found["chart"] = {
+            "corner_px": list(laid.ground.corner_px),
+            "edge_px": laid.ground.edge_px,
+            "half_width_m": laid.ground.half_width_m,
+            "warp": laid.ground.warp,
+            "centre_xz_m": list(scene.ground.centre_xz_m),
+        }
+    if laid.probes is not None:
+        found["probes"] = {
+            "lower_m": list(laid.probes.lower_m),
+            "step_m": list(laid.probes.step_m),
+            "counts": list(laid.probes.counts),
+            "row": laid.size_px[1],
+        }
+    return found
+
+
+# --- words ----------------------------------------------------------------------------------------
+
+
+def _place_text(latitude_deg: float, longitude_deg: float) -> str:
+    north, east = "N" if latitude_deg >= 0 else "S", "E" if longitude_deg >= 0 else "W"
+    return f"{abs(latitude_deg):.3f}° {north}, {abs(longitude_deg):.3f}° {east}"
+
+
+def _facts(errors: list[HourError], values: Values, basis: LightBasis) -> list[str]:
+    lines = [
+        f"Light of {len(values):,} texels in {CLUSTERS} clusters of {len(basis.terms)} basis maps. Error of the light map "
+        "against the scene's own, as shares of its mean (direct light of sun and moon is drawn by "
+        "this page and is not counted):",
+        *(error.line() for error in errors),
+        "Sun and moon by astronomy-engine. The sky is clear, and without the year's numbers.",
+        "Made with vrut_lite; three.js, astronomy-engine and meshoptimizer are MIT licensed.",
+    ]
+    return lines
+
+
+def _false_colours() -> list[list[int]]:
+    shares = np.linspace(0.0, 1.0, _BYTES_OF_COLOURS)
+    pixels = np.asarray(colours_at(shares), np.uint8).reshape(-1, 3)
+    return [[*map(int, row), 255] for row in pixels]
+
+
+def webp(display: NDArray[np.uint8]) -> bytes:
+    """A picture (h, w, 3) as WebP."""
+    target = io.BytesIO()
+    Image.fromarray(display).save(target, "WEBP", quality=80, method=4)
+    return target.getvalue()
