@@ -162,8 +162,8 @@ def of_package(name):
     return name.partition(".")[0]
 
 
-# Files of modules by the one package that may import them.
-PUBLIC = {"daylight_numbers": "light_transport.public"}
+# Files of modules by the packages that may import them.
+PUBLIC = {"daylight_numbers": "light_transport.public", "share": "light_transport.public"}
 
 
 @pytest.mark.parametrize("module", sorted(set(PRODUCT) - {"vrut_lite"}))

@@ -3,7 +3,10 @@
 # laboratory and their packages, then the system's libraries for GL, windows and mitsuba
 # (bootstrap_system.sh). Quick when there is nothing to do.
 #
-#   tools/bootstrap.sh run|test|lint|long|docs
+#   tools/bootstrap.sh run|test|lint|long|docs|page
+#
+# Where npm is, all but docs also build the script of `vrut-lite share`'s pages; `page` builds it
+# alone, and says so where it cannot.
 #
 # PYTHON names the interpreter to make .venv with; without it the first Python 3.11 or newer.
 # VRUT_LITE_SYSTEM is explained in bootstrap_system.sh.
@@ -114,6 +117,35 @@ install_packages() {
     fi
 }
 
+# The script of shared pages, modules/share/built/page.js, of our sources and npm's packages. They
+# are installed and bundled in .page, so that the package's folder holds nothing else.
+# build_page TYPES
+build_page() {
+    from=$root/modules/share/page built=$root/modules/share/built work=$root/.page
+    if ! command -v npm >/dev/null || ! command -v node >/dev/null; then
+        return 1
+    fi
+    key=$(cat "$from"/package.json "$from"/build.mjs "$from"/src/*.js | cksum)
+    stamp=$work/built-of
+    mkdir -p "$work"
+    if [ -f "$built/page.js" ] && [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$key" ]; then
+        [ "$1" = no ] || [ -d "$work/node_modules/typescript" ] || install_types
+        return
+    fi
+    say "bundling the script of shared pages"
+    rm -rf "$work/src"
+    cp -R "$from/." "$work/"
+    (cd "$work" && npm install --silent --no-audit --no-fund --no-package-lock && node build.mjs "$built") ||
+        return 1
+    [ "$1" = no ] || install_types
+    echo "$key" >"$stamp"
+}
+
+install_types() {
+    (cd "$work" && npm install --silent --no-audit --no-fund --no-package-lock --no-save \
+        typescript@7.0.2 @types/three@0.187.0) || say "without npm's typescript the page's types are not checked"
+}
+
 # shellcheck source=tools/bootstrap_system.sh
 . "$root/tools/bootstrap_system.sh"
 
@@ -123,12 +155,24 @@ test) extras='[app,test,ref,ifc]' lab_extras='[test]' ;;
 lint) extras='[app,test,ref,ifc,lint]' lab_extras='[test]' ;;
 long) extras='[app,test,ref,ifc,usd,film]' lab_extras='[test,radiance,truth]' ;;
 docs) extras='[app,docs]' lab_extras= ;;
+page)
+    build_page no || {
+        say "the script of shared pages needs Node.js with npm (Debian: apt-get install nodejs npm)"
+        exit 1
+    }
+    exit
+    ;;
 *)
-    say "usage: tools/bootstrap.sh run|test|lint|long|docs"
+    say "usage: tools/bootstrap.sh run|test|lint|long|docs|page"
     exit 2
     ;;
 esac
 make_venv
 install_packages "$1" "$extras" "$lab_extras"
+case $1 in
+docs) ;;
+long) build_page yes || say "\`vrut-lite share\` is not built: it needs Node.js with npm" ;;
+*) build_page no || say "\`vrut-lite share\` is not built: it needs Node.js with npm" ;;
+esac
 # Linters load no library of the system's, nor does the documentation.
 [ "$1" = lint ] || [ "$1" = docs ] || provide_system "$root" "$1"

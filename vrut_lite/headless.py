@@ -16,7 +16,6 @@ A command is a `click.Command` of the group `vrut_lite.commands`.
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight_kernel import FaultCollector
-from vrut_lite.lazy import lazy
 from vrut_lite.pictures.display import display_numbers
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import (
@@ -31,10 +30,8 @@ from vrut_lite.studio.number_types import FiniteRange
 from vrut_lite.studio.open_kernel import open_kernel, require_sun
 from vrut_lite.studio.pictures import tell_notices
 from vrut_lite.studio.progress import busy_with, tracked
+from vrut_lite.studio.scene_pictures import ScenePlan
 from vrut_lite.studio.workers import worker_options, workers_of
-
-# Only commands that draw need it.
-ScenePlan = lazy("vrut_lite.studio.scene_pictures:ScenePlan")
 
 __all__ = [
     "FaultCollector",

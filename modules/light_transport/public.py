@@ -1,4 +1,4 @@
-"""Names of light transport that daylight numbers may use; no other module imports this one.
+"""Names of light transport that daylight numbers and share may use; no other module imports it.
 
 * `SceneTransport.of_scene` with the `TransportSizes` of `quality_for` a tolerance, over
   `surfaces_of` the scene; `first_rays` is its first round. `CancelCheck`, `always` and `unless` end

@@ -40,7 +40,7 @@ _LARGE_BYTES = 15_000_000
 @click.option(
     "--terms",
     type=click.IntRange(4, 64),
-    default=16,
+    default=32,
     show_default=True,
     help="Basis maps of the light: more are larger and closer.",
 )
@@ -75,5 +75,7 @@ def share(
     click.echo(f"{output}: {size / 1e6:.1f} MB, {page.texels:,} texels, {page.terms} terms")
     if size > _LARGE_BYTES:
         click.echo("it is large for mail: --texels or --terms make it smaller", err=True)
+    if page.left_out:
+        click.echo(f"its sky is clear: {', '.join(page.left_out)} left out", err=True)
     for error in page.errors:
         click.echo(f"  {error.line()}")

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from share.scene_mesh import GROUND, Group
+from share.scene_mesh import GROUND, MeshGroup
 from vrut_lite.lazy import lazy
 from vrut_lite.messages.scene_content import Material, MaterialMap
 from vrut_lite.numeric_types import Float32Array
@@ -39,7 +39,9 @@ def has_meshopt() -> bool:
     return True
 
 
-def glb_of(groups: Sequence[Group], materials: Sequence[Material], ground_rgb: Sequence[float]) -> bytes:
+def glb_of(
+    groups: Sequence[MeshGroup], materials: Sequence[Material], ground_rgb: Sequence[float]
+) -> bytes:
     """The bytes of a GLB of groups; `ground_rgb` is the albedo of the ground disc."""
     writer = _Writer(packs=has_meshopt())
     for material in materials:
@@ -115,15 +117,17 @@ class _Writer:
 
     def ground(self, albedo_rgb: Sequence[float]) -> None:
         """Add the ground disc's material."""
-        self._document["materials"].append({
-            "name": "open ground",
-            "pbrMetallicRoughness": {
-                "baseColorFactor": [*map(float, albedo_rgb), 1.0],
-                "metallicFactor": 0.0,
-                "roughnessFactor": 1.0,
-            },
-            "extras": {"ground": 1},
-        })
+        self._document["materials"].append(
+            {
+                "name": "open ground",
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [*map(float, albedo_rgb), 1.0],
+                    "metallicFactor": 0.0,
+                    "roughnessFactor": 1.0,
+                },
+                "extras": {"ground": 1},
+            }
+        )
 
     def _texture(self, found: MaterialMap) -> dict[str, Any]:
         texels = np.ascontiguousarray(found.texels)
@@ -157,7 +161,7 @@ class _Writer:
 
     # --- meshes -------------------------------------------------------------------------------
 
-    def group(self, group: Group, ground: int) -> None:
+    def group(self, group: MeshGroup, ground: int) -> None:
         """Add a mesh and its node, which undoes the quantisation."""
         lower = group.positions_m.min(axis=0).astype(float)
         step = np.maximum(np.ptp(group.positions_m, axis=0).astype(float), 1e-6) / 65535.0
@@ -186,11 +190,13 @@ class _Writer:
             "material": material,
         }
         self._document["meshes"].append({"primitives": [primitive]})
-        self._document["nodes"].append({
-            "mesh": len(self._document["meshes"]) - 1,
-            "translation": lower.tolist(),
-            "scale": step.tolist(),
-        })
+        self._document["nodes"].append(
+            {
+                "mesh": len(self._document["meshes"]) - 1,
+                "translation": lower.tolist(),
+                "scale": step.tolist(),
+            }
+        )
         self._document["scenes"][0]["nodes"].append(len(self._document["nodes"]) - 1)
 
     def _accessor(
@@ -213,12 +219,14 @@ class _Writer:
 
     def _indices(self, triangles: NDArray[np.uint32]) -> int:
         flat = np.ascontiguousarray(triangles.ravel(), np.uint32)
-        self._document["accessors"].append({
-            "bufferView": self._view(flat.tobytes(), flat, "TRIANGLES"),
-            "componentType": _UINT,
-            "count": len(flat),
-            "type": "SCALAR",
-        })
+        self._document["accessors"].append(
+            {
+                "bufferView": self._view(flat.tobytes(), flat, "TRIANGLES"),
+                "componentType": _UINT,
+                "count": len(flat),
+                "type": "SCALAR",
+            }
+        )
         return len(self._document["accessors"]) - 1
 
     def _view(self, plain: bytes, values: NDArray | None = None, mode: str = "") -> int:
@@ -268,13 +276,15 @@ class _Writer:
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (_aligned(len(text)) - len(text))
         length = 12 + 8 + len(text) + 8 + len(self._binary)
-        return b"".join((
-            struct.pack("<4sII", b"glTF", 2, length),
-            struct.pack("<I4s", len(text), b"JSON"),
-            text,
-            struct.pack("<I4s", len(self._binary), b"BIN\0"),
-            bytes(self._binary),
-        ))
+        return b"".join(
+            (
+                struct.pack("<4sII", b"glTF", 2, length),
+                struct.pack("<I4s", len(text), b"JSON"),
+                text,
+                struct.pack("<I4s", len(self._binary), b"BIN\0"),
+                bytes(self._binary),
+            )
+        )
 
 
 def _aligned(length: int) -> int:

@@ -16,7 +16,7 @@ from share.light_maps import LightMaps
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-CLUSTERS = 48
+CLUSTERS = 64
 # Exponent of the bytes.
 POWER = 1.5
 _MOST = 127.0
@@ -24,7 +24,7 @@ _MOST = 127.0
 CODES_PER_STOP = 16.0
 # Errors count in shares of a texel's mean light to this power: dark texels count, but not as much
 # as if nobody saw brighter ones beside them.
-_WEIGHT_POWER = 0.75
+_WEIGHT_POWER = 0.85
 # Directions of all maps that clusters are built in, and texels that these are found by.
 _DIMENSIONS, _SAMPLES = 256, 6000
 _CLUSTERED_DIMENSIONS, _ROUNDS = 64, 8
@@ -50,7 +50,7 @@ class LightBasis:
     glow: Float32Array
     lamps: Float32Array
 
-    def light(self, coefficients: FloatArray) -> Float32Array:
+    def light(self, coefficients: FloatArray | Float32Array) -> Float32Array:
         """Light (T, 3) of coefficients (C, K, 3): the twin of the page's sum."""
         values = decoded(self.terms)
         found = np.zeros((len(self.cluster), 3), np.float32)
@@ -168,10 +168,12 @@ def _clusters(
         for block in _blocks(len(points)):
             away = np.square(centres).sum(axis=1) - 2.0 * points[block] @ centres.T
             nearest[block] = away.argmin(axis=1)
-        centres = np.stack([
-            points[nearest == number].mean(axis=0) if np.any(nearest == number) else centre
-            for number, centre in enumerate(centres)
-        ])
+        centres = np.stack(
+            [
+                points[nearest == number].mean(axis=0) if np.any(nearest == number) else centre
+                for number, centre in enumerate(centres)
+            ]
+        )
     found = np.zeros(len(towards), np.uint8)
     found[used] = nearest
     return found

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from share.shared_scene import direction_of
 from share.sky_table import SkyTable
-from share.sun_grid import SunGrid
+from share.sun_places import SunPlaces
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import Float32Array, FloatArray, vector
 from vrut_lite.sky.night_glow import glow_cube
 
 # Edge of the cube maps that light the scene: cells of the sky are coarser.
@@ -48,7 +48,7 @@ def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTra
         None, texels or quality.texels, quality.patch_texels, quality.bounces_left
     )
     found = SceneTransport.of_scene(scene, surfaces_of(scene), sizes)
-    values = len(Values.of(found).where)
+    values = len(MapValues.of(found).where)
     if values > MOST_VALUES:
         raise UserError(
             f"the light map has {values:,} texels, more than the {MOST_VALUES:,} that fit into a "
@@ -61,7 +61,7 @@ def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTra
 
 
 @dataclass(frozen=True, eq=False)
-class Values:
+class MapValues:
     """The values of a light map that a page keeps: its used texels, then its probes' faces.
 
     `size_px` is the width and height of the map, `where` (T,) the places of used texels in it, row
@@ -73,18 +73,19 @@ class Values:
     probes: tuple[int, ...] | None
 
     @classmethod
-    def of(cls, transport: SceneTransport) -> "Values":
+    def of(cls, transport: SceneTransport) -> "MapValues":
         """The values of a transport's map."""
         laid = transport.layout_message
         used = transport.texels.row_of.ravel() >= 0
         probes = None if laid.probes is None else (*laid.probes.counts[::-1], 6)
-        return cls(tuple(laid.size_px), np.flatnonzero(used), probes)
+        width, height = laid.size_px
+        return cls((width, height), np.flatnonzero(used), probes)
 
     def __len__(self) -> int:
         return len(self.where) + (0 if self.probes is None else int(np.prod(self.probes)))
 
     def taken(self, texels: Float32Array, probes: Float32Array | None) -> Float32Array:
-        """Values (T, 3) of a map (height, width, >= 3) and of probes (nz, ny, nx, 6, >= 3)."""
+        """MapValues (T, 3) of a map (height, width, >= 3) and of probes (nz, ny, nx, 6, >= 3)."""
         found = texels.reshape(-1, texels.shape[-1])[self.where, :3]
         if probes is None:
             return found
@@ -100,10 +101,10 @@ def illumination(
     albedo = (1.0 - share) * table.albedo_rgb[layer] + share * table.albedo_rgb[layer + 1]
     return Illumination(
         sky=cube,
-        ground_radiance_rgb=tuple(table.mixed(table.ground, true_rad).tolist()),
-        ground_albedo_rgb=tuple(albedo.tolist()),
+        ground_radiance_rgb=vector(table.mixed(table.ground, true_rad)),
+        ground_albedo_rgb=vector(albedo),
         key_direction=direction_of(azimuth_rad, apparent_rad),
-        key_irradiance_rgb=tuple(table.mixed(table.key, true_rad).tolist()),
+        key_irradiance_rgb=vector(table.mixed(table.key, true_rad)),
         open_sky=irradiance_coefficients(cube),
     )
 
@@ -114,11 +115,11 @@ def glow_illumination(glow: Float32Array | None, albedo_rgb: FloatArray) -> Illu
     cube = np.zeros((6, _CUBE, _CUBE, 3), np.float32)
     if glow is not None:
         ground = albedo_rgb / np.pi * horizontal_irradiance(glow_cube(Array(glow), _CUBE, _BLACK))
-        cube = glow_cube(Array(glow), _CUBE, (float(ground[0]), float(ground[1]), float(ground[2])))
+        cube = glow_cube(Array(glow), _CUBE, vector(ground))
     return Illumination(
         sky=cube,
-        ground_radiance_rgb=tuple(ground.tolist()),
-        ground_albedo_rgb=tuple(np.asarray(albedo_rgb).tolist()),
+        ground_radiance_rgb=vector(ground),
+        ground_albedo_rgb=vector(albedo_rgb),
         key_direction=(0.0, 1.0, 0.0),
         key_irradiance_rgb=_BLACK,
         open_sky=irradiance_coefficients(cube),
@@ -130,7 +131,7 @@ class LightMaps:
     """Light (T, 3) on the values of a map, W m^-2: without the key light's own.
 
     Attributes:
-        by_sun: (S, T, 3), at the lit nodes of a grid, as shares of `level_rgb` (S, 3).
+        by_sun: (S, T, 3), at the places, as shares of `level_rgb` (S, 3).
         by_glow: (T, 3), of a moonless night.
         by_lamps: (T, 3), of lamps and surfaces that glow, their direct light too.
     """
@@ -143,9 +144,9 @@ class LightMaps:
 
 def light_maps(
     transport: SceneTransport,
-    values: Values,
+    values: MapValues,
     table: SkyTable,
-    grid: SunGrid,
+    places: SunPlaces,
     apparent_of: Callable[[float], float],
     glow: Float32Array | None,
     tracked: Callable[[Iterable[int]], Iterable[int]],
@@ -159,19 +160,17 @@ def light_maps(
     albedo = table.albedo_rgb[-1]
     by_lamps = light(glow_illumination(None, albedo))
     by_glow = np.maximum(light(glow_illumination(glow, albedo)) - by_lamps, 0.0)
-    by_sun = np.empty((len(grid.lit), len(values), 3), np.float32)
-    levels = np.empty((len(grid.lit), 3))
-    heights, azimuths = grid.heights.ravel(), grid.azimuths.ravel()
-    for number in tracked(range(len(grid.lit))):
-        node = grid.lit[number]
-        height = float(heights[node])
-        hour = illumination(table, height, apparent_of(height), float(azimuths[node]))
+    count = len(places.heights)
+    by_sun, levels = np.empty((count, len(values), 3), np.float32), np.empty((count, 3))
+    for number in tracked(range(count)):
+        height = float(places.heights[number])
+        hour = illumination(table, height, apparent_of(height), float(places.azimuths[number]))
         levels[number] = table.level(height)
         by_sun[number] = np.maximum(light(hour) - by_lamps, 0.0) / levels[number]
     return LightMaps(by_sun, levels, by_glow, by_lamps + _drawn_lamps(transport, values))
 
 
-def _drawn_lamps(transport: SceneTransport, values: Values) -> Float32Array:
+def _drawn_lamps(transport: SceneTransport, values: MapValues) -> Float32Array:
     """Direct light (T, 3) of the lamps that a frame draws with their shadow maps."""
     cache = transport.cache
     if cache.lamps is None:

@@ -18,8 +18,8 @@ _HERE = Path(__file__).parent
 SCRIPT, LICENCES = _HERE / "built" / "page.js", _HERE / "built" / "LICENSES.txt"
 _TEMPLATE = _HERE / "page" / "index.html"
 _MISSING = (
-    "the page's script is not built: with Node.js and npm installed (Debian: apt-get install nodejs "
-    "npm), `sh tools/bootstrap.sh page` in the checkout builds it; an installed wheel has it"
+    "the page's script is not built: install Node.js with npm (Debian: apt-get install nodejs npm) "
+    "and run `sh tools/bootstrap.sh page` in the checkout; an installed wheel has it"
 )
 _ALIGNED = 8
 _KINDS = {"u1": "u1", "i1": "i1", "u2": "u2", "i2": "i2", "f4": "f4", "f2": "f2"}
@@ -41,7 +41,8 @@ def packed(header: Mapping[str, Any], arrays: Mapping[str, NDArray]) -> bytes:
     Four bytes with the header's length, the header in JSON padded with spaces, then the arrays,
     little-endian, each at a multiple of eight bytes.
     """
-    sections, parts, offset = {}, [], 0
+    sections: dict[str, dict[str, Any]] = {}
+    parts, offset = [], 0
     for name, array in arrays.items():
         plain = np.ascontiguousarray(array)
         kind = _KINDS[plain.dtype.str[1:]]

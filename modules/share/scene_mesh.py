@@ -18,7 +18,7 @@ GROUND = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Group:
+class MeshGroup:
     """Triangles (F, 3) over vertices (V): positions in m and unit normals, world axes.
 
     `uv` and `second_uv` (V, 2), v upwards; `light_px` (V, 2), places in the light map in texels,
@@ -36,9 +36,9 @@ class Group:
     triangles: NDArray[np.uint32]
 
 
-def groups_of(scene: SceneOpened, laid: LightMapLaid) -> list[Group]:
+def groups_of(scene: SceneOpened, laid: LightMapLaid) -> list[MeshGroup]:
     """The groups of a scene, the ground's last."""
-    parts: dict[tuple[int, bool, bool, bool, bool], list[Group]] = {}
+    parts: dict[tuple[int, bool, bool, bool, bool], list[MeshGroup]] = {}
     for part, number in enumerate(laid.part_shape.values.tolist()):
         made = _part(scene, laid, part, number)
         key = (
@@ -55,11 +55,11 @@ def groups_of(scene: SceneOpened, laid: LightMapLaid) -> list[Group]:
         x, z = scene.ground.centre_xz_m
         places = vertices + np.array([x, scene.ground.height_m, z], np.float32)
         normals = np.broadcast_to(np.array([0.0, 1.0, 0.0], np.float32), places.shape)
-        found.append(Group(GROUND, places, normals, None, None, None, None, triangles))
+        found.append(MeshGroup(GROUND, places, normals, None, None, None, None, triangles))
     return found
 
 
-def _part(scene: SceneOpened, laid: LightMapLaid, part: int, number: int) -> Group:
+def _part(scene: SceneOpened, laid: LightMapLaid, part: int, number: int) -> MeshGroup:
     geometry = scene.geometry
     mesh = geometry.mesh(int(geometry.part_mesh.values[part]))
     matrix = geometry.world_from_part.values[part]
@@ -80,7 +80,7 @@ def _part(scene: SceneOpened, laid: LightMapLaid, part: int, number: int) -> Gro
     places = mesh.positions_m @ matrix[:3, :3].T + matrix[:3, 3]
     normals = mesh.normals @ np.linalg.inv(matrix[:3, :3])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    return Group(
+    return MeshGroup(
         mesh.material,
         places[source].astype(np.float32),
         normals[source].astype(np.float32),
@@ -92,7 +92,7 @@ def _part(scene: SceneOpened, laid: LightMapLaid, part: int, number: int) -> Gro
     )
 
 
-def _joined(groups: list[Group]) -> Group:
+def _joined(groups: list[MeshGroup]) -> MeshGroup:
     first = groups[0]
     starts = np.cumsum([0, *(len(group.positions_m) for group in groups[:-1])])
 
@@ -102,8 +102,9 @@ def _joined(groups: list[Group]) -> Group:
         return np.concatenate([getattr(group, name) for group in groups])
 
     positions, normals = all_of("positions_m"), all_of("normals")
-    assert positions is not None and normals is not None
-    return Group(
+    assert positions is not None
+    assert normals is not None
+    return MeshGroup(
         first.material,
         positions,
         normals,
@@ -112,6 +113,9 @@ def _joined(groups: list[Group]) -> Group:
         all_of("light_px"),
         all_of("colours"),
         np.concatenate(
-            [group.triangles + np.uint32(start) for group, start in zip(groups, starts, strict=True)]
+            [
+                group.triangles + np.uint32(start)
+                for group, start in zip(groups, starts, strict=True)
+            ]
         ),
     )

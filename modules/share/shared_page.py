@@ -13,12 +13,12 @@ from PIL import Image
 
 from share.glb import glb_of
 from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light_basis
-from share.light_maps import Values, glow_illumination, light_maps, traced
+from share.light_maps import MapValues, glow_illumination, light_maps, traced
 from share.page_file import page_text
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
-from share.sky_table import LOWER, SkyTable, sky_table
-from share.sun_grid import SunGrid, apparent, equatorial
+from share.sky_table import LOWER, SkyTable, check_sky, sky_table
+from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.encoding import encode_float16
@@ -39,7 +39,6 @@ _HEIGHTS_DEG = (
     *(11.0, 13.5, 16.0, 19.0, 22.5, 26.5, 31.0, 36.0, 41.0, 47.0, 53.0, 59.0, 65.0, 71.0, 77.0),
     *(83.0, 89.0),
 )
-DECLINATIONS, HOURS = 9, 72
 # Number of hours of the day at which the error is measured.
 _ERROR_HOURS = 12
 # Extinction (1/m) of clean air at sea level at the three primaries (Bucholtz 1995).
@@ -52,7 +51,8 @@ _BYTES_OF_COLOURS = 64
 class HourError:
     """Error of the page's light map in one hour, in shares of the map's mean illuminance.
 
-    `mean_lux` is the mean of the scene's own light map; `rms`, `worst` and `p99` of the differences.
+    `mean_lux` is the mean of the scene's own light map; `rms`, `p99` and `worst` are of the
+    differences.
     """
 
     at: str
@@ -72,12 +72,13 @@ class HourError:
 
 @dataclass(frozen=True, eq=False)
 class SharedPage:
-    """A page's text, and the errors of its light on the project's day."""
+    """A page's text, the errors of its light on the project's day, and the layers left out."""
 
     text: str
     errors: list[HourError]
     texels: int
     terms: int
+    left_out: tuple[str, ...]
 
 
 def shared_page(
@@ -109,28 +110,30 @@ def _page(
 ) -> SharedPage:
     scene, place = opened.scene, opened.place
     tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
+    left_out = opened.without_layers()
     transport = traced(scene, tolerance, texels)
-    values = Values.of(transport)
+    values = MapValues.of(transport)
     disc, key = opened.disc, opened.light.key_light
     table = sky_table(opened.sun_skies(np.radians(_HEIGHTS_DEG)))
+    check_sky(table, opened.afternoon_sky())
     glow = opened.moonless_glow()
-    grid = SunGrid(math.radians(place.latitude_deg), place.north_offset_rad, DECLINATIONS, HOURS)
+    places = SunPlaces(math.radians(place.latitude_deg), place.north_offset_rad)
     pressure_pa = pressure_at_altitude_pa(place.altitude_m)
     maps = light_maps(
         transport,
         values,
         table,
-        grid,
+        places,
         lambda true_rad: apparent(true_rad, pressure_pa),
         glow,
-        lambda steps: tracked(steps, "light of the sun's places", len(grid.lit)),
+        lambda steps: tracked(steps, "light of the sun's places", len(places.heights)),
     )
     basis = light_basis(maps, terms)
     # As the page reads them.
-    sun = grid.filled(basis.sun.astype(np.float16).astype(np.float32))
+    sun = basis.sun.astype(np.float16).astype(np.float32)
     moon = _moon_table(opened)
     errors = [
-        _error(opened, transport, values, table, grid, basis, sun, instant)
+        _error(opened, transport, values, table, places, basis, sun, instant)
         for instant in _hours_of(project.instant(), _ERROR_HOURS)
     ]
     header = {
@@ -149,11 +152,15 @@ def _page(
         "scene": _about_scene(scene),
         "views": _views(project, scene),
         "map": _about_map(transport, scene),
-        "grid": {
-            "declinations": DECLINATIONS,
-            "hours": HOURS,
-            "most_declination": float(grid.declination_rad[-1]),
-            "nodes": grid.sources.tolist(),
+        "places": {
+            "declinations": places.declinations,
+            "hours": places.hours,
+            "most_declination": MOST_DECLINATION_RAD,
+            "day_nodes": places.day_nodes.tolist(),
+            "first_of_dusk": places.first_of_dusk,
+            "dusk_rad": DUSK_RAD.tolist(),
+            "dusk_azimuths": places.dusk_azimuths,
+            "takes_over_rad": TAKES_OVER_RAD,
         },
         "basis": {
             "clusters": CLUSTERS,
@@ -201,13 +208,14 @@ def _page(
         scene.materials.all(),
         table.albedo_rgb[-1].tolist(),
     )
-    return SharedPage(page_text(title, header, arrays, glb, stills), errors, len(values), len(basis.terms))
+    text = page_text(title, header, arrays, glb, stills)
+    return SharedPage(text, errors, len(values), len(basis.terms), left_out)
 
 
 # --- light ----------------------------------------------------------------------------------------
 
 
-def _planes(basis: LightBasis, values: Values) -> NDArray[np.uint8]:
+def _planes(basis: LightBasis, values: MapValues) -> NDArray[np.uint8]:
     """Planes (K + 2, h, w) of factors' codes, of clusters, and of terms, which count from 128.
 
     The probes' rows come after the map's.
@@ -238,33 +246,32 @@ def _reflectance() -> NDArray[np.uint16]:
 
 def page_light(
     table: SkyTable,
-    grid: SunGrid,
+    places: SunPlaces,
     basis: LightBasis,
-    sun: FloatArray,
+    sun: Float32Array,
     bodies: list[tuple[float, float, FloatArray]],
     night: float,
 ) -> Float32Array:
     """Light (T, 3) as the page sums it: the twin of `page/src/light.js`.
 
-    `sun` (declinations, hours, C, K, 3); `bodies` are geometric elevation, azimuth from north, and
+    `sun` (N, C, K, 3); `bodies` are geometric elevation, azimuth from north, and
     share (3,) of the sun's light; `night` is the share of the night's.
     """
-    coefficients = night * basis.glow + basis.lamps
+    coefficients: FloatArray = (night * basis.glow + basis.lamps).astype(float)
     for elevation, azimuth, share in bodies:
-        declination, hour = equatorial(elevation, azimuth, grid.latitude_rad)
-        found = sum(w * sun[row, column] for row, column, w in grid.weights(declination, hour))
-        coefficients = coefficients + found * table.level(elevation) * share
+        found = sum(w * sun[place] for place, w in places.weights(elevation, azimuth))
+        coefficients = coefficients + np.asarray(found) * table.level(elevation) * share
     return basis.light(coefficients)
 
 
 def _error(
     opened: SharedScene,
     transport: SceneTransport,
-    values: Values,
+    values: MapValues,
     table: SkyTable,
-    grid: SunGrid,
+    places: SunPlaces,
     basis: LightBasis,
-    sun: FloatArray,
+    sun: Float32Array,
     instant: datetime,
 ) -> HourError:
     """The error of an hour: the page's map against that of the scene's own sky."""
@@ -272,7 +279,7 @@ def _error(
     light = transport.light(hour)
     true = luminance(values.taken(light.texels, light.probes))
     bodies, night = opened.bodies()
-    made = luminance(page_light(table, grid, basis, sun, bodies, night))
+    made = luminance(page_light(table, places, basis, sun, bodies, night))
     mean = max(float(true.mean()), 1e-30)
     off = np.abs(made - true) / mean
     return HourError(
@@ -383,16 +390,15 @@ def _place_text(latitude_deg: float, longitude_deg: float) -> str:
     return f"{abs(latitude_deg):.3f}° {north}, {abs(longitude_deg):.3f}° {east}"
 
 
-def _facts(errors: list[HourError], values: Values, basis: LightBasis) -> list[str]:
-    lines = [
-        f"Light of {len(values):,} texels in {CLUSTERS} clusters of {len(basis.terms)} basis maps. Error of the light map "
-        "against the scene's own, as shares of its mean (direct light of sun and moon is drawn by "
-        "this page and is not counted):",
+def _facts(errors: list[HourError], values: MapValues, basis: LightBasis) -> list[str]:
+    return [
+        f"Light of {len(values):,} texels in {CLUSTERS} clusters of {len(basis.terms)} basis maps. "
+        "Error of the light map against the scene's own, as shares of its mean (direct light of "
+        "sun and moon is drawn by this page and is not counted):",
         *(error.line() for error in errors),
         "Sun and moon by astronomy-engine. The sky is clear, and without the year's numbers.",
-        "Made with vrut_lite; three.js, astronomy-engine and meshoptimizer are MIT licensed.",
+        "Made with vrut_lite. three.js, astronomy-engine and meshoptimizer have the MIT licence.",
     ]
-    return lines
 
 
 def _false_colours() -> list[list[int]]:

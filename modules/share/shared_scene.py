@@ -9,9 +9,11 @@ import astronomy
 import msgspec
 import numpy as np
 from light_transport.public import Illumination, hour_of
+from numpy.typing import ArrayLike
 
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.geometry.encoding import decode_float16
+from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.headless import (
     FaultCollector,
     Project,
@@ -30,6 +32,7 @@ from vrut_lite.messages.sky import SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+from vrut_lite.sky.night_glow import glow_cube
 from vrut_lite.sky.sky_at_night import night_share, sun_share
 from vrut_lite.sky.suns import suns_at
 
@@ -38,8 +41,15 @@ _CUBE = 128
 _CONSUMER = "share"
 # Geometric elevation of the sun below which its light is gone (`sky_at_night.py`).
 SUN_GONE_RAD = float(np.radians(-19.0))
+# Geometric elevation of the sun below which no twilight is left.
+_DARK_RAD = float(np.radians(-18.0))
+_NEW_MOONS = 12
+# Number of days that are searched for a sky without moonlight.
+_TRIES = 13
+_BLACK = (0.0, 0.0, 0.0)
 _HOUR_S = 3600.0
-_DAYS, _STEPS = 365, 96
+# Steps in which a year is searched.
+_DAYS, _STEPS, _STEP_S = 365, 96, 900.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,59 +162,108 @@ class SharedScene:
 
     def sun_skies(self, heights_rad: FloatArray) -> list[SunSky]:
         """Skies by the sun alone, by rising height; heights (n,) that it never has are left out."""
-        night = self._kernel.last(NightLightChanged)
-        source = "" if night is None else night.source
-        self._enable(source, enabled=False)
-        found = [self._sun_sky(instant) for instant in self._instants_of(heights_rad)]
-        self._enable(source, enabled=True)
+        found = []
+        for instants in self._instants_of(heights_rad):
+            sky = self._moonless_sky(instants)
+            if sky is not None:
+                found.append(sky)
         return sorted(found, key=lambda sky: sky.true_rad)
+
+    def _moonless_sky(self, instants: Iterator[datetime]) -> SunSky | None:
+        """The sky of the first instant without moonlight."""
+        for instant in instants:
+            self.go_to(instant)
+            night = self._kernel.last(NightLightChanged)
+            if night is None or night.moon is None or night_share(require_sun(self._kernel)) == 0.0:
+                return self._sun_sky()
+        return None
+
+    def afternoon_sky(self) -> SunSky:
+        """The sky of an afternoon of the year's highest sun, by sun and night."""
+        seconds, heights = self._suns_of_year()
+        noon = int(np.argmax(heights))
+        half = noon + int(np.argmax(heights[noon : noon + _STEPS // 2] < 0.5 * heights[noon]))
+        self.go_to(datetime.fromtimestamp(float(seconds[half]), UTC))
+        return self._sun_sky()
+
+    def without_layers(self) -> tuple[str, ...]:
+        """Names of the layers before the sky, such as clouds, which are now off."""
+        names = self.light.layers
+        for name in names:
+            self._enable(name, enabled=False)
+        return names
 
     def _enable(self, module: str, enabled: bool) -> None:
         if module:
             self._kernel.inject(EnableModule(module=module, enabled=enabled))
             self._settle()
 
-    def _sun_sky(self, instant: datetime) -> SunSky:
-        self.go_to(instant)
+    def _sun_sky(self) -> SunSky:
+        """The present sky without the night's glow."""
         sun, light = require_sun(self._kernel), self.light
-        hour = hour_of(light)
-        assert light.radiance is not None
+        hour, sky = hour_of(light), light.radiance
+        assert sky is not None
         x, _, z = sun.direction
         lit = light.key_light.body == "sun" and sun.visible_disc_fraction > 0.0
+        cube = decode_float16(sky.cube.values, sky.radiance_scale)
+        ground = np.asarray(hour.ground_radiance_rgb, float)
+        albedo = np.asarray(hour.ground_albedo_rgb, float)
+        night = self._kernel.last(NightLightChanged)
+        if night is not None and night.glow_rgb is not None:
+            # Without a module of the night a sky has a glow of its own, so that it is subtracted.
+            share = night_share(sun)
+            glow = np.float32(share) * glow_cube(night.glow_rgb, cube.shape[1], _BLACK)
+            ground = ground - albedo / np.pi * horizontal_irradiance(glow)
+            cube = cube - glow
         return SunSky(
             true_rad=sun.elevation_rad,
             apparent_rad=sun.apparent_elevation_rad,
             azimuth_rad=float(np.arctan2(x, -z)),
-            cube=np.maximum(decode_float16(light.radiance.cube.values, light.radiance.radiance_scale), 0),
+            cube=np.maximum(cube, 0.0).astype(np.float32),
             key_rgb=np.asarray(hour.key_irradiance_rgb, float) * float(lit),
-            ground_rgb=np.asarray(hour.ground_radiance_rgb, float),
-            albedo_rgb=np.asarray(hour.ground_albedo_rgb, float),
+            ground_rgb=np.maximum(ground, 0.0),
+            albedo_rgb=albedo,
         )
 
-    def _instants_of(self, heights_rad: FloatArray) -> Iterator[datetime]:
-        """Instants of the year at which the sun stands at these heights, before noon or after."""
+    def _suns_of_year(self) -> tuple[FloatArray, FloatArray]:
+        """Seconds (n,) since 1970 of the year's quarters of hours, and the sun's heights then."""
         first = datetime(self._start.year, 1, 1, tzinfo=UTC).timestamp()
-        seconds = first + 900.0 * np.arange(_DAYS * _STEPS)
+        seconds = first + _STEP_S * np.arange(_DAYS * _STEPS)
+        return np.asarray(seconds, float), self._heights_at(seconds)
+
+    def _heights_at(self, seconds: ArrayLike) -> FloatArray:
         place = self.place
         where = place.latitude_deg, place.longitude_deg, place.altitude_m
-        heights = suns_at(seconds, *where).elevation_rad
+        return suns_at(seconds, *where).elevation_rad
+
+    def _instants_of(self, heights_rad: FloatArray) -> Iterator[Iterator[datetime]]:
+        """For each height that the sun has in the year, instants at which it stands there."""
+        seconds, heights = self._suns_of_year()
         # The greatest height too: skies above it would be held.
         for wanted in (*heights_rad, float(heights.max()) - 1e-4):
             over = heights > wanted
             crossed = np.flatnonzero(over[1:] != over[:-1])
             if not len(crossed):
                 continue
-            # The fastest crossing: the others may graze the height.
+            # The fastest crossings: the others may graze the height.
             slope = np.abs(heights[crossed + 1] - heights[crossed])
-            low = seconds[crossed[np.argmax(slope)]]
-            high, rises = low + 900.0, not over[crossed[np.argmax(slope)]]
-            for _ in range(24):
-                middle = 0.5 * (low + high)
-                if (suns_at(middle, *where).elevation_rad > wanted) == rises:
-                    high = middle
-                else:
-                    low = middle
-            yield datetime.fromtimestamp(low, UTC)
+            fast = crossed[slope >= 0.7 * slope.max()]
+            chosen = fast[np.linspace(0, len(fast) - 1, min(len(fast), _TRIES)).astype(int)]
+            yield (
+                datetime.fromtimestamp(self._crossing(seconds[step], not over[step], wanted), UTC)
+                for step in chosen
+            )
+
+    def _crossing(self, low: float, rises: bool, wanted: float) -> float:
+        """Seconds within a step from `low` on at which the sun passes a height."""
+        high = low + _STEP_S
+        for _ in range(24):
+            middle = 0.5 * (low + high)
+            if (self._heights_at(middle) > wanted) == rises:
+                high = middle
+            else:
+                low = middle
+        return float(low)
 
     def bodies(self) -> tuple[list[tuple[float, float, FloatArray]], float]:
         """Sun and moon of the present hour, and the share of the night's light.
@@ -226,28 +285,30 @@ class SharedScene:
     def moonless_glow(self) -> Float32Array | None:
         """The glow (rows, columns, 3) of a dark night, laid out as `NightLightChanged.glow_rgb`.
 
-        At midnight of the year's darkest new moon; None where no module makes a night.
+        It is the mean over the darkest hours of the year's new moons at which no twilight is left,
+        or the darkest hour where twilight never ends; None where no module makes a night.
         """
-        moons = []
-        after = astronomy.Time.Make(self._start.year, 1, 1, 0, 0, 0)
-        for _ in range(13):
-            found = astronomy.SearchMoonPhase(0.0, after, 40.0)
-            if found is None:
-                break
-            moons.append(found)
-            after = found.AddDays(20.0)
+        hours = sorted(self._moonless_hours())
+        dark = [hour for hour in hours if hour[0] < _DARK_RAD] or hours[:1]
+        found = []
+        for _, seconds in dark:
+            self.go_to(datetime.fromtimestamp(seconds, UTC))
+            night = self._kernel.last(NightLightChanged)
+            if night is not None and night.glow_rgb is not None:
+                found.append(np.asarray(night.glow_rgb.values, np.float32))
+        return np.mean(found, axis=0, dtype=np.float32) if found else None
+
+    def _moonless_hours(self) -> Iterator[tuple[float, float]]:
+        """Height of the sun at the darkest hour of each new moon of the year, and its seconds."""
         place = self.place
-        best: tuple[float, float] = (np.inf, 0.0)
-        for moon in moons:
+        after = astronomy.Time.Make(self._start.year, 1, 1, 0, 0, 0)
+        for _ in range(_NEW_MOONS):
+            moon = astronomy.SearchMoonPhase(0.0, after, 40.0)
+            after = moon.AddDays(20.0)
             day = moon.Utc().replace(tzinfo=UTC).timestamp()
             seconds = day + _HOUR_S * np.arange(-12.0, 12.0, 0.5)
             height = suns_at(seconds, place.latitude_deg, place.longitude_deg).elevation_rad
-            best = min(best, (float(height.min()), float(seconds[np.argmin(height)])))
-        self.go_to(datetime.fromtimestamp(best[1], UTC))
-        night = self._kernel.last(NightLightChanged)
-        if night is None or night.glow_rgb is None:
-            return None
-        return np.asarray(night.glow_rgb.values, np.float32)
+            yield float(height.min()), float(seconds[np.argmin(height)])
 
     def moons(self) -> list[MoonLight]:
         """The moon's light through a month, where it is up by night."""

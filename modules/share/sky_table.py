@@ -17,13 +17,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from share.shared_scene import SunSky, direction_of
-from vrut_lite.geometry.cube_map import sample_cube, texel_directions
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.cube_map import reduce_cube, sample_cube, texel_directions
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 COLUMNS, LOWER, UPPER = 48, 16, 32
 # Share of the sun's irradiance in the level: rooms are lit by sunlit ground too.
 SUN_SHARE = 0.15
+# The check of another hour's sky: a cube's edge, the sine of the lowest height, and the mean
+# difference as a share of the mean.
+_CHECKED_EDGE, _CHECKED_ABOVE, _MOST_OFF = 16, 0.1, 0.05
 # Smallest level (W m^-2): its logarithm must exist.
 _LEAST = 1e-12
 
@@ -94,10 +98,12 @@ def sky_table(skies: list[SunSky]) -> SkyTable:
         np.maximum(horizontal_irradiance(sky.cube) + SUN_SHARE * sky.key_rgb, _LEAST)
         for sky in skies
     ]
-    radiance = np.stack([
-        _sampled(sky, directions(max(sky.apparent_rad, 0.0), sky.azimuth_rad)) / level
-        for sky, level in zip(skies, levels, strict=True)
-    ])
+    radiance = np.stack(
+        [
+            _sampled(sky, directions(max(sky.apparent_rad, 0.0), sky.azimuth_rad)) / level
+            for sky, level in zip(skies, levels, strict=True)
+        ]
+    )
     level = np.stack(levels)
     return SkyTable(
         true_rad=np.array([sky.true_rad for sky in skies]),
@@ -108,6 +114,23 @@ def sky_table(skies: list[SunSky]) -> SkyTable:
         ground=np.stack([sky.ground_rgb for sky in skies]) / level,
         albedo_rgb=np.stack([sky.albedo_rgb for sky in skies]),
     )
+
+
+def check_sky(table: SkyTable, sky: SunSky) -> None:
+    """Check that a sky of another hour is that of the table.
+
+    Raises:
+        UserError: it depends on more than the sun's height, as weather and photographs do.
+    """
+    made = table.cube(_CHECKED_EDGE, sky.true_rad, sky.azimuth_rad)
+    true = reduce_cube(sky.cube, _CHECKED_EDGE)
+    above = texel_directions(_CHECKED_EDGE)[..., 1] > _CHECKED_ABOVE
+    off = np.abs(made[above] - true[above]).mean() / max(float(true[above].mean()), 1e-30)
+    if off > _MOST_OFF:
+        raise UserError(
+            "a page needs a sky that depends on the sun's height alone, and this one changes with "
+            "the hour: choose another by --sky, or leave weather and photographs out"
+        )
 
 
 def _directions():  # type: ignore[no-untyped-def]

@@ -1,11 +1,14 @@
-// Bundles the page's own script and its libraries into one file, built/page.js, with their licences.
+// Bundles the page's own script and its libraries into one file, FOLDER/page.js, with their licences:
+//
+//   node build.mjs FOLDER
 import { build } from 'esbuild';
 import { readFileSync, writeFileSync, mkdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const here = dirname(fileURLToPath(import.meta.url));
-const into = join(here, '..', 'built');
+const into = process.argv[2];
+if (!into) throw new Error('usage: node build.mjs FOLDER');
 mkdirSync(into, { recursive: true });
 await build({
   entryPoints: [join(here, 'src', 'main.js')],
@@ -17,7 +20,6 @@ await build({
   outfile: join(into, 'page.js'),
   legalComments: 'none',
   logLevel: 'warning',
-  loader: { '.glsl': 'text' },
 });
 const { dependencies } = JSON.parse(readFileSync(join(here, 'package.json'), 'utf8'));
 const read = (name, file) => readFileSync(join(here, 'node_modules', name, file), 'utf8');

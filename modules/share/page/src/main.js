@@ -43,6 +43,11 @@ class Page {
     this.plays = false;
     this.hourChanged = true;
     this.dirty = true;
+    this.dragging = false;
+    this.inHeadset = false;
+    this.fixed = 12;
+    this.barDay = -1;
+    this.last = 0;
     this.frames = 0;
     /** @type {{x: number, y: number} | null} */
     this.pointer = null;
@@ -129,7 +134,7 @@ class Page {
   /** @param {number} now ms */
   frame(now) {
     requestAnimationFrame((next) => this.frame(next));
-    const seconds = Math.min((now - (this.last || now)) / 1000, 0.1);
+    const seconds = Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
     if (this.inHeadset) return;
     if (this.plays) this.setHour(this.day, this.minute + seconds * this.speed());

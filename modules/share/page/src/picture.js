@@ -38,6 +38,9 @@ export class Picture {
     this.ev = 12;
     this.values = false;
     this.stillCount = 0;
+    this.keyDirection = new THREE.Vector3(0, 1, 0);
+    this.softRadius = 0.0045;
+    this.white = 0;
     const [columns, rows] = [this.table.columns, this.table.rows];
     this.defines = { COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1) };
     const tone = header.tone;
@@ -148,7 +151,7 @@ export class Picture {
       transparent: true, blending: THREE.CustomBlending, blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor,
       blendEquation: THREE.AddEquation,
     });
-    const ramp = new THREE.DataTexture(new Uint8Array(header.false_colours.flat().map((/** @type {number} */ v, /** @type {number} */ i) => v)), header.false_colours.length, 1);
+    const ramp = new THREE.DataTexture(new Uint8Array(header.false_colours.flat()), header.false_colours.length, 1);
     ramp.magFilter = ramp.minFilter = THREE.LinearFilter;
     ramp.needsUpdate = true;
     this.tone = fullScreen(TONE_FRAGMENT, {
@@ -161,7 +164,11 @@ export class Picture {
     this.scene.matrixWorldAutoUpdate = false;
     this.casters = new THREE.Scene();
     this.tints = new THREE.Scene();
-    this.resize(4, 4, 1);
+    this.size = [4, 4];
+    this.target = new THREE.WebGLRenderTarget(4, 4);
+    this.sum = new THREE.WebGLRenderTarget(4, 4);
+    /** @type {{mesh: THREE.Mesh, camera: THREE.CubeCamera}[]} */
+    this.mirrors = [];
   }
 
   /** @param {ArrayBuffer} glb */
@@ -172,6 +179,19 @@ export class Picture {
     const found = await sceneOf(glb, this.shared, defines, map);
     this.scene.add(this.skyPass, found.opaque, found.glass);
     found.glass.renderOrder = 1;
+    this.mirrors = found.mirrors.map((mesh) => {
+      const target = new THREE.WebGLCubeRenderTarget(this.soft ? 32 : 128, {
+        type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
+      });
+      const camera = new THREE.CubeCamera(0.01 * this.header.scene.size_m / 10, 150 * this.header.scene.size_m, target);
+      mesh.geometry.computeBoundingBox();
+      /** @type {THREE.Box3} */ (mesh.geometry.boundingBox).getCenter(camera.position).applyMatrix4(mesh.matrixWorld);
+      camera.updateMatrixWorld(true);
+      const { uniforms } = /** @type {THREE.RawShaderMaterial} */ (mesh.material);
+      uniforms.mirror.value = target.texture;
+      uniforms.mirror_levels_own.value = Math.log2(target.width);
+      return { mesh, camera };
+    });
     found.casters.forEach((mesh) => this.casters.add(mesh));
     found.tints.forEach((mesh) => this.tints.add(mesh));
     this.scene.updateMatrixWorld(true);
@@ -182,7 +202,7 @@ export class Picture {
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     const w = Math.max(1, Math.round(width * ratio)), h = Math.max(1, Math.round(height * ratio));
-    for (const target of [this.target, this.sum]) target?.dispose();
+    for (const target of [this.target, this.sum]) target.dispose();
     this.size = [w, h];
     const samples = this.soft ? 0 : 4;
     this.target = new THREE.WebGLRenderTarget(w, h, {
@@ -220,7 +240,7 @@ export class Picture {
       uniform[number].height = Math.max(body.apparentRad, 0);
       Object.assign(uniform[number], { layer, share });
       if (!is) return;
-      this.light.add(body.declination, body.hour, body, coefficients);
+      this.light.add(body, coefficients);
       this.table.of('ground', body.trueRad).forEach((v, c) => { ground[c] += v * body.share[c]; });
     });
     const lit = bodies.filter((body) => body.share[1] > 0);
@@ -257,13 +277,25 @@ export class Picture {
     for (let k = 0; k < 6; ++k) {
       u.limb.value[k].set(...[0, 1, 2].map((c) => (byDay ? disc.limb_darkening_rgb[c][k] || 0 : k === 0 ? 1 : 0)));
     }
-    this.white = (luminance(this.openUp()) + luminance(strength)) / Math.PI;
-    this.soft_radius = byDay ? disc.even_radius_rad : 0.0045;
+    this.white = (luminance(this.open.up) + luminance(strength)) / Math.PI;
+    this.softRadius = byDay ? disc.even_radius_rad : 0.0045;
     this.drawShadow(this.keyDirection);
+    this.drawMirrors();
     this.stillCount = 0;
   }
 
-  openUp() { return this.open.up || [0, 0, 0]; }
+  /** What glossy bodies see around them. */
+  drawMirrors() {
+    const { pre, values_shown: shown, jitter } = this.shared;
+    shown.value = 0;
+    jitter.value.set(0, 0);
+    pre.value = 1 / this.shared.mirror_scale.value;
+    for (const { mesh, camera } of this.mirrors) {
+      mesh.visible = false;
+      camera.update(this.renderer, this.scene);
+      mesh.visible = true;
+    }
+  }
 
   /** @param {THREE.Vector3} towards the key light */
   drawShadow(towards) {
@@ -333,7 +365,7 @@ export class Picture {
 
   /** @param {number} k */
   inDisc(k) {
-    const far = this.soft_radius * Math.sqrt((k + 0.5) / (STILLS - 1)), turn = 2.399963 * k;
+    const far = this.softRadius * Math.sqrt((k + 0.5) / (STILLS - 1)), turn = 2.399963 * k;
     const side = new THREE.Vector3(0, 1, 0).cross(this.keyDirection);
     if (side.lengthSq() < 1e-6) side.set(1, 0, 0);
     side.normalize();

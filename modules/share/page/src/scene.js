@@ -6,6 +6,9 @@ import {
   DEPTH_FRAGMENT, DEPTH_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TINT_FRAGMENT, program,
 } from './shaders.js';
 
+// Roughness below which metals have an image of their surroundings.
+const MIRRORED_BELOW = 0.5;
+
 /** @param {number[]} values */
 const vec3 = (values) => new THREE.Vector3(values[0], values[1], values[2]);
 const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
@@ -28,6 +31,8 @@ export async function sceneOf(glb, shared, defines, map) {
   const casters = [];
   /** @type {THREE.Mesh[]} */
   const tints = [];
+  /** @type {THREE.Mesh[]} */
+  const glossy = [];
   found.scene.updateMatrixWorld(true);
   /** @type {THREE.Mesh[]} */
   const meshes = [];
@@ -60,6 +65,8 @@ export async function sceneOf(glb, shared, defines, map) {
       normal_map: { value: textures.normal || white },
       occlusion_map: { value: textures.occlusion || white },
       emission_map: { value: textures.emission || white },
+      mirror: { value: null },
+      mirror_levels_own: { value: 5 },
       layers: { value: [layer(textures.base), layer(textures.rough), layer(textures.normal), layer(textures.occlusion)] },
       map_strength: { value: new THREE.Vector2(material.normalScale?.x ?? 1, material.aoMapIntensity ?? 1) },
     };
@@ -75,6 +82,9 @@ export async function sceneOf(glb, shared, defines, map) {
     if (!ground && mapped) own.LIGHT_MAP = 1;
     if (!ground && map.probes) own.PROBES = 1;
     if (clear) own.GLASS = 1;
+    const mirrors = !ground && !clear && !textures.rough && material.roughness < MIRRORED_BELOW
+      && material.metalness > 0.5;
+    if (mirrors) own.MIRROR = 1;
     if (ground) uniforms.base_factor.value = shared.ground_albedo.value;
     const blend = clear ? {
       transparent: true, depthWrite: false, blending: THREE.CustomBlending, blendSrc: THREE.OneFactor,
@@ -91,6 +101,7 @@ export async function sceneOf(glb, shared, defines, map) {
     placed.matrixWorld.copy(mesh.matrixWorld);
     placed.frustumCulled = false;
     (clear ? glass : opaque).add(placed);
+    if (mirrors) glossy.push(placed);
     if (ground) continue;
     const cut = material.alphaTest > 0;
     const tint = [0, 1, 2].map((c) => (clear
@@ -107,7 +118,7 @@ export async function sceneOf(glb, shared, defines, map) {
     depth.frustumCulled = false;
     (clear ? tints : casters).push(depth);
   }
-  return { opaque, glass, casters, tints };
+  return { opaque, glass, casters, tints, mirrors: glossy };
 }
 
 /** A geometry with all attributes that programs read. @param {THREE.BufferGeometry} geometry */

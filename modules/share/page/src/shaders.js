@@ -366,6 +366,14 @@ vec3 reflected_sky(vec3 d, float roughness) {
     if (roughness < 0.15 && d.y > 0.0) return sky_radiance(d);
     return textureLod(mirrored_sky, d, level).rgb * mirror_scale;
 }
+#ifdef MIRROR
+uniform samplerCube mirror;       // the surroundings, from the body's middle
+uniform float mirror_levels_own;
+vec3 mirrored(vec3 d, float roughness) {
+    float level = mirror_levels_own + log2(max(roughness * roughness, 1e-4)) + 0.3;
+    return textureLod(mirror, d, clamp(level, 0.0, mirror_levels_own - 1.0)).rgb * mirror_scale;
+}
+#endif
 float sun_lit(vec3 face) {
     float slope = 1.0 - max(dot(face, key_direction), 0.0);
     vec3 place = world + face * shadow_texel_m * (0.6 + 1.4 * slope);
@@ -508,6 +516,9 @@ void main() {
         vec3 about = normalize(mix(to_image, n, roughness * roughness));
         float narrower = roughness * (0.8 - 0.36 * roughness);
         vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
+#ifdef MIRROR
+        radiance += more * (once * mirrored(about, roughness) + at_grazing * mirrored(cut, narrower));
+#else
         vec3 direct = reflected_sky(about, roughness), low = reflected_sky(cut, narrower);
         float arrives = clamp(sky_in_all, 0.0, 1.0);
         vec3 around = max(reached - arrives * open_irradiance(n), 0.0) / PI;
@@ -522,6 +533,7 @@ void main() {
         vec2 things = (1.0 - seen + FEWEST) / (1.0 - min(sky_in_all, 1.0) + FEWEST);
         radiance += more * (once * (seen.x * direct + things.x * around)
                             + at_grazing * (seen.y * low + things.y * around));
+#endif
     }
     float lit = mix(smoothstep(0.0, 0.5, sky_in_all), 1.0, smoothstep(1.0, 2.0, metres / scene_m));
     radiance = through_air(radiance, -view, metres, lit);

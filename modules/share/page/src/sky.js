@@ -36,7 +36,6 @@ export class SkyTable {
     this.about = data.header.sky;
     this.bits = data.array('sky');
     const [layers, rows, columns] = data.shape('sky');
-    Object.assign(this, { layers, rows, columns });
     this.layers = layers; this.rows = rows; this.columns = columns;
     this.lower = this.about.lower;
     const rgba = new Uint16Array(layers * rows * columns * 4);
@@ -130,9 +129,9 @@ export class OpenIrradiance {
     this.values = new Float32Array(this.size * this.size * 4);
     this.texture = new THREE.DataTexture(this.values, this.size, this.size, THREE.RGBAFormat,
       THREE.FloatType);
-    // Rays of equal solid angle over the upper hemisphere, denser at the sun's height is not needed:
-    // the aureole's width is far below the cosine's.
     this.rays = spiral(768);
+    /** Irradiance of level ground by the sky. */
+    this.up = [0, 0, 0];
   }
 
   /** Irradiance of directions by sky and ground.

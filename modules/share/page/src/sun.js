@@ -7,7 +7,7 @@ const DEG = Math.PI / 180;
 const MEAN_RADIUS = Math.asin(696000 / 149597870.7);
 
 /** @typedef {{trueRad: number, apparentRad: number, azimuthRad: number, declination: number,
- *   hour: number}} Place of a body: azimuth from the world's -Z */
+ *   hour: number, northRad: number}} Place of a body: azimuth from the world's -Z, and from north */
 
 /** Refraction of a geometric elevation (Saemundsson 1986). @param {number} rad @param {number} air */
 function refraction(rad, air) {
@@ -41,7 +41,7 @@ export class Ephemeris {
     const trueRad = altitude * DEG;
     return {
       trueRad, apparentRad: trueRad + refraction(trueRad, this.air),
-      azimuthRad: azimuth * DEG - this.about.north_offset_rad,
+      azimuthRad: azimuth * DEG - this.about.north_offset_rad, northRad: azimuth * DEG,
       declination: found.dec * DEG, hour: (sidereal - found.ra) * 15 * DEG,
       distanceKm: found.dist * KM_PER_AU,
     };

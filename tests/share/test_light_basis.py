@@ -1,0 +1,79 @@
+"""Light maps as sums of few basis maps, against the maps themselves in double precision."""
+
+import numpy as np
+import pytest
+from share.light_basis import decoded, light_basis
+from share.light_maps import LightMaps
+
+
+def maps(values=900, places=60, rank=6, lamps=True, seed=3):
+    """Light of a low rank whose texels differ by a factor of a thousand; some have none."""
+    random = np.random.default_rng(seed)
+    parts = random.gamma(1.0, size=(rank, values))
+    changes = random.gamma(1.0, size=(places, rank, 3))
+    bright = 10.0 ** random.uniform(-3.0, 0.0, values)
+    by_sun = np.einsum("srk,rt->stk", changes, parts) * bright[:, None]
+    by_sun[:, ::50] = 0.0
+    glow = 1e-6 * by_sun[3]
+    own = 7.0 * by_sun[5] if lamps else np.zeros((values, 3))
+    return LightMaps(
+        by_sun.astype(np.float32),
+        np.ones((places, 3)),
+        glow.astype(np.float32),
+        own.astype(np.float32),
+    )
+
+
+@pytest.fixture(scope="module")
+def light():
+    return maps()
+
+
+@pytest.fixture(scope="module")
+def basis(light):
+    return light_basis(light, 12)
+
+
+def relative(found, true):
+    lit = true > 0.0
+    return np.abs(found[lit] / true[lit] - 1.0)
+
+
+def test_light_of_a_low_rank_is_kept_in_bright_and_dark_texels(light, basis):
+    """Bytes leave errors of about a percent of each texel's own light, also of the darkest."""
+    for place in range(0, 60, 7):
+        error = relative(basis.light(basis.sun[place]), light.by_sun[place].astype(float))
+        assert np.sqrt(np.mean(error**2)) < 0.02
+        assert error.max() < 0.2
+
+
+def test_night_and_lamps_are_kept_though_they_differ_by_a_million(light, basis):
+    for found, true in ((basis.glow, light.by_glow), (basis.lamps, light.by_lamps)):
+        assert np.sqrt(np.mean(relative(basis.light(found), true.astype(float)) ** 2)) < 0.02
+
+
+def test_texels_without_light_stay_dark(light, basis):
+    found = basis.light(basis.sun[0])
+    assert np.all(found[::50] == 0.0)
+    assert np.all(np.isfinite(found))
+    assert np.all(found >= 0.0)
+
+
+def test_more_terms_leave_less(light):
+    """As truncated singular vectors of each cluster do."""
+    few, many = (light_basis(light, terms) for terms in (2, 8))
+    left = [np.square(one.light(one.sun[9]) - light.by_sun[9]).sum() for one in (few, many)]
+    assert left[1] < 0.1 * left[0]
+
+
+def test_a_scene_without_lamps_has_no_light_of_theirs():
+    basis = light_basis(maps(lamps=False), 4)
+    assert not np.any(basis.light(basis.lamps))
+
+
+def test_bytes_stand_for_values_finer_around_zero():
+    values = decoded(np.arange(-127, 128).astype(np.int8))
+    assert values[[0, 127, -1]].tolist() == [-1.0, 0.0, 1.0]
+    steps = np.diff(values)
+    assert np.all(steps > 0.0)
+    assert steps[127] < 0.1 * steps[-1]
