@@ -152,16 +152,7 @@ def _page(
         "scene": _about_scene(scene),
         "views": _views(project, scene),
         "map": _about_map(transport, scene),
-        "places": {
-            "declinations": places.declinations,
-            "hours": places.hours,
-            "most_declination": MOST_DECLINATION_RAD,
-            "day_nodes": places.day_nodes.tolist(),
-            "first_of_dusk": places.first_of_dusk,
-            "dusk_rad": DUSK_RAD.tolist(),
-            "dusk_azimuths": places.dusk_azimuths,
-            "takes_over_rad": TAKES_OVER_RAD,
-        },
+        "places": about_places(places),
         "basis": {
             "clusters": CLUSTERS,
             "terms": len(basis.terms),
@@ -170,15 +161,7 @@ def _page(
             "lamps_bright": float(maps.by_lamps.max()),
             "glow_bright": float(maps.by_glow.max()),
         },
-        "sky": {
-            "lower": LOWER,
-            "true_rad": table.true_rad.tolist(),
-            "apparent_rad": table.apparent_rad.tolist(),
-            "level": table.level_rgb.tolist(),
-            "key": table.key.tolist(),
-            "ground": table.ground.tolist(),
-            "albedo": table.albedo_rgb.tolist(),
-        },
+        "sky": about_sky(table),
         "moon": moon,
         "glow_ground": list(glow_illumination(glow, table.albedo_rgb[-1]).ground_radiance_rgb),
         "air": {"extinction_per_m": _extinction(key, place.altitude_m)},
@@ -210,6 +193,33 @@ def _page(
     )
     text = page_text(title, header, arrays, glb, stills)
     return SharedPage(text, errors, len(values), len(basis.terms), left_out)
+
+
+def about_places(places: SunPlaces) -> dict[str, Any]:
+    """The places of the sun, as `page/src/places.js` reads them."""
+    return {
+        "declinations": places.declinations,
+        "hours": places.hours,
+        "most_declination": MOST_DECLINATION_RAD,
+        "day_nodes": places.day_nodes.tolist(),
+        "first_of_dusk": places.first_of_dusk,
+        "dusk_rad": DUSK_RAD.tolist(),
+        "dusk_azimuths": places.dusk_azimuths,
+        "takes_over_rad": TAKES_OVER_RAD,
+    }
+
+
+def about_sky(table: SkyTable) -> dict[str, Any]:
+    """The table of the sky, without its radiances, as `page/src/sky.js` reads it."""
+    return {
+        "lower": LOWER,
+        "true_rad": table.true_rad.tolist(),
+        "apparent_rad": table.apparent_rad.tolist(),
+        "level": table.level_rgb.tolist(),
+        "key": table.key.tolist(),
+        "ground": table.ground.tolist(),
+        "albedo": table.albedo_rgb.tolist(),
+    }
 
 
 # --- light ----------------------------------------------------------------------------------------

@@ -1,17 +1,8 @@
 // The light map of an hour: a sum of basis maps, whose coefficients depend on where the sun stands.
 import * as THREE from 'three';
 import { halfValue } from './data.js';
-import { clamp, placed } from './sky.js';
+import { placeWeights } from './places.js';
 import { fullScreen, LIGHT_FRAGMENT } from './shaders.js';
-
-/** Weights of four even nodes about t (Catmull and Rom 1974). @param {number} t */
-function cubic(t) {
-  return [0.5 * t * (t * (2 - t) - 1), 0.5 * (t * t * (3 * t - 5) + 2),
-    0.5 * t * (t * (4 - 3 * t) + 1), 0.5 * t * t * (t - 1)];
-}
-
-/** Share of a full turn, in [0, 1). @param {number} rad */
-const turned = (rad) => ((rad / (2 * Math.PI)) % 1 + 1) % 1;
 
 export class LightMap {
   /** @param {import('./data.js').PageData} data @param {import('./sky.js').SkyTable} table */
@@ -52,58 +43,12 @@ export class LightMap {
     this.scale = 1;
   }
 
-  /** Places and weights for a body: the twin of share/sun_places.py.
-   * @param {{trueRad: number, declination: number, hour: number, northRad: number}} at
-   * @returns {[number, number][]} */
-  weights(at) {
-    const [low, high] = this.places.takes_over_rad;
-    const day = clamp((at.trueRad - low) / (high - low), 0, 1);
-    /** @type {[number, number][]} */
-    const found = [];
-    if (day > 0) this.byDay(at, day, found);
-    if (day < 1) this.byDusk(at, 1 - day, found);
-    return found;
-  }
-
-  /** @param {{declination: number, hour: number}} at @param {number} share
-   * @param {[number, number][]} found */
-  byDay(at, share, found) {
-    const { declinations, hours, most_declination: most, day_nodes: nodes } = this.places;
-    const v = clamp((at.declination + most) / (2 * most) * (declinations - 1), 0, declinations - 1);
-    const u = turned(at.hour) * hours % hours;
-    const row = Math.min(Math.floor(v), declinations - 2), column = Math.floor(u);
-    const along = cubic(u - column);
-    let across = cubic(v - row);
-    if (row === 0) across = [0, across[1] + 2 * across[0], across[2] - across[0], across[3]];
-    if (row === declinations - 2) across = [across[0], across[1] - across[3], across[2] + 2 * across[3], 0];
-    for (let j = 0; j < 4; ++j) {
-      if (!across[j]) continue;
-      for (let i = 0; i < 4; ++i) {
-        found.push([nodes[row + j - 1][(column + i - 1 + hours) % hours], share * across[j] * along[i]]);
-      }
-    }
-  }
-
-  /** @param {{trueRad: number, northRad: number}} at @param {number} share
-   * @param {[number, number][]} found */
-  byDusk(at, share, found) {
-    const { dusk_rad: heights, dusk_azimuths: count, first_of_dusk: first } = this.places;
-    const [row, t] = placed(heights, at.trueRad), u = turned(at.northRad) * count % count;
-    const column = Math.floor(u), along = cubic(u - column);
-    for (let j = 0; j < 2; ++j) {
-      for (let i = 0; i < 4; ++i) {
-        found.push([first + (row + j) * count + (column + i - 1 + count) % count,
-          share * (j ? t : 1 - t) * along[i]]);
-      }
-    }
-  }
-
   /** Adds the coefficients of a body, W m^-2.
    * @param {import('./sky.js').Body & {declination: number, hour: number, northRad: number}} body
    * @param {Float64Array} into */
   add(body, into) {
     const level = this.table.level(body.trueRad);
-    for (const [place, weight] of this.weights(body)) {
+    for (const [place, weight] of placeWeights(this.places, body)) {
       const start = place * this.count;
       for (let c = 0; c < 3; ++c) {
         const factor = weight * level[c] * body.share[c];

@@ -4,7 +4,8 @@ import { Controls } from './controls.js';
 import { Picture } from './picture.js';
 import { instantOf, wallOf } from './sun.js';
 
-const MINUTE = 60000, DAY = 1440;
+// Milliseconds of a minute, minutes of a day, and minutes that pass in a second of play.
+const MINUTE = 60000, DAY = 1440, MINUTES_A_SECOND = 30;
 
 /** @param {string} id @returns {any} */
 const part = (id) => document.getElementById(id);
@@ -44,7 +45,6 @@ class Page {
     this.hourChanged = true;
     this.dirty = true;
     this.dragging = false;
-    this.inHeadset = false;
     this.fixed = 12;
     this.barDay = -1;
     this.last = 0;
@@ -136,14 +136,11 @@ class Page {
     requestAnimationFrame((next) => this.frame(next));
     const seconds = Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
-    if (this.inHeadset) return;
-    if (this.plays) this.setHour(this.day, this.minute + seconds * this.speed());
+    if (this.plays) this.setHour(this.day, this.minute + seconds * MINUTES_A_SECOND);
     this.controls.advance(seconds);
     if (!this.dirty) return;
     this.step();
   }
-
-  speed() { return 30; }
 
   step() {
     const { view } = this;

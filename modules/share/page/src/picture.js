@@ -86,7 +86,6 @@ export class Picture {
       rods_blue: { value: new THREE.Vector3(...tone.rods_blue) },
       rods_range: { value: new THREE.Vector2(...tone.rods_range) },
       pre: { value: 1 },
-      on_headset: { value: 0 },
       values_shown: { value: 0 },
       jitter: { value: new THREE.Vector2() },
       light_map: { value: this.light.target.texture },

@@ -122,10 +122,8 @@ vec3 displayed(vec3 radiance) {
 
 const FINISH = `
 uniform float pre;                // factor on radiance in the target
-uniform float on_headset;         // 1: displayed at once
 out vec4 colour;
 vec4 finished(vec3 radiance, float alpha) {
-    if (on_headset > 0.5) return vec4(displayed(radiance) * alpha, alpha);
     return vec4(min(radiance * pre, 6e4), alpha);
 }`;
 

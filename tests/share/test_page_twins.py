@@ -1,0 +1,173 @@
+"""The page's own script, run by Node.js, against what it repeats of the program.
+
+Without Node.js, or npm's packages in .page (`sh tools/bootstrap.sh page`), these are skipped.
+"""
+
+import json
+import shutil
+import subprocess
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dynamic_skylight import sun_position
+from share.page_file import packed
+from share.shared_page import about_places, about_sky
+from share.shared_scene import SunSky
+from share.sky_table import sky_table
+from share.sun_places import SunPlaces, equatorial
+
+from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.pictures.exposure import metered_cd, metered_ev100
+from vrut_lite.pictures.night_eye import adapted_cd
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ROOT / ".page" / "node_modules"
+PLACES = ((50.0755, 14.4378, 200.0), (-33.9, 18.4, 20.0), (69.6, 18.9, 0.0))
+
+
+@pytest.fixture(scope="module")
+def node(tmp_path_factory):
+    """A function that runs a script beside the page's sources and returns what it prints."""
+    if shutil.which("node") is None:
+        pytest.skip("needs Node.js (Debian: nodejs)")
+    if not (PACKAGES / "three").is_dir():
+        pytest.skip("needs npm's three and astronomy-engine: sh tools/bootstrap.sh page")
+    folder = tmp_path_factory.mktemp("page")
+    shutil.copytree(ROOT / "modules" / "share" / "page" / "src", folder / "src")
+    (folder / "package.json").write_text('{"type": "module"}')
+    (folder / "node_modules").symlink_to(PACKAGES)
+
+    def run(script, given, content=b""):
+        (folder / "given.json").write_text(json.dumps(given))
+        (folder / "content.bin").write_bytes(content)
+        read = "const given = JSON.parse(readFileSync('given.json', 'utf8'));"
+        imports = "import { readFileSync } from 'node:fs';"
+        (folder / "run.js").write_text(f"{imports}\n{read}\n{script}")
+        done = subprocess.run(
+            ["node", "run.js"], cwd=folder, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    return run
+
+
+def test_the_sun_stands_where_the_programs_sun_stands(node):
+    """To 0.003 degrees, refraction included: both use astronomy-engine's ephemeris."""
+    hours = [datetime(2026, 1, 3, tzinfo=UTC) + timedelta(hours=37.3 * k) for k in range(60)]
+    for latitude, longitude, altitude in PLACES:
+        place = {
+            "latitude_deg": latitude,
+            "longitude_deg": longitude,
+            "altitude_m": altitude,
+            "north_offset_rad": 0.0,
+            "pressure_pa": pressure_at_altitude_pa(altitude),
+        }
+        given = {"place": place, "ms": [hour.timestamp() * 1000.0 for hour in hours]}
+        script = """
+            import { Ephemeris } from './src/sun.js';
+            const ephemeris = new Ephemeris(given.place, null);
+            console.log(JSON.stringify(given.ms.map((ms) => ephemeris.sun(new Date(ms)))));
+        """
+        for found, hour in zip(node(script, given), hours, strict=True):
+            true = sun_position(hour, latitude, longitude, altitude_m=altitude)
+            assert found["trueRad"] == pytest.approx(true.elevation_rad, abs=5e-5)
+            assert found["apparentRad"] == pytest.approx(true.apparent_elevation_rad, abs=5e-5)
+            turn = (found["azimuthRad"] - true.azimuth_rad + np.pi) % (2.0 * np.pi) - np.pi
+            assert abs(turn) * np.cos(true.elevation_rad) < 5e-5
+            # The places of light are found by declination and hour angle.
+            by_angles = equatorial(true.elevation_rad, true.azimuth_rad, np.radians(latitude))
+            assert found["declination"] == pytest.approx(by_angles[0], abs=2e-4)
+            apart = (found["hour"] - by_angles[1] + np.pi) % (2.0 * np.pi) - np.pi
+            assert abs(apart) < 3e-4
+
+
+def test_a_picture_is_exposed_as_the_program_exposes_it(node):
+    """Rooms with a window, streets and nights, to a hundredth of a stop."""
+    random = np.random.default_rng(5)
+    pictures = []
+    for level in (1e-7, 1e-4, 0.1, 5.0, 80.0):
+        values = level * random.lognormal(0.0, 1.2, 3000)
+        values[: random.integers(1, 900)] *= 300.0
+        pictures.append((np.sort(values).astype(np.float32), float(level * random.uniform(1, 9))))
+    script = """
+        import { adaptedCd, automaticEv } from './src/exposure.js';
+        const found = given.map(([values, white]) => automaticEv(Float32Array.from(values), white));
+        console.log(JSON.stringify(found.map((ev) => [ev, adaptedCd(ev)])));
+    """
+    found = node(script, [[values.tolist(), white] for values, white in pictures])
+    for (ev, field_cd), (values, white) in zip(found, pictures, strict=True):
+        assert ev == pytest.approx(metered_ev100(values, white), abs=0.01)
+        assert field_cd == pytest.approx(adapted_cd(ev, "eye") or 0.0)
+    assert {bool(field) for _, field in found} == {True, False}
+    assert metered_cd(12.0, "eye") > 0.0
+
+
+def test_light_is_interpolated_between_the_same_places(node):
+    places = SunPlaces(float(np.radians(50.0)), 0.2)
+    random = np.random.default_rng(6)
+    suns = []
+    for _ in range(40):
+        elevation, azimuth = random.uniform(-0.4, 1.1), random.uniform(0.0, 2.0 * np.pi)
+        declination, hour = equatorial(elevation, azimuth, places.latitude_rad)
+        suns.append(
+            {"trueRad": elevation, "northRad": azimuth, "declination": declination, "hour": hour}
+        )
+    script = """
+        import { placeWeights } from './src/places.js';
+        console.log(JSON.stringify(given.suns.map((sun) => placeWeights(given.places, sun))));
+    """
+    found = node(script, {"places": about_places(places), "suns": suns})
+    for pairs, sun in zip(found, suns, strict=True):
+        one, other = np.zeros((2, len(places.heights)))
+        for place, weight in pairs:
+            one[place] += weight
+        for place, weight in places.weights(sun["trueRad"], sun["northRad"]):
+            other[place] += weight
+        assert one == pytest.approx(other, abs=1e-9)
+
+
+def test_the_skys_table_is_read_alike(node):
+    """Radiance in any direction, from the very bytes of a page."""
+    skies = []
+    for height in (-0.2, 0.0, 0.3, 1.0):
+        direction = texel_directions(32)
+        cube = np.exp(3.0 * direction @ np.array([0.6, 0.5, -0.62]))[..., None] * [1.0, 2.0, 3.0]
+        key = np.full(3, max(height, 0.0))
+        skies.append(
+            SunSky(height, height, 0.8, cube.astype(np.float32), key, np.ones(3), np.ones(3))
+        )
+    table = sky_table(skies)
+    random = np.random.default_rng(7)
+    directions = random.normal(size=(50, 3))
+    directions[:, 1] = np.abs(directions[:, 1])
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    arrays = {"sky": table.radiance.view(np.uint16), "glow": np.zeros((2, 2, 3), np.uint16)}
+    content = packed({"sky": about_sky(table), "glow_scale": 1.0}, arrays)
+    script = """
+        import { PageData } from './src/data.js';
+        import { SkyTable } from './src/sky.js';
+        const bytes = readFileSync('content.bin');
+        const start = bytes.byteOffset;
+        const table = new SkyTable(new PageData(bytes.buffer.slice(start, start + bytes.length)));
+        const body = { trueRad: 0.17, apparentRad: 0.17, azimuthRad: 2.0, share: [1, 1, 1] };
+        const found = given.map(([x, y, z]) => table.radiance(body, { x, y, z }));
+        console.log(JSON.stringify(found));
+    """
+    found = np.array(node(script, directions.tolist(), content))
+    assert found == pytest.approx(table.sky(directions, 0.17, 2.0), rel=1e-3)
+
+
+def test_the_scripts_types_hold(node):
+    """By TypeScript, from the comments; only where `tools/bootstrap.sh long` has installed it."""
+    compiler = PACKAGES / ".bin" / "tsc"
+    if not compiler.exists():
+        pytest.skip("needs npm's typescript and @types/three: sh tools/bootstrap.sh long")
+    page = ROOT / ".page"
+    done = subprocess.run(
+        [compiler, "--project", page], cwd=page, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout
