@@ -420,5 +420,30 @@ def test_bootstrap_asks_for_a_purpose(machine):
     """A wrong argument prints the usage, exits with 2 and makes nothing."""
     done = machine.shell("tools/bootstrap.sh")
     assert done.returncode == 2
-    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test|lint|long|docs\n"
+    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test|lint|long|docs|page\n"
     assert not (machine.root / ".venv").exists()
+
+
+def test_the_pages_script_is_bundled_again_when_its_sources_change(machine):
+    """Once for the same sources; npm and node run in .page, not in the package's folder."""
+    sources = machine.root / "modules" / "share" / "page"
+    shutil.copytree(ROOT / "modules" / "share" / "page", sources)
+    (machine.bin / "cp").symlink_to(str(shutil.which("cp")))
+    machine.has("npm")
+    built = machine.root / "modules" / "share" / "built"
+    machine.has("node", f'mkdir -p "{built}"; echo script >"{built}/page.js"')
+    assert machine.shell("tools/bootstrap.sh", "page").returncode == 0
+    assert [call.split()[0] for call in machine.calls("npm", "node")] == ["npm", "node"]
+    assert machine.shell("tools/bootstrap.sh", "page").returncode == 0
+    assert machine.calls("npm", "node") == []
+    with (sources / "src" / "main.js").open("a") as file:
+        file.write("// changed\n")
+    assert machine.shell("tools/bootstrap.sh", "page").returncode == 0
+    assert len(machine.calls("npm", "node")) == 2
+    assert not (sources / "node_modules").exists()
+
+
+def test_without_npm_the_page_is_said_to_be_missing(machine):
+    done = machine.shell("tools/bootstrap.sh", "page")
+    assert done.returncode == 1
+    assert "apt-get install nodejs npm" in done.stderr

@@ -117,15 +117,16 @@ install_packages() {
     fi
 }
 
+has_npm() {
+    command -v npm >/dev/null && command -v node >/dev/null
+}
+
 # The script of shared pages, modules/share/built/page.js, of our sources and npm's packages. They
 # are installed and bundled in .page, so that the package's folder holds nothing else.
 # build_page TYPES
 build_page() {
     from=$root/modules/share/page built=$root/modules/share/built work=$root/.page
-    if ! command -v npm >/dev/null || ! command -v node >/dev/null; then
-        return 1
-    fi
-    key=$(cat "$from"/package.json "$from"/build.mjs "$from"/src/*.js | cksum)
+    key=$(cat "$from"/package.json "$from"/build.mjs "$from"/src/*.js)
     stamp=$work/built-of
     mkdir -p "$work"
     if [ -f "$built/page.js" ] && [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$key" ]; then
@@ -138,7 +139,7 @@ build_page() {
     (cd "$work" && npm install --silent --no-audit --no-fund --no-package-lock && node build.mjs "$built") ||
         return 1
     [ "$1" = no ] || install_types
-    echo "$key" >"$stamp"
+    printf "%s\n" "$key" >"$stamp"
 }
 
 install_types() {
@@ -156,10 +157,11 @@ lint) extras='[app,test,ref,ifc,lint]' lab_extras='[test]' ;;
 long) extras='[app,test,ref,ifc,usd,film]' lab_extras='[test,radiance,truth]' ;;
 docs) extras='[app,docs]' lab_extras= ;;
 page)
-    build_page no || {
+    if ! has_npm; then
         say "the script of shared pages needs Node.js with npm (Debian: apt-get install nodejs npm)"
         exit 1
-    }
+    fi
+    build_page no
     exit
     ;;
 *)
@@ -169,10 +171,11 @@ page)
 esac
 make_venv
 install_packages "$1" "$extras" "$lab_extras"
-case $1 in
-docs) ;;
-long) build_page yes || say "\`vrut-lite share\` is not built: it needs Node.js with npm" ;;
-*) build_page no || say "\`vrut-lite share\` is not built: it needs Node.js with npm" ;;
-esac
+# Without it all else works, and `vrut-lite share` says what it needs.
+if has_npm && [ "$1" != docs ]; then
+    types=no
+    [ "$1" != long ] || types=yes
+    build_page $types || say "could not build the script of shared pages, which \`vrut-lite share\` needs"
+fi
 # Linters load no library of the system's, nor does the documentation.
 [ "$1" = lint ] || [ "$1" = docs ] || provide_system "$root" "$1"
