@@ -18,7 +18,7 @@ from PIL import Image
 from share.scene_mesh import GROUND, MeshGroup
 from vrut_lite.lazy import lazy
 from vrut_lite.messages.scene_content import Material, MaterialMap
-from vrut_lite.numeric_types import Float32Array
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 _meshopt = lazy("meshopt")
 
@@ -47,8 +47,13 @@ def glb_of(
     for material in materials:
         writer.material(material)
     writer.ground(ground_rgb)
+    # One lattice for all, so that surfaces which touch still do.
+    places = [group.positions_m for group in groups if group.material != GROUND]
+    lower = np.min([part.min(axis=0) for part in places], axis=0).astype(float)
+    upper = np.max([part.max(axis=0) for part in places], axis=0).astype(float)
+    step = np.maximum(upper - lower, 1e-6) / 65535.0
     for group in groups:
-        writer.group(group, len(materials))
+        writer.group(group, len(materials), lower, step)
     return writer.bytes()
 
 
@@ -161,10 +166,8 @@ class _Writer:
 
     # --- meshes -------------------------------------------------------------------------------
 
-    def group(self, group: MeshGroup, ground: int) -> None:
-        """Add a mesh and its node, which undoes the quantisation."""
-        lower = group.positions_m.min(axis=0).astype(float)
-        step = np.maximum(np.ptp(group.positions_m, axis=0).astype(float), 1e-6) / 65535.0
+    def group(self, group: MeshGroup, ground: int, lower: FloatArray, step: FloatArray) -> None:
+        """Add a mesh and its node, which undoes the quantisation: lower + whole numbers * step."""
         if group.material == GROUND:
             # Metres would be lost beside its kilometres.
             lower, step, places = np.zeros(3), np.ones(3), group.positions_m

@@ -241,12 +241,15 @@ def _planes(basis: LightBasis, values: MapValues) -> NDArray[np.uint8]:
     return found.reshape(-1, rows, width)
 
 
-def _visible_sky(transport: SceneTransport, shape: tuple[int, ...]) -> NDArray[np.uint8]:
-    """`SurfaceLightChanged.visible_sky` (h, w, 4) as bytes of (value + 2) / 4."""
-    seen = transport.cache.visible_sky.values.astype(np.float32)
-    found = np.full((*shape, 4), 128, np.uint8)
-    found[: seen.shape[0]] = np.rint(np.clip((seen + 2.0) / 4.0, 0.0, 1.0) * 255.0)
-    return found
+def _visible_sky(transport: SceneTransport, shape: tuple[int, ...]) -> NDArray[np.uint16]:
+    """`SurfaceLightChanged.visible_sky` (h, w, 4) as bits of float16, on the rows of the planes.
+
+    Bytes are too coarse: deep in a hall a thousandth of the sky is seen.
+    """
+    seen = transport.cache.visible_sky.values
+    found = np.zeros((*shape, 4), np.float16)
+    found[: seen.shape[0]] = seen
+    return found.view(np.uint16)
 
 
 def _reflectance() -> NDArray[np.uint16]:

@@ -45,6 +45,7 @@ class Page {
     this.hourChanged = true;
     this.dirty = true;
     this.dragging = false;
+    this.drafted = false;
     this.fixed = 12;
     this.barDay = -1;
     this.last = 0;
@@ -145,8 +146,9 @@ class Page {
   step() {
     const { view } = this;
     const moves = this.plays || this.dragging || this.controls.fingers.size > 0 || this.controls.keys.size > 0;
-    if (this.hourChanged) {
-      view.setHour(this.date);
+    if (this.hourChanged || (this.drafted && !moves)) {
+      this.drafted = moves && view.soft;
+      view.setHour(this.date, this.drafted);
       if (this.barDay !== this.day) this.drawBar();
       this.hourChanged = false;
     }

@@ -45,7 +45,8 @@ export class Picture {
     this.defines = { COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1) };
     const tone = header.tone;
     const sky = data.array('visible_sky'), [mapHeight, mapWidth] = data.shape('visible_sky');
-    const skyTexture = new THREE.DataTexture(sky, mapWidth, mapHeight);
+    const skyTexture = new THREE.DataTexture(sky, mapWidth, mapHeight, THREE.RGBAFormat,
+      THREE.HalfFloatType);
     skyTexture.magFilter = skyTexture.minFilter = THREE.LinearFilter;
     skyTexture.needsUpdate = true;
     const tableEdge = data.shape('reflectance')[0];
@@ -215,8 +216,9 @@ export class Picture {
     this.stillCount = 0;
   }
 
-  /** Lights the scene at an instant. @param {Date} date */
-  setHour(date) {
+  /** Lights the scene at an instant. @param {Date} date
+   * @param {boolean} [draft] without new images of what glossy bodies see */
+  setHour(date, draft = false) {
     const sun = this.ephemeris.sun(date), moon = this.ephemeris.moon(date);
     this.sun = sun;
     this.moon = moon;
@@ -279,7 +281,7 @@ export class Picture {
     this.white = (luminance(this.open.up) + luminance(strength)) / Math.PI;
     this.softRadius = byDay ? disc.even_radius_rad : 0.0045;
     this.drawShadow(this.keyDirection);
-    this.drawMirrors();
+    if (!draft) this.drawMirrors();
     this.stillCount = 0;
   }
 
@@ -357,7 +359,7 @@ export class Picture {
     const factor = still ? 1 / count : 1;
     if (this.exposure.automatic && !this.values && (count === 0 || count === STILLS - 1)) this.meterPicture(shown, factor * 1 / pre.value);
     if (!this.exposure.automatic) this.ev = this.exposure.ev;
-    this.display(shown, pre.value / factor);
+    this.display(shown, still ? count : 1);
     this.stillCount = refines || count === 0 ? count + 1 : 1;
     return this.stillCount < STILLS;
   }
@@ -400,14 +402,14 @@ export class Picture {
     if (before[0] !== this.range[0] || before[1] !== this.range[1]) this.display(this.target, 1);
   }
 
-  /** @param {THREE.WebGLRenderTarget} target @param {number} pre */
-  display(target, pre) {
+  /** @param {THREE.WebGLRenderTarget} target @param {number} count of the pictures in it */
+  display(target, count) {
     this.setTone();
     const u = this.tone.material.uniforms;
     u.radiance.value = target.texture;
     u.range.value.set(Math.log(this.range[0]), Math.log(this.range[1]));
     const kept = this.shared.pre.value;
-    this.shared.pre.value = this.values ? 1 : pre;
+    this.shared.pre.value = count * (this.values ? 1 : kept);
     this.tone.draw(this.renderer, null);
     this.shared.pre.value = kept;
   }

@@ -72,12 +72,13 @@ vec3 sky_radiance(vec3 d) {
 }
 uniform vec3 extinction_per_m;
 uniform float scene_m;
-// Radiance of air that no surface ends: the sky at the horizon, in the same azimuth.
-vec3 far_air(vec3 d) {
-    vec3 level = vec3(d.x, 0.0, d.z);
-    return sky_radiance(normalize(length(level) > 1e-4 ? level + vec3(0.0, 0.02 * length(level), 0.0)
-                                                       : vec3(0.0, 0.02, -1.0)));
+// Towards the sky a little above the horizon, in the same azimuth: air that no surface ends is as
+// bright.
+vec3 horizon(vec3 d) {
+    float level = length(d.xz);
+    return level > 1e-4 ? vec3(d.x, 0.05 * level, d.z) / level : vec3(0.0, 0.05, -1.0);
 }
+vec3 far_air(vec3 d);
 vec3 through_air(vec3 radiance, vec3 d, float metres, float lit) {
     vec3 left = exp(-extinction_per_m * metres);
     return radiance * left + far_air(d) * (lit * (1.0 - left));
@@ -140,6 +141,7 @@ void main() {
 
 export const SKY_FRAGMENT = `${HEAD}${SKY}${TONE}${FINISH}
 in vec3 ray;
+vec3 far_air(vec3 d) { return sky_radiance(normalize(horizon(d))); }
 uniform vec3 disc_direction;
 uniform vec3 disc_radiance;       // mean
 uniform float disc_radius;
@@ -168,6 +170,7 @@ void main() {
 
 // One face of the cube in which surfaces mirror the sky.
 export const CUBE_FRAGMENT = `${HEAD}${SKY}
+vec3 far_air(vec3 d) { return vec3(0.0); }
 in vec2 at;
 out vec4 colour;
 uniform int face;
@@ -291,7 +294,7 @@ vec3 ratio(vec3 wanted, vec3 had, float most) {
     return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
 }
 vec3 map_light(vec2 px) { return textureLod(light_map, px / light_size, 0.0).rgb * light_scale; }
-vec4 map_sky(vec2 px) { return textureLod(visible_sky, px / light_size, 0.0) * 4.0 - 2.0; }
+vec4 map_sky(vec2 px) { return textureLod(visible_sky, px / light_size, 0.0); }
 
 #ifdef GROUND
 uniform vec4 chart;               // first texel across and down, steps, half width in m
@@ -372,6 +375,7 @@ vec3 mirrored(vec3 d, float roughness) {
     return textureLod(mirror, d, clamp(level, 0.0, mirror_levels_own - 1.0)).rgb * mirror_scale;
 }
 #endif
+vec3 far_air(vec3 d) { return textureLod(mirrored_sky, horizon(d), 0.0).rgb * mirror_scale; }
 float sun_lit(vec3 face) {
     float slope = 1.0 - max(dot(face, key_direction), 0.0);
     vec3 place = world + face * shadow_texel_m * (0.6 + 1.4 * slope);
