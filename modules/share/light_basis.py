@@ -116,7 +116,7 @@ class _Columns:
         self._inverse = np.where(factor > 0.0, 1.0 / np.maximum(factor, 1e-30), 0.0)
         self._places = len(maps.by_sun)
         # Deep in hundreds of the sun's places, one of night or lamps would hardly count.
-        weight = np.sqrt(max(self._places, 1) / 8.0)
+        weight = np.sqrt(max(self._places, 1) / 2.0)
         means = [float(light.mean()) for light in (maps.by_glow, maps.by_lamps)]
         level = float(maps.by_sun.mean())
         self._scales = [weight * level / mean if mean > 0.0 else 0.0 for mean in means]

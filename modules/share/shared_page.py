@@ -21,7 +21,7 @@ from share.sky_table import LOWER, SkyTable, check_sky, sky_table
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.encoding import decode_float16, encode_float16, float16_scale
 from vrut_lite.geometry.false_colours import colours_at
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.headless import Project, display_numbers, tracked
@@ -129,8 +129,10 @@ def _page(
         lambda steps: tracked(steps, "light of the sun's places", len(places.heights)),
     )
     basis = light_basis(maps, terms)
-    # As the page reads them.
-    sun = basis.sun.astype(np.float16).astype(np.float32)
+    # As the page reads them; coefficients have either sign.
+    sun_scale = float16_scale(float(np.abs(basis.sun).max()))
+    sun_bits = (basis.sun / np.float32(sun_scale)).astype(np.float16)
+    sun = decode_float16(sun_bits, sun_scale)
     moon = _moon_table(opened)
     errors = [
         _error(opened, transport, values, table, places, basis, sun, instant)
@@ -158,6 +160,7 @@ def _page(
             "terms": len(basis.terms),
             "power": POWER,
             "codes_per_stop": CODES_PER_STOP,
+            "sun_scale": sun_scale,
             "lamps_bright": float(maps.by_lamps.max()),
             "glow_bright": float(maps.by_glow.max()),
         },
@@ -179,7 +182,7 @@ def _page(
     planes = _planes(basis, values)
     arrays: dict[str, NDArray] = {
         "planes": planes,
-        "sun": basis.sun.astype(np.float16).view(np.uint16),
+        "sun": sun_bits.view(np.uint16),
         "night_and_lamps": np.stack([basis.glow, basis.lamps]),
         "sky": table.radiance.view(np.uint16),
         "glow": glow_bits.view(np.uint16),

@@ -66,6 +66,14 @@ def test_more_terms_leave_less(light):
     assert left[1] < 0.1 * left[0]
 
 
+def test_coefficients_are_finite_where_terms_have_nothing_to_say():
+    """A cluster of one kind of light needs one term; the others must not blow up."""
+    light = maps(rank=1, values=300)
+    basis = light_basis(light, 8)
+    assert np.all(np.isfinite(basis.sun))
+    assert np.abs(basis.sun).max() < 1e4 * light.by_sun.max()
+
+
 def test_a_scene_without_lamps_has_no_light_of_theirs():
     basis = light_basis(maps(lamps=False), 4)
     assert not np.any(basis.light(basis.lamps))

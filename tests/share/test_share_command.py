@@ -7,14 +7,18 @@ import re
 import struct
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from share import page_file
+from share import light_maps, page_file
 from share.command import share
+from share.light_maps import traced
 from share.page_file import packed, page_text
 
 from vrut_lite.errors import UserError
+from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.packing import packed as packed_scene
 
 ROOM = Path(__file__).parents[2] / "scenes" / "work" / "room.glb"
 
@@ -36,16 +40,29 @@ def test_a_missing_script_is_refused_with_what_to_install(tmp_path, monkeypatch)
         run(ROOM, "-o", tmp_path / "room.html")
 
 
-def header_and(content):
-    (length,) = struct.unpack_from("<I", content)
-    return json.loads(content[4 : 4 + length])
+@pytest.fixture(scope="module")
+def room():
+    return packed_scene(load_scene(ROOM))
+
+
+def test_a_scene_without_surfaces_is_refused(room):
+    with pytest.raises(UserError, match="the scene has no surfaces"):
+        traced(msgspec.structs.replace(room, triangles=0), 0.1, None)
+
+
+def test_a_light_map_too_large_for_a_page_is_refused_before_rays_are_traced(room, monkeypatch):
+    """With the option that reduces it."""
+    monkeypatch.setattr(light_maps, "MOST_VALUES", 200)
+    with pytest.raises(UserError, match=r"more than the 200 that fit .* --texels"):
+        traced(room, 0.1, 1500)
 
 
 def test_arrays_lie_where_the_header_says():
     """At multiples of eight bytes, as typed arrays of a browser need."""
     arrays = {"a": np.arange(5, dtype=np.uint8), "b": np.arange(6, dtype=np.float32).reshape(2, 3)}
     content = packed({"title": "x"}, arrays)
-    header = header_and(content)
+    (length,) = struct.unpack_from("<I", content)
+    header = json.loads(content[4 : 4 + length])
     for name, array in arrays.items():
         section = header["sections"][name]
         assert section["offset"] % 8 == 0

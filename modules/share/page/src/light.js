@@ -14,7 +14,7 @@ export class LightMap {
     /** Coefficients of a place: clusters by terms by channels. */
     this.count = about.clusters * about.terms * 3;
     const bits = data.array('sun');
-    this.sun = Float32Array.from(bits, halfValue);
+    this.sun = Float32Array.from(bits, (half) => halfValue(half) * about.sun_scale);
     const extra = data.array('night_and_lamps');
     this.glow = extra.subarray(0, this.count);
     this.lamps = extra.subarray(this.count);
