@@ -14,17 +14,17 @@ from share.page_file import SCRIPT
 ROOM = Path(__file__).parents[2] / "scenes" / "work" / "room.glb"
 # Without a graphics card, a sandbox, or a word to anybody.
 FLAGS = [
-    "--headless,
-    --no-sandbox,
-    --disable-gpu,
-    --use-angle=swiftshader,
-    --enable-unsafe-swiftshader,
-    --disable-quic,
-    --no-first-run,
-    --disable-background-networking,
-    --disable-component-update,
-    --disable-sync,
-    --virtual-time-budget=60000,",
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--virtual-time-budget=60000",
 ]
 
 
