@@ -69,7 +69,7 @@ class SceneManager(Module):
         # The source of the background's shader that was compiled last.
         self._prepared = ""
         # Demanded messages of the parts that are switched on.
-        self._demanded: set[type[Derived]] = set()
+        self._demanded: dict[type[Derived], None] = {}
         self._change(tolerance=tolerance_of(link))
         self._follow_settings()
         for kind in (*LIGHT, SkyLightChanged):
@@ -330,11 +330,15 @@ class SceneManager(Module):
                 for name, part in on.items()
             }
             self._change(parts=MappingProxyType(parts))
-        demanded = {kind for part in on.values() for kind in part.hears if part.demands(kind)}
-        for kind in self._demanded - demanded:
-            self.link.demand(kind, 0)
-        for kind in demanded - self._demanded:
-            self.link.demand(kind)
+        # In the order of the parts: a set's order differs between processes, and so would journals.
+        kinds = [kind for part in on.values() for kind in part.hears if part.demands(kind)]
+        demanded = dict.fromkeys(kinds)
+        for kind in self._demanded:
+            if kind not in demanded:
+                self.link.demand(kind, 0)
+        for kind in demanded:
+            if kind not in self._demanded:
+                self.link.demand(kind)
         self._demanded = demanded
 
     def _is_on(self, name: str, part: type[FramePart]) -> bool:
