@@ -7,7 +7,7 @@
 #                 be the same byte for byte
 # make lint       set up, then ruff and mypy, of the versions that pyproject.toml pins
 # make test-long  set up, then the tests that take long: the stability suite at 1.2e8 inputs, 1,000
-#                 random sessions, an hour of play
+#                 random sessions, an hour of play, two of a window's
 # make clean      remove what running and testing made; .venv and .system stay
 #
 # Set-up makes .venv in the checkout and sees to system libraries: tools/bootstrap.sh says how.
@@ -59,6 +59,8 @@ test-long:
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest \
 		tests/recording/test_random_sessions.py --live-runs 1000
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/test_soak.py --long --soak-minutes 60
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest lab/tests/test_memory_tour.py --long \
+		--soak-minutes 120
 
 clean:
 	rm -rf out build dist lab/build .pytest_cache .hypothesis .mypy_cache .ruff_cache

@@ -1,0 +1,1 @@
+"""A scripted tour of the window, and what its memory is made of meanwhile."""
