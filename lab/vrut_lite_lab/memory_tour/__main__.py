@@ -42,7 +42,7 @@ _PLAY_SAMPLE_S = 15.0
 _COUNTED_TYPES = 40
 
 
-class Recorder:
+class MemoryNotes:
     """Writes lines of `memory.csv`, and of `objects.txt` if wanted."""
 
     def __init__(self, toured: TouredWindow, folder: Path, objects: bool):
@@ -104,7 +104,7 @@ class Recorder:
             self._objects.close()
 
 
-def _tours(toured: TouredWindow, recorder: Recorder, count: int) -> None:
+def _tours(toured: TouredWindow, recorder: MemoryNotes, count: int) -> None:
     for number in range(1, count + 1):
         recorder.chapter = f"tour {number}"
         for name, act in tour():
@@ -113,7 +113,7 @@ def _tours(toured: TouredWindow, recorder: Recorder, count: int) -> None:
         _rest(toured, recorder)
 
 
-def _openings(toured: TouredWindow, recorder: Recorder, count: int) -> None:
+def _openings(toured: TouredWindow, recorder: MemoryNotes, count: int) -> None:
     recorder.chapter = "openings"
     for number in range(1, count + 1):
         scene = ALTERNATING[number % len(ALTERNATING)]
@@ -123,7 +123,7 @@ def _openings(toured: TouredWindow, recorder: Recorder, count: int) -> None:
         _rest(toured, recorder)
 
 
-def _play(toured: TouredWindow, recorder: Recorder, minutes: float) -> None:
+def _play(toured: TouredWindow, recorder: MemoryNotes, minutes: float) -> None:
     recorder.chapter = "play"
     end_s = monotonic() + 60.0 * minutes
     if minutes <= 0.0:
@@ -138,7 +138,7 @@ def _play(toured: TouredWindow, recorder: Recorder, minutes: float) -> None:
     _rest(toured, recorder)
 
 
-def _rest(toured: TouredWindow, recorder: Recorder) -> None:
+def _rest(toured: TouredWindow, recorder: MemoryNotes) -> None:
     """The window at rest, on the first scene."""
     toured.open(project_of(_FIRST))
     toured.wait(3.0)
@@ -168,7 +168,7 @@ def main() -> None:
     app = QApplication(sys.argv[:1])
     with tempfile.TemporaryDirectory() as folder:
         toured = TouredWindow(app, Path(folder), chosen.size)
-        recorder = Recorder(toured, chosen.folder, chosen.objects)
+        recorder = MemoryNotes(toured, chosen.folder, chosen.objects)
         recorder.chapter = "start"
         _rest(toured, recorder)
         _tours(toured, recorder, chosen.tours)
