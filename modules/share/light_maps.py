@@ -33,6 +33,8 @@ _CUBE = 64
 # Texels and faces of probes up to which a page stays small enough to be sent.
 MOST_VALUES = 400_000
 _BLACK = (0.0, 0.0, 0.0)
+# Heights of the sun from which places count in the share of the open sky, and every which one does.
+_OPEN_SHARE_RAD, _OPEN_SHARE_STEP = 0.2, 8
 
 
 def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTransport:
@@ -85,11 +87,11 @@ class MapValues:
         return len(self.where) + (0 if self.probes is None else int(np.prod(self.probes)))
 
     def taken(self, texels: Float32Array, probes: Float32Array | None) -> Float32Array:
-        """MapValues (T, 3) of a map (height, width, >= 3) and of probes (nz, ny, nx, 6, >= 3)."""
-        found = texels.reshape(-1, texels.shape[-1])[self.where, :3]
+        """Values (T, C) of a map (height, width, C) and of probes (nz, ny, nx, 6, C)."""
+        found = texels.reshape(-1, texels.shape[-1])[self.where]
         if probes is None:
             return found
-        return np.concatenate([found, probes.reshape(-1, probes.shape[-1])[:, :3]])
+        return np.concatenate([found, probes.reshape(-1, probes.shape[-1])])
 
 
 def illumination(
@@ -134,12 +136,14 @@ class LightMaps:
         by_sun: (S, T, 3), at the places, as shares of `level_rgb` (S, 3).
         by_glow: (T, 3), of a moonless night.
         by_lamps: (T, 3), of lamps and surfaces that glow, their direct light too.
+        open_share: (T,), share of the open sky's irradiance that arrives, mean over places of day.
     """
 
     by_sun: Float32Array
     level_rgb: FloatArray
     by_glow: Float32Array
     by_lamps: Float32Array
+    open_share: Float32Array
 
 
 def light_maps(
@@ -157,17 +161,23 @@ def light_maps(
         found = transport.light(hour)
         return values.taken(found.texels, found.probes)
 
+    day = np.flatnonzero(places.heights > _OPEN_SHARE_RAD)[::_OPEN_SHARE_STEP]
+    share = np.zeros(len(values), np.float32)
     albedo = table.albedo_rgb[-1]
-    by_lamps = light(glow_illumination(None, albedo))
-    by_glow = np.maximum(light(glow_illumination(glow, albedo)) - by_lamps, 0.0)
+    by_lamps = light(glow_illumination(None, albedo))[:, :3]
+    by_glow = np.maximum(light(glow_illumination(glow, albedo))[:, :3] - by_lamps, 0.0)
     count = len(places.heights)
     by_sun, levels = np.empty((count, len(values), 3), np.float32), np.empty((count, 3))
     for number in tracked(range(count)):
         height = float(places.heights[number])
         hour = illumination(table, height, apparent_of(height), float(places.azimuths[number]))
         levels[number] = table.level(height)
-        by_sun[number] = np.maximum(light(hour) - by_lamps, 0.0) / levels[number]
-    return LightMaps(by_sun, levels, by_glow, by_lamps + _drawn_lamps(transport, values))
+        found = light(hour)
+        by_sun[number] = np.maximum(found[:, :3] - by_lamps, 0.0) / levels[number]
+        if number in day:
+            share += found[:, 3] / np.float32(len(day))
+    lamps = by_lamps + _drawn_lamps(transport, values)
+    return LightMaps(by_sun, levels, by_glow, lamps, share)
 
 
 def _drawn_lamps(transport: SceneTransport, values: MapValues) -> Float32Array:

@@ -179,7 +179,7 @@ def _page(
     }
     glow_bits, glow_scale = encode_float16(np.zeros((2, 2, 3)) if glow is None else glow)
     header["glow_scale"] = glow_scale
-    planes = _planes(basis, values)
+    planes = _planes(basis, values, maps.open_share)
     arrays: dict[str, NDArray] = {
         "planes": planes,
         "sun": sun_bits.view(np.uint16),
@@ -228,19 +228,20 @@ def about_sky(table: SkyTable) -> dict[str, Any]:
 # --- light ----------------------------------------------------------------------------------------
 
 
-def _planes(basis: LightBasis, values: MapValues) -> NDArray[np.uint8]:
-    """Planes (K + 2, h, w) of factors' codes, of clusters, and of terms, which count from 128.
+def _planes(basis: LightBasis, values: MapValues, open_share: Float32Array) -> NDArray[np.uint8]:
+    """Planes (K + 3, h, w): factors' codes, clusters, roots of the share of the open sky, terms.
 
-    The probes' rows come after the map's.
+    Terms count from 128. The probes' rows come after the map's.
     """
     width, height = values.size_px
     count = 0 if values.probes is None else int(np.prod(values.probes))
     rows = height + -(-count // width)
     where = np.concatenate([values.where, width * height + np.arange(count)])
-    found = np.zeros((2 + len(basis.terms), rows * width), np.uint8)
-    found[2:] = 128
+    found = np.zeros((3 + len(basis.terms), rows * width), np.uint8)
+    found[3:] = 128
     found[0, where], found[1, where] = basis.factor_code, basis.cluster
-    found[2:, where] = basis.terms.astype(np.int16) + 128
+    found[2, where] = np.rint(255.0 * np.sqrt(np.clip(open_share, 0.0, 1.0)))
+    found[3:, where] = basis.terms.astype(np.int16) + 128
     return found.reshape(-1, rows, width)
 
 
@@ -293,7 +294,7 @@ def _error(
     """The error of an hour: the page's map against that of the scene's own sky."""
     hour: Illumination = opened.hour(instant)
     light = transport.light(hour)
-    true = luminance(values.taken(light.texels, light.probes))
+    true = luminance(values.taken(light.texels, light.probes)[:, :3])
     bodies, night = opened.bodies()
     made = luminance(page_light(table, places, basis, sun, bodies, night))
     mean = max(float(true.mean()), 1e-30)

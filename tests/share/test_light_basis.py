@@ -21,6 +21,7 @@ def maps(values=900, places=60, rank=6, lamps=True, seed=3):
         np.ones((places, 3)),
         glow.astype(np.float32),
         own.astype(np.float32),
+        np.ones(values, np.float32),
     )
 
 

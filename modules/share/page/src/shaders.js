@@ -12,20 +12,21 @@ void main() { at = 0.5 + 0.5 * position.xy; gl_Position = vec4(position.xy, 0.0,
 const HEAD = 'precision highp float;\nprecision highp sampler2DArray;\nprecision highp sampler2DShadow;\n';
 
 export const LIGHT_FRAGMENT = `${HEAD}
-uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, terms
+uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, open share, terms
 uniform sampler2D coefficients;   // of terms, a row a cluster
 out vec4 light;
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy);
     vec4 four = 255.0 * texelFetch(basis, ivec3(p, 0), 0);
-    light = vec4(0.0, 0.0, 0.0, 1.0);
+    light = vec4(0.0);
     if (four.x < 0.5) return;
+    light.a = four.z * four.z / (255.0 * 255.0);
     float factor = exp2((floor(four.x + 0.5) - 255.0) / CODES);
     int cluster = int(four.y + 0.5);
     vec3 sum = vec3(0.0);
     for (int k = 0; k < TERMS; ++k) {
-        int number = (k + 2) & 3;
-        if (k > 1 && number == 0) four = 255.0 * texelFetch(basis, ivec3(p, (k + 2) >> 2), 0);
+        int number = (k + 3) & 3;
+        if (number == 0) four = 255.0 * texelFetch(basis, ivec3(p, (k + 3) >> 2), 0);
         float code = (number == 0 ? four.x : number == 1 ? four.y : number == 2 ? four.z : four.w);
         float share = (floor(code + 0.5) - 128.0) / 127.0;
         float value = sign(share) * pow(abs(share), POWER);
@@ -293,15 +294,18 @@ vec3 open_irradiance(vec3 n) {
 vec3 ratio(vec3 wanted, vec3 had, float most) {
     return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
 }
-vec3 map_light(vec2 px) { return textureLod(light_map, px / light_size, 0.0).rgb * light_scale; }
+// Irradiance, and the share of the open sky's that arrives.
+vec4 map_light(vec2 px) {
+    return textureLod(light_map, px / light_size, 0.0) * vec4(vec3(light_scale), 1.0);
+}
 vec4 map_sky(vec2 px) { return textureLod(visible_sky, px / light_size, 0.0); }
 
 #ifdef GROUND
 uniform vec4 chart;               // first texel across and down, steps, half width in m
 uniform vec3 chart_place;         // middle (x, z), warp
 const float GROUND_FADE = 0.7;
-void ground_light(out vec3 light, out vec4 sky) {
-    light = open_irradiance(vec3(0.0, 1.0, 0.0));
+void ground_light(out vec4 light, out vec4 sky) {
+    light = vec4(open_irradiance(vec3(0.0, 1.0, 0.0)), 1.0);
     sky = vec4(0.0, 0.0, 0.0, 1.0);
 #ifdef CHART
     vec2 reach = (world.xz - chart_place.xy) / chart.w, x = abs(reach) * sinh(chart_place.z);
@@ -318,16 +322,17 @@ void ground_light(out vec3 light, out vec4 sky) {
 uniform vec3 probe_lower, probe_per_m;
 uniform ivec3 probe_counts;
 uniform int probe_row;            // of the map at which they begin
-vec3 probe(ivec3 at, int face) {
+vec4 probe(ivec3 at, int face) {
     int number = ((at.z * probe_counts.y + at.y) * probe_counts.x + at.x) * 6 + face;
     int width = int(light_size.x);
-    return texelFetch(light_map, ivec2(number % width, probe_row + number / width), 0).rgb;
+    return texelFetch(light_map, ivec2(number % width, probe_row + number / width), 0);
 }
-vec3 probe_light(vec3 n) {
+vec4 probe_light(vec3 n) {
     vec3 at = clamp((world - probe_lower) * probe_per_m + 0.5 * n, vec3(0.0),
                     vec3(probe_counts - 1));
     ivec3 first = min(ivec3(at), probe_counts - 2);
-    vec3 t = at - vec3(first), weight = n * n, sum = vec3(0.0);
+    vec3 t = at - vec3(first), weight = n * n;
+    vec4 sum = vec4(0.0);
     for (int axis = 0; axis < 3; ++axis) {
         int face = 2 * axis + (n[axis] < 0.0 ? 1 : 0);
         for (int k = 0; k < 8; ++k) {
@@ -336,7 +341,7 @@ vec3 probe_light(vec3 n) {
             sum += weight[axis] * w.x * w.y * w.z * probe(first + off, face);
         }
     }
-    return sum * light_scale;
+    return sum * vec4(vec3(light_scale), 1.0);
 }
 #endif
 
@@ -429,30 +434,32 @@ void main() {
     vec3 even = n;
     n = mapped_normal(n, view);
 
-    vec3 reached;
+    vec4 lit_by;
     vec4 sky = vec4(0.0, 0.0, 0.0, 1.0);
 #if defined(GROUND)
-    ground_light(reached, sky);
+    ground_light(lit_by, sky);
 #elif defined(LIGHT_MAP)
-    reached = map_light(map_px);
+    lit_by = map_light(map_px);
     sky = map_sky(map_px);
     if (behind) {
 #ifdef PROBES
-        reached = probe_light(n);
-        sky = vec4(0.0, 0.0, 0.0, 0.5);
+        lit_by = probe_light(n);
 #else
-        reached *= ratio(open_irradiance(n), open_irradiance(-even), 10.0);
+        lit_by.rgb *= ratio(open_irradiance(n), open_irradiance(-even), 10.0);
 #endif
+        sky = vec4(0.0, 0.0, 0.0, lit_by.a);
     }
 #ifdef NORMAL_MAP
-    else reached *= ratio(open_irradiance(n), open_irradiance(even), 2.0);
+    else lit_by.rgb *= ratio(open_irradiance(n), open_irradiance(even), 2.0);
 #endif
 #elif defined(PROBES)
-    reached = probe_light(n);
-    sky = vec4(0.0, 0.0, 0.0, 0.5);
+    lit_by = probe_light(n);
+    sky = vec4(0.0, 0.0, 0.0, lit_by.a);
 #else
-    reached = open_irradiance(n);
+    lit_by = vec4(open_irradiance(n), 1.0);
 #endif
+    vec3 reached = lit_by.rgb;
+    float arrives = clamp(lit_by.a, 0.0, 1.0);
     float occlusion = 1.0;
 #ifdef OCCLUSION_MAP
     occlusion = mix(1.0, texture(occlusion_map, uv_of(layers.w)).r, map_strength.y);
@@ -522,7 +529,6 @@ void main() {
         radiance += more * (once * mirrored(about, roughness) + at_grazing * mirrored(cut, narrower));
 #else
         vec3 direct = reflected_sky(about, roughness), low = reflected_sky(cut, narrower);
-        float arrives = clamp(sky_in_all, 0.0, 1.0);
         vec3 around = max(reached - arrives * open_irradiance(n), 0.0) / PI;
         float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
         vec3 across = nv * n - view;
@@ -532,12 +538,14 @@ void main() {
         vec2 seen = sky.a + vec2(dot(sky.rgb, up.x * n + straight * across),
                                  dot(sky.rgb, up.y * n + (1.0 - 0.18 * roughness) * across));
         seen = clamp(mix(seen, vec2(sky_in_all), r2 * r2), 0.0, 1.0);
+        // The visible part of the sky may be brighter than the lobe's image of the whole sky.
+        float brighter = mix(1.0, min(arrives / sky_in_all, 4.0), r2);
         vec2 things = (1.0 - seen + FEWEST) / (1.0 - min(sky_in_all, 1.0) + FEWEST);
-        radiance += more * (once * (seen.x * direct + things.x * around)
-                            + at_grazing * (seen.y * low + things.y * around));
+        radiance += more * (once * (brighter * seen.x * direct + things.x * around)
+                            + at_grazing * (brighter * seen.y * low + things.y * around));
 #endif
     }
-    float lit = mix(smoothstep(0.0, 0.5, sky_in_all), 1.0, smoothstep(1.0, 2.0, metres / scene_m));
+    float lit = mix(smoothstep(0.0, 0.5, arrives), 1.0, smoothstep(1.0, 2.0, metres / scene_m));
     radiance = through_air(radiance, -view, metres, lit);
 #ifdef GLASS
     // The tint of what is behind is one number here: the page blends by alpha.
