@@ -18,7 +18,7 @@ def usable_cores() -> int:
 
 
 def lower_priority(steps: int) -> None:
-    """Lower the priority of this process by steps of niceness; no effect where there are none."""
+    """Lower the priority of this process by steps of niceness, where the system has such."""
     if hasattr(os, "nice"):
         os.nice(steps)
 

@@ -45,7 +45,7 @@ def unit_sign(unit: str) -> str:
 
 
 def suffix_of(unit: str) -> str:
-    """What follows a number: degrees without a space, other units after one."""
+    """Suffix of a number: its unit, after a space except for degrees."""
     unit = unit_sign(unit)
     return unit if unit == DEGREE else f" {unit}" if unit else ""
 

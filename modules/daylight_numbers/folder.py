@@ -55,8 +55,8 @@ class DaylightRequest:
 
 
 class Measured(NamedTuple):
-    """What was written: a line for each plane, lines on what the scene lacks, and, where a worker
-    wrote them, its files by name."""
+    """Report of the written files: a line for each plane, lines on what the scene lacks, and the
+    files by name where a worker wrote them."""
 
     lines: list[str]
     notices: Sequence[str]

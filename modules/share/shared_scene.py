@@ -210,7 +210,7 @@ class SharedScene:
         albedo = np.asarray(hour.ground_albedo_rgb, float)
         night = self._kernel.last(NightLightChanged)
         if night is not None and night.glow_rgb is not None:
-            # Without a module of the night a sky has a glow of its own, so that it is subtracted.
+            # A sky without a module of the night includes a glow, which is subtracted.
             share = night_share(sun)
             glow = np.float32(share) * glow_cube(night.glow_rgb, cube.shape[1], _BLACK)
             ground = ground - albedo / np.pi * horizontal_irradiance(glow)

@@ -109,7 +109,7 @@ def _way() -> str:
 
 
 def _newer() -> str:
-    """What would bring a newer OpenGL."""
+    """Advice on how to get a newer OpenGL."""
     if operating_system.NAME == "darwin":
         return "macOS has none above 4.1"
     mesa = ", or Mesa's llvmpipe" if has_egl() else ""

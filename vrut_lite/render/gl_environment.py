@@ -71,7 +71,7 @@ def begin_probe() -> "str | subprocess.Popen[str]":
 
 @lru_cache(maxsize=1)
 def probe_gl() -> tuple[str, str]:
-    """Name of the GL renderer, or an empty text and a sentence that says why there is none.
+    """Name of the GL renderer, or an empty text and a sentence that says why there is no renderer.
 
     Found by a separate process: a broken driver aborts instead of raising.
     """

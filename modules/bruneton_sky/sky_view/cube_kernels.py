@@ -38,7 +38,7 @@ _OPTIONS: dict[str, Any] = {
 _compiled = njit(**_OPTIONS)
 # Faces with the horizon in their middle, whose s axes are level, and the other two.
 SIDES, TOP, BOTTOM = (0, 1, 4, 5), 2, 3
-# What a row shows.
+# Contents of a row.
 SKY, GROUND, DARK = 0, 1, 2
 _FLOAT, _INT = ir.FloatType(), ir.IntType(32)
 _NODE, _FOUR = ir.VectorType(_FLOAT, 8), ir.VectorType(_FLOAT, 4)
@@ -106,7 +106,7 @@ def fill_faces(  # type: ignore[no-untyped-def]
 
 @_compiled
 def _kind_of_row(axes, y, t, shape, horizon):  # type: ignore[no-untyped-def]
-    """What a row of a face shows, whose directions have the height y."""
+    """Contents of a row of a face whose directions have the height y."""
     if shape[1] == 0 and y < _ZERO:
         return GROUND
     # An observer above the air sees no light above the air's edge. A row looks down most steeply in

@@ -29,7 +29,7 @@ TOP, BOTTOM = 2, 3
 # Six faces of this size, in single precision, take 4.8 GB.
 LARGEST_SIZE = 8192
 _NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
-# Of each face the axes along its rows, outwards, and across its rows: up, of the sides.
+# Axes of each face: along its rows, outwards, and across its rows (up, for the sides).
 _AXES = np.stack([FACE_S_AXES, FACE_NORMALS, -FACE_T_AXES], axis=1)
 _AXES[TOP, 2] = FACE_T_AXES[TOP]
 _ONE = np.float32(1.0)

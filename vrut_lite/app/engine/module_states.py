@@ -14,7 +14,7 @@ _HOST_PACKAGE = __name__.partition(".")[0]
 class ModuleState(NamedTuple):
     """One module; `needed` marks the host's own and the default holders of slots.
 
-    `posts`: names of the types that it has posted so far, and of its own; `hears`: those that it
+    `posts`: names of its own types and of those that it has posted so far; `hears`: those that it
     handles.
     """
 

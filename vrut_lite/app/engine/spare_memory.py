@@ -1,6 +1,6 @@
 """Returns memory that the C library keeps for later to the system.
 
-glibc keeps what is freed, in up to eight arenas a core. After a scene was opened or a sky solved
+glibc keeps freed memory, in up to eight arenas a core. After a scene was opened or a sky solved
 that is a third of the process, and more with each scene, since new arrays do not fit old holes.
 """
 
@@ -19,7 +19,7 @@ _REST_MS, _BUSY_MS = 2_000, 30_000
 
 
 class SpareMemory(QObject):
-    """Returns spare memory after pictures; it takes up to 12 ms of a thread of its own."""
+    """Returns spare memory after pictures; up to 12 ms of CPU, on a separate thread."""
 
     def __init__(self, parent: QObject):
         super().__init__(parent)

@@ -38,7 +38,7 @@ class HazeField(NumberField):
         self._explain(value)
 
     def _lay_out(self) -> None:
-        """Words at the slider's ends, and the numbers in a line of their own."""
+        """Words at the slider's ends, and a line of numbers below."""
         upper, lower = self._row, QHBoxLayout()
         upper.removeWidget(self.spin)
         upper.insertWidget(0, faint_label("clear"))

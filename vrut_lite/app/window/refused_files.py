@@ -67,6 +67,6 @@ class RefusedFiles(QDialog):
             self.raise_()
 
     def done(self, result: int) -> None:
-        """Closed, by whatever way: begin anew with the next file."""
+        """Empty the list when the dialog closes: the next refused file starts another one."""
         self.lines.clear()
         super().done(result)

@@ -1,4 +1,4 @@
-"""Whether what would be saved differs from what was opened or saved last."""
+"""Whether the project differs from its state when it was last opened or saved."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,7 @@ Fields = dict[str, object]
 class Unsaved(QObject):
     """`changed` emits whether there is something to save; `present` makes the present project.
 
-    What is opened counts as saved once the kernel has acted on it, its scene once that is open.
+    An opened project counts as saved once the kernel has acted on it, its scene once that is open.
     """
 
     changed = Signal(bool)
