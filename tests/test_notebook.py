@@ -76,7 +76,7 @@ def test_a_scene_shows_itself_and_follows_the_hour(monkeypatch):
         assert pixels_of(scene._repr_png_()).shape == (28, 48, 3)
         dusk = shown(CELLS[3].replace("(240, 20)", "(24, 2)"), names)
         assert scene.project.at == "2026-06-21T20:30"
-        assert "2026-06-21 20:30 CEST, sun 5.1 deg high" in scene._repr_html_()
+        assert "2026-06-21 20:30 CEST, sun 5.1° high" in scene._repr_html_()
         assert dusk.radiance.mean() < 0.5 * scene.at("2026-06-21T13:00").radiance.mean()
         if importlib.util.find_spec("anywidget") is None:
             with pytest.raises(UserError, match="extra `notebook`"):

@@ -151,7 +151,7 @@ def test_the_gpu_fills_the_air(gpu_sky: SkyOnBus) -> None:
     gpu_sky.answer(job)
     (of_gpu,) = air_of(gpu_sky)
     assert of_gpu is not None
-    assert of_gpu.light == GpuTexture(size=(32, 68, 96), format=job.format, recipe=job.recipe)
+    assert of_gpu.light == GpuTexture(size=(24, 84, 96), format=job.format, recipe=job.recipe)
     gpu_sky.set("cube_device", "cpu")
     (of_cpu,) = air_of(gpu_sky)
     assert of_cpu is not None

@@ -5,13 +5,13 @@ that is a third of the process, and more with each scene, since new arrays do no
 """
 
 import ctypes
-import sys
 import threading
 from collections.abc import Callable
 from functools import cache
 
 from PySide6.QtCore import QObject
 
+from vrut_lite import operating_system
 from vrut_lite.app.widgets import make_timer
 
 # Without a picture for so long the window rests; while pictures go on it is done now and then.
@@ -52,6 +52,6 @@ class SpareMemory(QObject):
 @cache
 def malloc_trim() -> Callable[[int], int] | None:
     """glibc's function that returns free pages of all arenas; None with another C library."""
-    if sys.platform != "linux":
+    if operating_system.NAME != "linux":
         return None
     return getattr(ctypes.CDLL(None), "malloc_trim", None)
