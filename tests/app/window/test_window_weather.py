@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from vrut_lite.app.panels.year_strip import cloud_pixels
-from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock, SetSetting
+from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, RestartModule, SetClock, SetSetting
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.weather import SetWeather
 
@@ -68,6 +68,8 @@ def test_clouds_are_white_and_nights_dark():
 def test_light_outside_perez_model_is_told_in_the_status_line(driver):
     """Another sky stands in for the hour: who has no terminal must see that too."""
     noon = datetime(2026, 3, 20, 12, 30, tzinfo=UTC)
+    # It is said once, and the window is shared with other tests.
+    driver.session.send(RestartModule(module="weather_sky"))
     driver.session.send(SetPlace(latitude_deg=9.0, longitude_deg=0.0), SetClock(instant=noon))
     driver.session.send(ChooseSlot(slot="sky", module="weather_sky"))
     for name, value in (("direct_normal_w_m2", 150.0), ("diffuse_horizontal_w_m2", 50.0)):
