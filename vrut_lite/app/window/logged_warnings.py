@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtCore import QObject, Signal
 
@@ -18,15 +19,24 @@ class LoggedWarnings(QObject):
 
     def __init__(self, parent: QObject):
         super().__init__(parent)
-        self._handlers = [_Emitter(self.logged.emit), logging.StreamHandler()]
+        self._handlers: list[logging.Handler] = [
+            _Emitter(self.logged.emit),
+            logging.StreamHandler(),
+        ]
         for handler in self._handlers:
             handler.setLevel(logging.WARNING)
             logging.getLogger().addHandler(handler)
+        # A handler that outlived the window would fail in the module that warns.
+        self.destroyed.connect(partial(_remove, self._handlers))
 
     def close(self) -> None:
         """Emit no more."""
-        for handler in self._handlers:
-            logging.getLogger().removeHandler(handler)
+        _remove(self._handlers)
+
+
+def _remove(handlers: list[logging.Handler], *_: object) -> None:
+    for handler in handlers:
+        logging.getLogger().removeHandler(handler)
 
 
 class _Emitter(logging.Handler):
