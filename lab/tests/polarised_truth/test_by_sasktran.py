@@ -43,12 +43,15 @@ def test_the_products_aerosol_is_sasktrans(name):
         np.testing.assert_allclose(*p33, atol=0.01)
 
 
-@pytest.mark.parametrize("sun_zenith_deg", [30.0, 80.0])
-def test_the_default_airs_sky_is_sasktrans(sun_zenith_deg):
+@pytest.mark.parametrize(
+    ("name", "sun_zenith_deg", "most"),
+    [("default", 30.0, 3e-3), ("default", 80.0, 3e-3), ("desert", 80.0, 5e-3)],
+)
+def test_the_sky_is_sasktrans(name, sun_zenith_deg, most):
     """All orders of polarised light in molecules, ozone and particles near 550 nm, solved by a
-    program that shares nothing but the optics: within 0.3 % rms (0.1 % is found)."""
-    air = on_large_planet(product_air("default"))
+    program that shares nothing but the optics (found: 0.1 % rms, desert 0.4 %)."""
+    air = on_large_planet(product_air(name))
     rays = rays_of("ground", sun_zenith_deg, 24)
     c = int(np.argmin(np.abs(np.array(air.wavelength_nm) - 550.0)))
     ours, theirs = solved_radiance(solve(air), rays)[:, c], sasktran_stokes(air, rays, c, flat=True)
-    assert np.sqrt(np.mean((ours / theirs[:, 0] - 1.0) ** 2)) < 3e-3
+    assert np.sqrt(np.mean((ours / theirs[:, 0] - 1.0) ** 2)) < most
