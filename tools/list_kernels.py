@@ -73,7 +73,7 @@ def draw(scene: str, moves: bool) -> None:
         studio.shoot(plan.project.instant())
         if moves:
             # Light is on: dark pictures take another tone pass.
-            _move(studio._host)
+            _move(studio.host)
     finally:
         studio.close()
 

@@ -14,9 +14,16 @@ from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import CameraView, Project, project_of_path
 from vrut_lite.render.gl_environment import compile_quickly
 from vrut_lite.scene.scene_state import Shown
-from vrut_lite.studio.engines import engine_options, with_engine
+from vrut_lite.studio.engines import GL, engine_options, with_engine
 from vrut_lite.studio.number_types import FiniteRange
-from vrut_lite.studio.pictures import bits_option, make_pictures, picture_bits, said_of
+from vrut_lite.studio.panorama_pictures import PanoramaPlan, default_size_px
+from vrut_lite.studio.pictures import (
+    PicturePlan,
+    bits_option,
+    make_pictures,
+    picture_bits,
+    said_of,
+)
 from vrut_lite.studio.scene_pictures import ScenePlan
 from vrut_lite.studio.time_span import span_options, wanted_pictures
 from vrut_lite.studio.workers import worker_options, workers_of
@@ -95,6 +102,11 @@ def _view_options(command: Command) -> Command:
         click.option("--polariser", "polariser_deg", type=FiniteRange(-180.0, 180.0),
                      metavar="DEG", help="Put a polariser before the camera; 0 passes vibration "
                      "along the picture's vertical, angles count counter-clockwise."),
+        click.option("--projection", type=click.Choice(("perspective", "equirectangular")),
+                     default="perspective", show_default=True, help="Equirectangular shows all "
+                     "around --eye, true north in the middle, for viewers of 360-degree pictures."),
+        click.option("--stereo", is_flag=True, help="Draw an equirectangular picture for two "
+                     "eyes, the left one's on top."),
         click.option("--show", "shows", type=click.Choice(get_args(Shown)[1:]), help="Instead of "
                      "the picture, in false colours with a legend: lux on surfaces, the edge of "
                      "the light map's texels, or the noise that its rays leave. EXR holds the "
@@ -141,7 +153,10 @@ def render(
 
     Example: vrut-lite render scenes/street.toml -o day_%04d.png --at 2026-06-21T00:00
     --from 05:00 --to 21:00 --step 10m
+
+    Example: vrut-lite render scenes/street.toml -o street_360.jpg --projection equirectangular
     """
+    eyes = _eyes_around(options)
     suffix = picture_format(output, DISPLAY_FORMATS)
     project = _with_view(with_scene_options(project_of_path(scene), options), options)
     project = with_options(project, options)
@@ -150,10 +165,35 @@ def render(
     check_all_writable([path for _, path in wanted])
     if len(wanted) * math.prod(project.size) <= _LITTLE_DRAWING_PX:
         compile_quickly()
-    plan = ScenePlan(project, picture_bits(bits, suffix), engine)
+    channel_bits = picture_bits(bits, suffix)
+    plan: PicturePlan = ScenePlan(project, channel_bits, engine)
+    if eyes:
+        if engine != GL:
+            raise UserError(
+                f"--projection equirectangular is for OpenGL: leave --engine {engine} out"
+            )
+        plan = PanoramaPlan(project, stereo=eyes == 2, bits=channel_bits)
     with workers_of(jobs, dask, len(wanted)) as workers:
         captions = make_pictures(plan, wanted, workers)
     click.echo(said_of(wanted, captions))
+
+
+def _eyes_around(options: dict[str, Any]) -> int:
+    """Eyes that see an equirectangular picture, 0 for a perspective one.
+
+    Takes --projection and --stereo out of `options`, and sets the size if none was said.
+    """
+    around, stereo = options.pop("projection") == "equirectangular", options.pop("stereo")
+    if not around:
+        if stereo:
+            raise UserError("--stereo needs --projection equirectangular")
+        return 0
+    if options["vertical_field_of_view_deg"] is not None:
+        raise UserError(
+            "--fov is for perspective pictures: an equirectangular one shows all around"
+        )
+    options["size"] = options["size"] or default_size_px(stereo)
+    return 2 if stereo else 1
 
 
 def _with_view(project: Project, options: dict[str, Any]) -> Project:

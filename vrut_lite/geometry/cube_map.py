@@ -83,7 +83,7 @@ def sample_cube(cube: NDArray[np.floating], direction: NDArray[np.floating]) -> 
     """
     d = np.asarray(direction, dtype=np.float64)
     n = cube.shape[1]
-    face = _major_face(d)
+    face = major_face(d)
     major = np.einsum("...i,...i->...", d, FACE_NORMALS[face])
     a = np.einsum("...i,...i->...", d, FACE_S_AXES[face]) / major
     b = np.einsum("...i,...i->...", d, FACE_T_AXES[face]) / major
@@ -96,8 +96,8 @@ def sample_cube(cube: NDArray[np.floating], direction: NDArray[np.floating]) -> 
     return np.asarray(top * (1 - v) + bottom * v, dtype=np.float64)
 
 
-def _major_face(d: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Index (...,) of the face whose axis is the largest component of d (..., 3)."""
+def major_face(d: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Index (...,) of the cube face whose axis is the largest component of d (..., 3)."""
     axis = np.argmax(np.abs(d), axis=-1)
     negative = np.take_along_axis(d, axis[..., None], axis=-1)[..., 0] < 0
     return 2 * axis + negative

@@ -59,6 +59,7 @@ def write_picture(
     radiance: NDArray[np.floating],
     display: NDArray[np.integer],
     metadata: Metadata | None = None,
+    xmp: bytes = b"",
 ) -> None:
     """Write a picture in the format of its suffix, one of DISPLAY_FORMATS.
 
@@ -67,6 +68,7 @@ def write_picture(
         radiance: (h, w, 3) linear sRGB, W m^-2 sr^-1, for EXR.
         display: (h, w, 3) display values of 8 bits, or for PNG of 16.
         metadata: texts and numbers by name.
+        xmp: an XMP packet, which EXR lacks; empty for none.
 
     Raises:
         UserError: another suffix, or the file cannot be written.
@@ -75,4 +77,4 @@ def write_picture(
     if suffix == ".exr":
         write_exr(path, radiance, metadata or {})
     else:
-        (write_jpeg if suffix == ".jpg" else write_png)(path, display, metadata or {})
+        (write_jpeg if suffix == ".jpg" else write_png)(path, display, metadata or {}, xmp)

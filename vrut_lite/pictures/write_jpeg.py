@@ -14,9 +14,9 @@ _QUALITY, _SUBSAMPLING = 95, 0
 
 
 def write_jpeg(
-    path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | None = None
+    path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | None = None, xmp: bytes = b""
 ) -> None:
-    """Write (h, w, 3) uint8, sRGB encoded; metadata as JSON in the file's comment.
+    """Write (h, w, 3) uint8, sRGB encoded; metadata as JSON in the file's comment, and XMP.
 
     Raises:
         ValueError: another shape or type.
@@ -26,5 +26,10 @@ def write_jpeg(
     said = json.dumps(metadata or {}, default=str)
     with atomic_output(path) as beside:
         Image.fromarray(rgb).save(
-            beside, format="JPEG", quality=_QUALITY, subsampling=_SUBSAMPLING, comment=said
+            beside,
+            format="JPEG",
+            quality=_QUALITY,
+            subsampling=_SUBSAMPLING,
+            comment=said,
+            xmp=xmp,
         )

@@ -15,12 +15,17 @@ from vrut_lite.write_atomic import atomic_output
 _PERCEPTUAL_INTENT = b"\x00"
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _RGB, _UP_FILTER = 2, 2
+_XMP = "XML:com.adobe.xmp"
 # Half the time of zlib's usual 6, files 5 % larger.
 _EFFORT = 4
 
 
-def write_png(path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | None = None) -> None:
+def write_png(
+    path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | None = None, xmp: bytes = b""
+) -> None:
     """Write (h, w, 3) uint8 or uint16, sRGB encoded; metadata as text chunks, sRGB chunk set.
+
+    An XMP packet becomes the chunk of text that readers of XMP look for.
 
     Raises:
         ValueError: another shape or type.
@@ -31,6 +36,8 @@ def write_png(path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | N
     chunks.add(b"sRGB", _PERCEPTUAL_INTENT)
     for key, value in (metadata or {}).items():
         chunks.add_text(key, str(value))
+    if xmp:
+        chunks.add_itxt(_XMP, xmp.decode())
     with atomic_output(path) as beside:
         if rgb.dtype == np.uint8:
             Image.fromarray(rgb).save(beside, "PNG", pnginfo=chunks, compress_level=_EFFORT)

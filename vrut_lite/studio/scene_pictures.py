@@ -82,39 +82,56 @@ class SceneStudio:
     """A `Studio` for one scene."""
 
     def __init__(self, plan: ScenePlan, host: "Host | EngineHost"):
-        self._plan, self._host = plan, host
+        self._plan, self.host = plan, host
         self._hour = plan.project.instant()
 
     def shoot(self, instant: datetime) -> "SceneShot":
         """The scene's picture at an instant."""
+        self.go_to(instant)
+        self.host.inject(_finer_light(wanted=True))
+        picture = self.host.draw()
+        return SceneShot(picture, self.metadata(picture.ev100), self._plan, self.notices)
+
+    def go_to(self, instant: datetime) -> None:
+        """Light the scene at an instant, without the light of a finished still.
+
+        Raises:
+            UserError: there is no sun or no sky.
+        """
         # Rays for visible points at this hour only: light that no picture shows costs seconds.
-        self._host.inject(_finer_light(wanted=False))
+        self.host.inject(_finer_light(wanted=False))
         if instant != self._hour:
             # Small moves are skipped as invisible, so that the sun moves far away first.
             for hour in (other_side(instant), instant):
-                self._host.inject(SetClock(instant=hour))
-                self._host.settle()
+                self.host.inject(SetClock(instant=hour))
+                self.host.settle()
             self._hour = instant
-        require_sun(self._host.kernel)
-        require_sky(self._host.kernel)
-        self._host.inject(_finer_light(wanted=True))
-        picture = self._host.draw()
-        project = at_instant(self._plan.project, instant)
+        require_sun(self.host.kernel)
+        require_sky(self.host.kernel)
+
+    def metadata(self, ev100: float) -> dict[str, str | float]:
+        """Metadata of a picture of the present hour with this exposure."""
+        project = at_instant(self._plan.project, self._hour)
         metadata = {
-            **picture_metadata(project, self._host.kernel),
-            "exposureEv100": picture.ev100,
+            **picture_metadata(project, self.host.kernel),
+            "exposureEv100": ev100,
             "toneMap": project.exposure.tone_map,
             "nightLook": project.exposure.night_look,
             "engine": self._plan.engine,
         }
-        if isinstance(self._host, EngineHost):
-            metadata["samplesPerPixel"] = self._host.samples
-        scene = self._host.state.scene
-        return SceneShot(picture, metadata, self._plan, scene.notices if scene else ())
+        if isinstance(self.host, EngineHost):
+            metadata["samplesPerPixel"] = self.host.samples
+        return metadata
+
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """Lines on what the scene has and pictures lack."""
+        scene = self.host.state.scene
+        return scene.notices if scene else ()
 
     def close(self) -> None:
         """Free the GPU."""
-        self._host.close()
+        self.host.close()
 
 
 def _of_surfaces(rays: int) -> Demand:
