@@ -6,30 +6,15 @@ from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 
 import astronomy
-import msgspec
 import numpy as np
 from light_transport.public import Illumination, hour_of
 from numpy.typing import ArrayLike
 
-from vrut_lite.errors import ModuleFailed
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
-from vrut_lite.headless import (
-    FaultCollector,
-    Project,
-    SceneManager,
-    daylight_inputs,
-    open_kernel,
-    require_sun,
-    setting_inputs,
-    view_inputs,
-)
-from vrut_lite.kernel.messages import Demand, EnableModule, SetClock
+from vrut_lite.headless import Project, SceneKernel, require_sun
+from vrut_lite.kernel.messages import EnableModule
 from vrut_lite.messages.night import MoonLight, NightLightChanged
-from vrut_lite.messages.place import SetPlace
-from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.messages.sky import SkyRadianceChanged
-from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.night_glow import glow_cube
@@ -81,8 +66,8 @@ class Disc(NamedTuple):
     limb_darkening_rgb: tuple[tuple[float, ...], ...]
 
 
-class SharedScene:
-    """A kernel that has opened a project's scene; skies are asked of it one by one."""
+class SharedScene(SceneKernel):
+    """A scene whose skies are asked one by one."""
 
     def __init__(self, project: Project):
         """Open the scene.
@@ -90,73 +75,20 @@ class SharedScene:
         Raises:
             UserError: the project has an invalid value, or its scene cannot be read.
         """
-        self._kernel = open_kernel()
-        self._faults = FaultCollector(self._kernel)
+        super().__init__(project, _CONSUMER, cube_px=_CUBE, background_px=_CUBE)
         self._start = project.instant()
-        try:
-            # No light map and no air: the page has its own.
-            self._kernel.add_module(SceneManager, cube_size=_CUBE, lights_surfaces=False)
-            for kind in (SkyRadianceChanged, SkyLightChanged):
-                self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=_CUBE))
-            for message in (
-                *setting_inputs(msgspec.structs.replace(project, air=False), self._kernel),
-                *daylight_inputs(project),
-                *view_inputs(project),
-            ):
-                self._kernel.inject(message)
-            self._settle()
-        except BaseException:
-            self.close()
-            raise
-
-    def close(self) -> None:
-        """End background jobs."""
-        self._kernel.close()
-
-    @property
-    def scene(self) -> SceneOpened:
-        """The opened scene."""
-        found = self._kernel.last(SceneOpened)
-        if found is None:
-            raise ModuleFailed("no scene is open")
-        return found
-
-    @property
-    def place(self) -> SetPlace:
-        """Where the scene stands."""
-        found = self._kernel.last(SetPlace)
-        assert found is not None
-        return found
-
-    @property
-    def light(self) -> SkyLightChanged:
-        """All light of the present sky."""
-        require_sun(self._kernel)
-        found = self._kernel.last(SkyLightChanged)
-        if found is None or found.radiance is None:
-            raise ModuleFailed("no module makes a sky: see `vrut-lite modules`")
-        return found
 
     @property
     def disc(self) -> Disc:
         """The sun's disc."""
-        key = self._kernel.last(KeyLightChanged)
+        key = self.kernel.last(KeyLightChanged)
         assert key is not None
         return Disc(key.angular_radius_rad, key.limb_darkening_rgb)
-
-    def go_to(self, instant: datetime) -> None:
-        """Another hour."""
-        self._kernel.inject(SetClock(instant=instant))
-        self._settle()
 
     def hour(self, instant: datetime) -> Illumination:
         """The light of an hour as the scene has it."""
         self.go_to(instant)
         return hour_of(self.light)
-
-    def _settle(self) -> None:
-        self._kernel.pump_until_idle()
-        self._faults.raise_first()
 
     # --- the sun's sky ------------------------------------------------------------------------
 
@@ -173,8 +105,8 @@ class SharedScene:
         """The sky of the first instant without moonlight."""
         for instant in instants:
             self.go_to(instant)
-            night = self._kernel.last(NightLightChanged)
-            if night is None or night.moon is None or night_share(require_sun(self._kernel)) == 0.0:
+            night = self.kernel.last(NightLightChanged)
+            if night is None or night.moon is None or night_share(require_sun(self.kernel)) == 0.0:
                 return self._sun_sky()
         return None
 
@@ -195,12 +127,12 @@ class SharedScene:
 
     def _enable(self, module: str, enabled: bool) -> None:
         if module:
-            self._kernel.inject(EnableModule(module=module, enabled=enabled))
-            self._settle()
+            self.kernel.inject(EnableModule(module=module, enabled=enabled))
+            self.settle()
 
     def _sun_sky(self) -> SunSky:
         """The present sky without the night's glow."""
-        sun, light = require_sun(self._kernel), self.light
+        sun, light = require_sun(self.kernel), self.light
         hour, sky = hour_of(light), light.radiance
         assert sky is not None
         x, _, z = sun.direction
@@ -208,7 +140,7 @@ class SharedScene:
         cube = decode_float16(sky.cube.values, sky.radiance_scale)
         ground = np.asarray(hour.ground_radiance_rgb, float)
         albedo = np.asarray(hour.ground_albedo_rgb, float)
-        night = self._kernel.last(NightLightChanged)
+        night = self.kernel.last(NightLightChanged)
         if night is not None and night.glow_rgb is not None:
             # A sky without a module of the night includes a glow, which is subtracted.
             share = night_share(sun)
@@ -271,7 +203,7 @@ class SharedScene:
         Each body has its geometric elevation, its azimuth from north, and its share (3,) of the
         light of a sun in its place.
         """
-        sun, night = require_sun(self._kernel), self._kernel.last(NightLightChanged)
+        sun, night = require_sun(self.kernel), self.kernel.last(NightLightChanged)
         found = [(sun.elevation_rad, sun.azimuth_rad, np.full(3, sun_share(sun)))]
         share = 0.0 if night is None else night_share(sun)
         if night is not None and night.moon is not None:
@@ -293,7 +225,7 @@ class SharedScene:
         found = []
         for _, seconds in dark:
             self.go_to(datetime.fromtimestamp(seconds, UTC))
-            night = self._kernel.last(NightLightChanged)
+            night = self.kernel.last(NightLightChanged)
             if night is not None and night.glow_rgb is not None:
                 found.append(np.asarray(night.glow_rgb.values, np.float32))
         return np.mean(found, axis=0, dtype=np.float32) if found else None
@@ -317,7 +249,7 @@ class SharedScene:
         for day in range(30):
             for hour in range(0, 24, 4):
                 self.go_to(first + timedelta(days=day, hours=hour))
-                night = self._kernel.last(NightLightChanged)
+                night = self.kernel.last(NightLightChanged)
                 if night is not None and night.moon is not None:
                     found.append(night.moon)
                     break
