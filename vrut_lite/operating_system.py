@@ -4,7 +4,9 @@ Its name is read from here and nowhere else, so that a test can change it.
 """
 
 import os
+import signal
 import sys
+from contextlib import suppress
 
 # As in `sys.platform`: "linux", "darwin" (macOS), "win32".
 NAME = sys.platform
@@ -21,6 +23,18 @@ def lower_priority(steps: int) -> None:
     """Lower the priority of this process by steps of niceness, where the system has such."""
     if hasattr(os, "nice"):
         os.nice(steps)
+
+
+def end_group(process: int) -> None:
+    """End the process of a number, which leads a group, with all that it has started.
+
+    Where the system has no groups it ends alone.
+    """
+    with suppress(ProcessLookupError):
+        if hasattr(os, "killpg"):
+            os.killpg(process, signal.SIGKILL)
+        else:
+            os.kill(process, signal.SIGTERM)
 
 
 def can_fork() -> bool:

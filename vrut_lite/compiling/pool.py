@@ -9,8 +9,6 @@ numba; where a process cannot be forked, each imports it.
 
 import atexit
 import json
-import os
-import signal
 import socket
 import subprocess
 import sys
@@ -25,7 +23,7 @@ import platformdirs
 
 from vrut_lite.compiling.kernel_list import KernelGroup, ListedKernel, kernel_of
 from vrut_lite.file_lock import lock_file
-from vrut_lite.operating_system import can_fork, usable_cores
+from vrut_lite.operating_system import can_fork, end_group, usable_cores
 
 # Each process takes 0.45 GB.
 MOST_PROCESSES = 4
@@ -142,7 +140,7 @@ class KernelPool:
             self._changed.notify_all()
         for process in self._processes:
             if process.poll() is None:
-                _kill(process)
+                end_group(process.pid)
                 process.wait()
         for server in self._servers:
             server.join()
@@ -306,14 +304,6 @@ def is_first_use() -> bool:
 
 def _lock_file() -> Path:
     return platformdirs.user_cache_path("vrut_lite") / "compiling.lock"
-
-
-def _kill(process: "subprocess.Popen[str]") -> None:
-    """End a process, with those that it has forked."""
-    if hasattr(os, "killpg"):
-        os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
 
 
 def _is_answered(ends: WorkerLines, kernel: ListedKernel) -> bool:

@@ -59,8 +59,8 @@ def prepare_install(what: str, folder: Path) -> ModuleWheel:
     present = installed_package(wheel.facts.name)
     if present is not None and not is_own(present.name):
         raise UserError(
-            f"{present.name} {present.version} is installed already: "
-            f"vrut-lite modules update {present.name}"
+            f"{present.name} {present.version} is installed already: update it, by the window's "
+            f"Modules panel or by vrut-lite modules update {present.name}"
         )
     check_installable(wheel)
     return wheel

@@ -23,6 +23,8 @@ canonicalize_name = lazy("packaging.utils:canonicalize_name")
 
 _LONGEST_REASON = 500
 _NOT_SOURCES = ("build", "dist", "*.egg-info", "__pycache__", ".venv", ".*_cache")
+# Folders of a wheel's data whose content is installed beside the packages.
+_DATA_FOLDER = re.compile(r"^[^/]+\.data/(purelib|platlib)/")
 _NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?\s*([<>=!~].*)?")
 
 
@@ -98,8 +100,11 @@ def read_wheel(path: Path) -> ModuleWheel:
             f"{facts.name or path.name} brings no module: its metadata have no entry point of the "
             f"group {MODULES_GROUP}"
         )
-    tops = {name.split("/")[0] for name in names if name.endswith(".py") and ".data/" not in name}
-    return ModuleWheel(str(path), facts, tuple(sorted(top.removesuffix(".py") for top in tops)))
+    places = (_DATA_FOLDER.sub("", name) for name in names if name.endswith(".py"))
+    tops = {place.split("/")[0].removesuffix(".py") for place in places}
+    # Other folders of data are scripts and headers, which nothing imports.
+    packages = sorted(top for top in tops if not top.endswith(".data"))
+    return ModuleWheel(str(path), facts, tuple(packages))
 
 
 def check_installable(wheel: ModuleWheel) -> None:

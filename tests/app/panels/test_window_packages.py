@@ -1,9 +1,12 @@
 """Packages of modules in the Modules panel: installed, updated and removed by processes."""
 
+import os
 import sys
+from pathlib import Path
 
 import pytest
 from foreign_packages import RAISING, ScratchEnvironment, on_path, put, wheel_of
+from PySide6.QtWidgets import QFileDialog
 from window_driver import HeadlessStage, WindowDriver
 
 from vrut_lite.package_facts import packages_of_others
@@ -44,7 +47,7 @@ def answer(bar, text):
 
 
 def test_a_wheel_is_installed_updated_and_removed_by_its_buttons(
-    shared_headless_window, bar, environment, tmp_path
+    shared_headless_window, bar, environment, tmp_path, monkeypatch
 ):
     """The question shows name, author, licence, hash and rights; a refusal installs nothing."""
     driver = shared_headless_window
@@ -59,21 +62,66 @@ def test_a_wheel_is_installed_updated_and_removed_by_its_buttons(
             assert part in words
         assert bar.is_busy == (agree == "Install")
     done(driver, bar)
-    assert bar.status.text() == "rain 1.0 is installed and loads: restart to use it"
+    assert bar.status.text() == "rain 1.0 is installed and loads: it runs from the next start"
     with on_path(environment.site):
         bar.choose(packages_of_others()["rain"])
-    bar.prepare_update(str(second))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(second), ""))
+    bar.update_from_wheel.trigger()
     done(driver, bar)
     answer(bar, "Install")
     done(driver, bar)
-    assert bar.status.text() == "rain 1.1 is updated and loads: restart to use it"
+    assert bar.status.text() == "rain 1.1 is updated and loads: it runs from the next start"
     with on_path(environment.site):
         bar.choose(packages_of_others()["rain"])
     driver.click(bar.remove)
     answer(bar, "Remove")
     done(driver, bar)
-    assert bar.status.text() == "rain 1.1 is removed: it runs until the next start"
+    assert bar.status.text() == "rain 1.1 is removed: it runs until the window closes"
     assert not list(environment.site.glob("rain*"))
+
+
+# The build of a package that never ends; it notes its process.
+ENDLESS = """
+import os, pathlib, time
+
+pathlib.Path({note!r}).write_text(str(os.getpid()))
+time.sleep(3600.0)
+"""
+
+
+def test_a_step_that_only_reads_is_cancelled_with_all_its_processes(
+    shared_headless_window, bar, environment, tmp_path
+):
+    """A package's build may take for ever; pip and the build end with the step."""
+    driver, note = shared_headless_window, tmp_path / "note"
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "setup.py").write_text(ENDLESS.format(note=str(note)))
+    bar.prepare_install(str(package))
+    driver.until(note.is_file)
+    driver.until(bar.cancel.isVisible)
+    driver.click(bar.cancel)
+    done(driver, bar)
+    assert bar.status.text() == "Cancelled: nothing is changed."
+    assert not bar.cancel.isVisible()
+    driver.until(lambda: not is_running(int(note.read_text())))
+    assert not list(environment.site.glob("*.dist-info"))
+
+
+def is_running(process):
+    """Whether a process of that number runs; one that has ended may wait for its parent."""
+    try:
+        os.kill(process, 0)
+        return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z"
+    except (OSError, IndexError):
+        return False
+
+
+def test_a_question_breaks_only_words_that_are_too_long(bar):
+    """A hash has places to break, names of modules stay whole."""
+    bar._ask("Install?", [("Brings", "modules: glare_watch; panels: glare_watch")], "", "Yes", None)
+    assert "panels: glare_watch<" in bar.question.informativeText()
+    bar.question.close()
 
 
 def test_a_refusal_is_a_sentence_in_the_panel(shared_headless_window, bar, environment, tmp_path):

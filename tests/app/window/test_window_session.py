@@ -16,7 +16,7 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.commands.run import run
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
+from vrut_lite.kernel.messages import ClockMoved, EnableModule, SetClock, SetSetting
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneOpened
@@ -303,6 +303,46 @@ def started_with(started, *arguments):
     outcome = CliRunner().invoke(run, arguments)
     assert not isinstance(outcome.exception, UserError), outcome.exception
     return started[-1]
+
+
+def test_a_module_that_was_switched_off_stays_off(open_window, kept):
+    """From the next window's start on, until its box is ticked; undo does not bring it back."""
+    first = open_window()
+    manager = first.panel("modules")
+    first.until(lambda: manager.list.topLevelItemCount() > 0)
+    first.session.send(EnableModule(module="aurora", enabled=False))
+    first.until(lambda: manager.switched_off == {"aurora"})
+    first.window.close()
+    kept.keep_switched_off({*kept.switched_off, "of_a_removed_package"})
+    second = open_window()
+    assert second.asked(lambda stage: stage.kernel.seats["aurora"].state) == "disabled"
+    assert second.asked(lambda stage: stage.kernel.seats["clouds"].state) == "running"
+    assert not second.window.actions_by_name["undo"].isEnabled()
+    manager = second.panel("modules")
+    second.until(lambda: manager.switched_off == {"aurora"})
+    second.session.send(EnableModule(module="aurora"))
+    second.until(lambda: manager.switched_off == set())
+    second.window.close()
+    assert kept.switched_off == set()
+
+
+def test_safe_mode_switches_nothing_off_for_the_next_start(open_window, kept):
+    """Only what was off before it stays off."""
+    kept.keep_switched_off({"aurora"})
+    driver = open_window()
+    manager = driver.panel("modules")
+    driver.until(lambda: manager.list.topLevelItemCount() > 0)
+    driver.click(manager.safe_mode)
+    driver.until(lambda: manager.switched_off is None)
+    driver.window.close()
+    assert kept.switched_off == {"aurora"}
+
+
+@pytest.mark.parametrize("value", [7, [7, None, ["aurora"]], {"aurora": True}])
+def test_damaged_names_of_modules_switch_nothing_off(kept, tmp_path, value):
+    (tmp_path / "kept").mkdir()
+    (tmp_path / "kept" / "window.json").write_text(json.dumps({"switched_off": value}))
+    assert kept.switched_off == set()
 
 
 def test_run_without_a_scene_opens_the_last_session(started, kept):

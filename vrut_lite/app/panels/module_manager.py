@@ -64,6 +64,13 @@ class ModuleManager(QWidget):
         item = self.list.currentItem()
         return "" if item is None else str(item.data(0, _NAME))
 
+    @property
+    def switched_off(self) -> set[str] | None:
+        """Names of the modules that are off; None in safe mode, which ends with the window."""
+        if self._states.safe:
+            return None
+        return {m.name for m in self._states.modules.values() if m.state == "disabled"}
+
     def choose(self, name: str) -> None:
         """Go to the row of a module."""
         item = self._item(name)

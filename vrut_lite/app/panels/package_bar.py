@@ -4,6 +4,7 @@ They change what the next start loads, and nothing that runs.
 """
 
 import html
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
@@ -26,6 +27,7 @@ from vrut_lite.app.widgets import faint_label
 from vrut_lite.module_packages.installing import RIGHTS
 from vrut_lite.module_packages.remote import answer_of
 from vrut_lite.module_packages.wheels import ModuleWheel
+from vrut_lite.operating_system import end_group
 from vrut_lite.package_facts import PackageFacts
 
 _LONGEST_END_MS = 60_000
@@ -41,22 +43,44 @@ class PackageBar(QWidget):
         self._package: PackageFacts | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._outcome = ""
+        self._is_cancelled = False
         self.process = QProcess(self)
+        # Its group ends with it: pip, and what a package's build has started.
+        if hasattr(self.process, "setUnixProcessParameters"):
+            parameters = self.process.unixProcessParameters()
+            parameters.flags = QProcess.UnixProcessFlag.CreateNewSession
+            self.process.setUnixProcessParameters(parameters)
+        self.process.started.connect(self._show_state)
         self.process.finished.connect(self._ended)
         self.process.errorOccurred.connect(self._failed_to_start)
         self.question: QMessageBox | None = None
         self.install = QPushButton("Install...")
         self.install.setToolTip("Install a package of modules. " + RIGHTS)
         menu = QMenu(self.install)
-        self.from_wheel = menu.addAction("From a wheel (.whl)...", self._choose_wheel)
-        self.from_folder = menu.addAction("From a folder...", self._choose_folder)
+        self.from_wheel = menu.addAction(
+            "From a wheel (.whl)...", lambda: self._choose_wheel(self.prepare_install)
+        )
+        self.from_folder = menu.addAction(
+            "From a folder...", lambda: self._choose_folder(self.prepare_install)
+        )
         self.by_name = menu.addAction("By its name on the index...", self._choose_name)
         self.install.setMenu(menu)
-        self.update_ = QPushButton("Update")
-        self.update_.setToolTip("Look for another version of the module's package on the index")
+        self.update_ = QPushButton("Update...")
+        self.update_.setToolTip("Put another version of the module's package in its place")
+        menu = QMenu(self.update_)
+        self.update_from_index = menu.addAction("From the index", lambda: self.prepare_update())
+        self.update_from_wheel = menu.addAction(
+            "From a wheel (.whl)...", lambda: self._choose_wheel(self.prepare_update)
+        )
+        self.update_from_folder = menu.addAction(
+            "From a folder...", lambda: self._choose_folder(self.prepare_update)
+        )
+        self.update_.setMenu(menu)
         self.remove = QPushButton("Remove...")
         self.remove.setToolTip("Remove the module's package; what it requires stays")
-        self.update_.clicked.connect(lambda _: self.prepare_update())
+        self.cancel = QPushButton("Cancel")
+        self.cancel.setToolTip("Give up; nothing has been installed so far")
+        self.cancel.clicked.connect(lambda _: self._give_up())
         self.remove.clicked.connect(lambda _: self._ask_to_remove())
         self.progress = QProgressBar()
         self.progress.setRange(0, 0)
@@ -67,6 +91,7 @@ class PackageBar(QWidget):
         for button in (self.install, self.update_, self.remove):
             buttons.addWidget(button)
         buttons.addStretch(1)
+        buttons.addWidget(self.cancel)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(buttons)
@@ -104,16 +129,18 @@ class PackageBar(QWidget):
 
     def _apply(self, wheel: ModuleWheel) -> None:
         facts = wheel.facts
-        outcome = f"{facts.name} {facts.version} {self._outcome} and loads: restart to use it"
+        outcome = (
+            f"{facts.name} {facts.version} {self._outcome} and loads: it runs from the next start"
+        )
         self._begin(f"Installing {facts.name}...", outcome, "apply", wheel.path, facts.sha256)
 
     def _remove(self, package: PackageFacts) -> None:
-        outcome = f"{package.name} {package.version} is removed: it runs until the next start"
+        outcome = f"{package.name} {package.version} is removed: it runs until the window closes"
         folder = self._new_folder()
         self._begin(f"Removing {package.name}...", outcome, "remove", package.name, folder)
 
     def _begin(self, words: str, outcome: str, step: str, *arguments: str) -> None:
-        self._outcome = outcome
+        self._outcome, self._is_cancelled = outcome, False
         self._say(words)
         program = ["-m", "vrut_lite.module_packages.remote", step, *arguments]
         # A folder of nobody's: Python looks for modules in the one where it starts.
@@ -124,7 +151,9 @@ class PackageBar(QWidget):
     def _ended(self, _code: int, _status: QProcess.ExitStatus) -> None:
         answer = answer_of(bytes(self.process.readAllStandardOutput().data()))
         self._show_state()
-        if answer.error:
+        if self._is_cancelled:
+            self._say("Cancelled: nothing is changed.")
+        elif answer.error:
             self._say(answer.error, alarms=True)
         elif answer.wheel is not None:
             self._ask_to_install(answer.wheel)
@@ -139,9 +168,19 @@ class PackageBar(QWidget):
     def _end_with_the_window(self) -> None:
         """Let pip finish what it changes; what only reads is ended."""
         if self.is_busy:
-            if "apply" not in self.process.arguments() and "remove" not in self.process.arguments():
-                self.process.kill()
+            self._give_up()
             self.process.waitForFinished(_LONGEST_END_MS)
+
+    @property
+    def _only_reads(self) -> bool:
+        """Whether the running step leaves the environment as it is, so that it may be given up."""
+        runs = self.process.state() == QProcess.ProcessState.Running
+        return runs and not {"apply", "remove"} & {*self.process.arguments()}
+
+    def _give_up(self) -> None:
+        if self._only_reads:
+            self._is_cancelled = True
+            end_group(self.process.processId())
 
     # --- questions -----------------------------------------------------------------------
 
@@ -187,15 +226,15 @@ class PackageBar(QWidget):
         self.question = question
         question.open()
 
-    def _choose_wheel(self) -> None:
-        path, _ = QFileDialog.getOpenFileName(self, "Install a wheel", "", "Wheels (*.whl)")
+    def _choose_wheel(self, prepare: Callable[[str], None]) -> None:
+        path, _ = QFileDialog.getOpenFileName(self, "The wheel of a package", "", "Wheels (*.whl)")
         if path:
-            self.prepare_install(path)
+            prepare(path)
 
-    def _choose_folder(self) -> None:
-        path = QFileDialog.getExistingDirectory(self, "Install the package of a folder")
+    def _choose_folder(self, prepare: Callable[[str], None]) -> None:
+        path = QFileDialog.getExistingDirectory(self, "The folder of a package")
         if path:
-            self.prepare_install(path)
+            prepare(path)
 
     def _choose_name(self) -> None:
         name, wanted = QInputDialog.getText(self, "Install a package", "Its name on pip's index:")
@@ -210,6 +249,7 @@ class PackageBar(QWidget):
 
     def _show_state(self) -> None:
         self.progress.setVisible(self.is_busy)
+        self.cancel.setVisible(self._only_reads)
         self.install.setEnabled(not self.is_busy)
         for button in (self.update_, self.remove):
             button.setEnabled(self._package is not None and not self.is_busy)
@@ -221,6 +261,5 @@ class PackageBar(QWidget):
 
 
 def _in_pieces(text: str) -> str:
-    """A text as HTML that may break within a long word, as a hash is."""
-    pieces = (text[i : i + 32] for i in range(0, len(text), 32))
-    return "&#8203;".join(map(html.escape, pieces))
+    """A text as HTML whose long words, as a hash is, may break every 32 letters."""
+    return html.escape(re.sub(r"(\S{32})(?=\S)", "\\1\N{ZERO WIDTH SPACE}", text))

@@ -1,7 +1,8 @@
-"""Files that outlive a window: the last session, recent files, the window's layout."""
+"""Files that outlive a window: last session, recent files, layout, modules switched off."""
 
 import os
 from base64 import b64decode, b64encode
+from collections.abc import Iterable
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -91,6 +92,17 @@ class Kept:
         """Keep the window's shape."""
         texts = {name: b64encode(data).decode() for name, data in shape._asdict().items()}
         self._write(**texts, digest=_digest(shape))
+
+    @property
+    def switched_off(self) -> frozenset[str]:
+        """Names of the modules that were off when the window was last closed."""
+        listed = self._read().get("switched_off")
+        names = listed if isinstance(listed, list) else []
+        return frozenset(name for name in names if isinstance(name, str))
+
+    def keep_switched_off(self, names: Iterable[str]) -> None:
+        """Keep the names of modules to switch off at the next start."""
+        self._write(switched_off=sorted(names))
 
     def _read(self) -> dict[str, Any]:
         return {} if self._folder is None else read_object(self._folder / _WINDOW)

@@ -16,7 +16,9 @@ from PySide6.QtWidgets import (
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.engine.sun_day_finder import SunDayFinder
+from vrut_lite.app.panels.module_manager import ModuleManager
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
@@ -48,7 +50,7 @@ from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
 from vrut_lite.bundled.manual import manual_start
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import SettingChanged
+from vrut_lite.kernel.messages import EnableModule, Input, SettingChanged
 from vrut_lite.messages.night import NightLightChanged
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.place import SetPlace
@@ -107,6 +109,13 @@ class MainWindow(QMainWindow):
         return panel
 
     @property
+    def modules(self) -> ModuleManager:
+        """The panel of all modules."""
+        panel = self.panels["modules"]
+        assert isinstance(panel, ModuleManager)
+        return panel
+
+    @property
     def picture(self) -> PicturePanel:
         """The panel of exposure and tone map."""
         panel = self.panels["picture"]
@@ -138,6 +147,8 @@ class MainWindow(QMainWindow):
         desk.viewport.scene_dropped.connect(self.files.ask_and_open)
         self.files.unsaved.changed.connect(self.setWindowModified)
         desk.viewport.mode_changed.connect(self._mode_changed)
+        if self.files.kept.switched_off:
+            session.begin_by(self._switch_off)
 
     # --- actions -----------------------------------------------------------------------------
 
@@ -245,6 +256,11 @@ class MainWindow(QMainWindow):
         tip = f"Let the scene stand along +{named[1].upper()}"
         self._status.offer(title, tip, lambda: self.session.send(turned))
 
+    def _switch_off(self, stage: Stage) -> list[Input]:
+        """Inputs that switch off what was off when the last window was closed."""
+        names = self.files.kept.switched_off & stage.kernel.seats.keys()
+        return [EnableModule(module=name, enabled=False) for name in sorted(names)]
+
     def _show_title(self) -> None:
         """The project, the scene, the application, as far as there are such.
 
@@ -299,5 +315,7 @@ class MainWindow(QMainWindow):
         try:
             self.files.kept.keep_session(self.files.present_project)
             self.files.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
+            if (names := self.modules.switched_off) is not None:
+                self.files.kept.keep_switched_off(names)
         except UserError as error:
             self._status.show_problem(str(error))
