@@ -30,7 +30,7 @@ def command(folder, *arguments):
     )
 
 
-@pytest.mark.parametrize("requirement", ["", ">=0.1", ">=0.0.1,<2", f"=={__version__}"])
+@pytest.mark.parametrize("requirement", ["", ">=1.0", ">=0.1,<2", f"=={__version__}"])
 def test_versions_that_fit_pass(requirement):
     check_host(requirement)
 
@@ -40,7 +40,7 @@ def test_versions_that_fit_pass(requirement):
     [
         (">=99", f"it needs vrut_lite >=99, and this is {__version__}"),
         ("<0.1", "it needs vrut_lite <0.1"),
-        ("of today", "'of today' on vrut_lite is none: write one such as '>=0.1,<2'"),
+        ("of today", "'of today' on vrut_lite is none: write one such as '>=1.0,<2'"),
     ],
 )
 def test_other_versions_are_refused(requirement, reason):
@@ -50,9 +50,9 @@ def test_other_versions_are_refused(requirement, reason):
 
 @pytest.mark.parametrize(
     ("version", "range_"),
-    [("0.1.0", ">=0.1,<0.2"), ("0.12.3", ">=0.12,<0.13"), ("1.4.2", ">=1.4,<2")],
+    [("1.0.0", ">=1.0,<2"), ("1.4.2", ">=1.4,<2"), ("2.12.0", ">=2.12,<3")],
 )
-def test_a_new_module_is_for_versions_up_to_the_next_breach(monkeypatch, version, range_):
+def test_a_new_module_is_for_versions_up_to_the_next_major_one(monkeypatch, version, range_):
     """Which contain the present one."""
     monkeypatch.setattr(host_version, "__version__", version)
     assert host_range() == range_

@@ -1,4 +1,4 @@
-"""Frame parts: what modules draw into the picture. The interface is provisional until 1.0.
+"""Frame parts: what modules draw into the picture.
 
 A module brings a part by an entry point of the group `vrut_lite.frame_parts` that names a subclass
 of `FramePart`. The scene manager hears the messages that it names in `hears`; the renderer makes

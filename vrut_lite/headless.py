@@ -1,4 +1,4 @@
-"""Names of the headless host for commands of modules. Provisional until 1.0.
+"""Names of the headless host for commands of modules.
 
 A command is a `click.Command` of the group `vrut_lite.commands`.
 

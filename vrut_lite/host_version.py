@@ -9,7 +9,7 @@ SpecifierSet = lazy("packaging.specifiers:SpecifierSet")
 
 
 def check_host(requirement: str) -> None:
-    """Pass if this version fits a requirement such as ">=0.1,<2"; an empty one fits all.
+    """Pass if this version fits a requirement such as ">=1.0,<2"; an empty one fits all.
 
     Raises:
         UserError: it does not, or the requirement is malformed.
@@ -20,7 +20,7 @@ def check_host(requirement: str) -> None:
         fits = SpecifierSet(requirement).contains(__version__, prereleases=True)
     except ValueError:
         raise UserError(
-            f"its requirement {requirement!r} on vrut_lite is none: write one such as '>=0.1,<2'"
+            f"its requirement {requirement!r} on vrut_lite is none: write one such as '>=1.0,<2'"
         ) from None
     if not fits:
         raise UserError(
@@ -30,7 +30,6 @@ def check_host(requirement: str) -> None:
 
 
 def host_range() -> str:
-    """The versions for which a module is written that is begun today: up to the next breach."""
-    major, minor = (int(part) for part in __version__.split(".")[:2])
-    # Before 1.0 each minor version may change what modules use.
-    return f">={major}.{minor},<{major + 1}" if major else f">=0.{minor},<0.{minor + 1}"
+    """The versions for which a module is written that is begun today: up to the next major one."""
+    major, minor = __version__.split(".")[:2]
+    return f">={major}.{minor},<{int(major) + 1}"

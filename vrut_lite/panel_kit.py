@@ -1,4 +1,4 @@
-"""Names of the window for panels of modules. The interface is provisional until 1.0.
+"""Names of the window for panels of modules.
 
 A panel is a QWidget of the group `vrut_lite.panels`, called with the window's `Session`.
 

@@ -1,4 +1,4 @@
-"""Names for modules that draw the scene in place of OpenGL. Provisional until 1.0.
+"""Names for modules that draw the scene in place of OpenGL.
 
 Such a module names its `engine` in its manifest, for `--engine`, and has a static method
 `open_engine(settings, traced)` that makes a backend: an object with `prepare(state: SceneState)`

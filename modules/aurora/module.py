@@ -7,6 +7,7 @@ import numpy as np
 
 from aurora.curtains import SLOT, AuroraShown, radiance
 from aurora.oval import aurora_over
+from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
@@ -38,7 +39,7 @@ class AuroraSettings(msgspec.Struct, frozen=True):
 class Aurora(Module):
     """Posts `AuroraShown` for its frame part and `SkyGlowAdded` for its light."""
 
-    manifest = Manifest(name=NAME, title="Aurora", version="0.1.0", provides=(SLOT,))
+    manifest = Manifest(name=NAME, title="Aurora", version=__version__, provides=(SLOT,))
     speaks = (AuroraShown,)
     settings_type = AuroraSettings
     settings: AuroraSettings

@@ -16,6 +16,7 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, ground_of_
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.tolerance import BrunetonQuality, quality_for
+from vrut_lite import __version__
 from vrut_lite.kernel.module import Link, Manifest
 from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.sky.sky_module import SkyModule
@@ -34,7 +35,7 @@ class BrunetonSky(SkyModule):
     manifest: ClassVar[Manifest] = Manifest(
         name=NAME,
         title="Clear sky (atmosphere)",
-        version="0.3.0",
+        version=__version__,
         provides=("sky",),
         requires=("sun",),
     )

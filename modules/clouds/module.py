@@ -12,6 +12,7 @@ import numpy as np
 from clouds.by_weather import layers_under
 from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings, Layer
+from vrut_lite import __version__
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
@@ -37,7 +38,7 @@ class Clouds(Module):
     "unchanged" and "layers outdated" (the settings changed while it was made).
     """
 
-    manifest = Manifest(name=NAME, title="Clouds", version="0.2.0")
+    manifest = Manifest(name=NAME, title="Clouds", version=__version__)
     settings_type = CloudSettings
     settings: CloudSettings
 

@@ -14,6 +14,7 @@ from dynamic_skylight.light import NAME, HosekWilkieLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun.position import position_at
 from dynamic_skylight.tolerance import HosekWilkieQuality, quality_for
+from vrut_lite import __version__
 from vrut_lite.atmosphere.aerosol import (
     LEAST_TURBIDITY,
     MOST_TURBIDITY,
@@ -35,7 +36,7 @@ class DynamicSkyLight(SkyModule):
     manifest = Manifest(
         name=NAME,
         title="Clear sky (fast)",
-        version="0.1.0",
+        version=__version__,
         provides=("sun", "sky"),
     )
     settings_type = DynamicSkyLightSettings

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from light_transport.messages import NAME, BakeGrown, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import TransportQuality, TransportSizes, looks_like, quality_for
+from vrut_lite import __version__
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.lazy import lazy
@@ -68,7 +69,7 @@ class LightTransport(Module):
     manifest = Manifest(
         name=NAME,
         title="Light between surfaces",
-        version="0.1.0",
+        version=__version__,
         provides=(SLOT,),
         requires=("sky",),
         auxiliary=True,

@@ -23,6 +23,7 @@ from night_sky.settings import NightSkySettings
 from night_sky.sight import sight
 from night_sky.sky_axes import refracted
 from night_sky.stars import stars_at
+from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.refraction import dip_rad, eye_aloft_m, horizon_elevation
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
@@ -79,7 +80,7 @@ class NightSky(Module):
     unwanted", "glow: turned unseen" and "stars: unwanted".
     """
 
-    manifest = Manifest(name=NAME, title="Night sky", version="0.1.0", provides=(SLOT,))
+    manifest = Manifest(name=NAME, title="Night sky", version=__version__, provides=(SLOT,))
     settings_type = NightSkySettings
     settings: NightSkySettings
 

@@ -16,6 +16,7 @@ from path_tracer.messages import PathTracedPicture, PictureOutdated
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
+from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.kernel.messages import Demand, JobResult
@@ -48,7 +49,7 @@ class PathTracer(Module):
     manifest = Manifest(
         name=NAME,
         title="Path tracer (Mitsuba)",
-        version="0.1.0",
+        version=__version__,
         auxiliary=True,
         engine="path-tracer",
     )

@@ -13,6 +13,7 @@ from photo_sky.light import RADIUS_RAD, PhotoLight
 from photo_sky.photograph import Photograph, photograph_of
 from photo_sky.read_panorama import read_panorama
 from photo_sky.settings import PhotoSettings
+from vrut_lite import __version__
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.frames import enu_from_world
 from vrut_lite.kernel.messages import ClockMoved, SlotChanged
@@ -38,7 +39,7 @@ class PhotoSky(SkyModule):
     manifest = Manifest(
         name=NAME,
         title="Photograph (sun stands still)",
-        version="0.1.0",
+        version=__version__,
         provides=("sun", "sky"),
         stand_in=False,
     )

@@ -11,6 +11,7 @@ import logging
 
 import numpy as np
 
+from vrut_lite import __version__
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.kernel.module import Link, Manifest, handles
 from vrut_lite.messages.cloudiness import CloudinessChanged
@@ -38,7 +39,7 @@ class WeatherSky(SkyModule):
     """CIE's and Perez's skies, by a year of measurements or by settings."""
 
     manifest = Manifest(
-        name=NAME, title="Sky of the weather", version="0.1.0", provides=("sun", "sky")
+        name=NAME, title="Sky of the weather", version=__version__, provides=("sun", "sky")
     )
     settings_type = WeatherSettings
     settings: WeatherSettings

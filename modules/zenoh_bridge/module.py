@@ -11,6 +11,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any, ClassVar, get_args
 
+from vrut_lite import __version__
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.demands import Demands
 from vrut_lite.kernel.messages import (
@@ -59,7 +60,7 @@ class ZenohBridge(Module):
     manifest = Manifest(
         name=NAME,
         title="Another process (Zenoh)",
-        version="0.1.0",
+        version=__version__,
         provides=SLOTS,
         stand_in=False,
         auxiliary=True,

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from journal_toys import TOYS, Parrot, Poke, record_inputs, toy_kernel
 
+from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.errors import UserError
@@ -148,7 +149,7 @@ def test_an_input_that_changed_names_message_and_field(tmp_path, monkeypatch):
     replay = Replay(Journal(path), TOYS)
     with pytest.raises(UserError, match="message 0: SetPlace has no field 'latitude_deg'") as told:
         replay.run()
-    assert "written by vrut_lite 0.1.0" in str(told.value)
+    assert f"written by vrut_lite {__version__}" in str(told.value)
 
 
 def test_recording_begins_on_a_fresh_kernel():

@@ -85,7 +85,7 @@ def _check_manifest(manifest: object) -> None:
         checks.refuse(manifest, "engine", "be a name of letters, digits, - and _", of)
     checks.flag(manifest, "stand_in", "auxiliary", of=of)
     if not isinstance(manifest.host, str):
-        checks.refuse(manifest, "host", "be a text such as '>=0.1,<2'", of)
+        checks.refuse(manifest, "host", "be a text such as '>=1.0,<2'", of)
     check_host(manifest.host)
 
 

@@ -23,7 +23,7 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     holds a slot only when it is chosen, never as a replacement. An `auxiliary` module is a tool:
     commands offer its settings by `--set` alone, and the window hides its panel at first. A module
     that has `open_engine` is chosen to draw by the name of its `engine`. `host` names the versions
-    of vrut_lite that it is for, such as ">=0.1,<2"; an empty one fits all.
+    of vrut_lite that it is for, such as ">=1.0,<2"; an empty one fits all.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Layers before the sky, such as clouds. The interface is provisional until 1.0.
+"""Layers before the sky, such as clouds.
 
 A module brings one by an entry point of the group `vrut_lite.sky_layers` that names a subclass of
 `SkyLayer`. `SkySum` hears its message and asks it for the light of the sky behind it.
