@@ -91,6 +91,8 @@ def test_a_folder_is_installed_as_the_wheel_that_it_makes(environment, tmp_path)
         ("other", {"points": {"vrut_lite.modules": {"clouds": "other:Foreign"}}},
          "brings a module called clouds, which vrut-lite has already"),
         ("mine", {"package": "numpy"}, "brings a python package called numpy, which numpy has"),
+        ("mine", {"package": "mine-1.0.data/purelib/numpy"}, "called numpy, which numpy has"),
+        ("mine", {"package": "mine-1.0.data/platlib/numpy"}, "called numpy, which numpy has"),
         ("mine", {"package": "json"}, "brings a python package called json, which Python has"),
         ("vrut_lite", {"package": "new_thing"}, "vrut_lite is vrut_lite itself"),
     ],

@@ -90,9 +90,11 @@ time.sleep(3600.0)
 
 
 def test_a_step_that_only_reads_is_cancelled_with_all_its_processes(
-    shared_headless_window, bar, environment, tmp_path
+    shared_headless_window, bar, environment, tmp_path, monkeypatch
 ):
     """A package's build may take for ever; pip and the build end with the step."""
+    # pip would look for setuptools on the index; 0 is how this variable says no.
+    monkeypatch.setenv("PIP_NO_BUILD_ISOLATION", "0")
     driver, note = shared_headless_window, tmp_path / "note"
     package = tmp_path / "package"
     package.mkdir()
