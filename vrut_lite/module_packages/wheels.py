@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.util
+import os
 import re
 import shutil
 import subprocess
@@ -39,6 +40,8 @@ class ModuleWheel(msgspec.Struct, frozen=True):
 def run_pip(arguments: Sequence[str], folder: Path) -> None:
     """Run pip of this environment in a folder that holds no python files.
 
+    Its temporary files go there too: a pip that is killed leaves them.
+
     Raises:
         UserError: the environment has no pip, or pip says why not.
     """
@@ -51,6 +54,7 @@ def run_pip(arguments: Sequence[str], folder: Path) -> None:
     done = subprocess.run(
         [*command, *arguments],
         cwd=folder,
+        env={**os.environ, "TMPDIR": str(folder)},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         encoding="locale",

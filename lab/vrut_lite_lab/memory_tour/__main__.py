@@ -39,6 +39,9 @@ _numba = lazy("vrut_lite.numba_compiler")
 _NEW_OBJECTS = 20_000
 _FIRST = "street.toml"
 _PLAY_SAMPLE_S = 15.0
+# Rest after which the window has returned spare memory (app/engine/spare_memory.py): without it a
+# resident size says how long ago that was.
+_REST_S = 3.0
 _COUNTED_TYPES = 40
 
 
@@ -118,6 +121,7 @@ def _openings(toured: TouredWindow, recorder: MemoryNotes, count: int) -> None:
     for number in range(1, count + 1):
         scene = ALTERNATING[number % len(ALTERNATING)]
         toured.open(project_of(scene))
+        toured.wait(_REST_S)
         recorder.note(f"{number} {scene}")
     if count:
         _rest(toured, recorder)
@@ -141,7 +145,7 @@ def _play(toured: TouredWindow, recorder: MemoryNotes, minutes: float) -> None:
 def _rest(toured: TouredWindow, recorder: MemoryNotes) -> None:
     """The window at rest, on the first scene."""
     toured.open(project_of(_FIRST))
-    toured.wait(3.0)
+    toured.wait(_REST_S)
     recorder.note("rest", with_gl=True)
     recorder.note_objects()
 

@@ -20,7 +20,13 @@ from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_s
 from vrut_lite.app.engine.session import Session, fault_line, one_line
 from vrut_lite.app.panels.package_bar import PackageBar
 from vrut_lite.app.widgets import faint_label, heading, panel_column
-from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
+from vrut_lite.kernel.messages import (
+    EnableModule,
+    Fault,
+    ReloadModule,
+    RestartModule,
+    SlotChanged,
+)
 from vrut_lite.package_facts import PackageFacts, packages_of_others
 
 _NOT_LOADED = "not loaded"
@@ -40,6 +46,8 @@ class ModuleManager(QWidget):
         super().__init__()
         self._session = session
         self._states = ModuleStates({}, ())
+        # Modules whose boxes were ticked or not, until the states agree: the engine may be busy.
+        self._asked: dict[str, bool] = {}
         self._asking = False
         self._before_safe_mode: set[str] = set()
         self._packages: dict[str, PackageFacts] | None = None
@@ -69,7 +77,8 @@ class ModuleManager(QWidget):
         """Names of the modules that are off; None in safe mode, which ends with the window."""
         if self._states.safe:
             return None
-        return {m.name for m in self._states.modules.values() if m.state == "disabled"}
+        modules = self._states.modules.values()
+        return {m.name for m in modules if not self._asked.get(m.name, m.state != "disabled")}
 
     def choose(self, name: str) -> None:
         """Go to the row of a module."""
@@ -159,6 +168,9 @@ class ModuleManager(QWidget):
 
     def _show_states(self, states: ModuleStates) -> None:
         self._states = states
+        for module in states.modules.values():
+            if self._asked.get(module.name) == (module.state != "disabled"):
+                del self._asked[module.name]
         self.list.blockSignals(True)
         for module in states.modules.values():
             self._show_row(self._item(module.name) or self._new_item(module), module)
@@ -253,8 +265,9 @@ class ModuleManager(QWidget):
     # --- inputs ------------------------------------------------------------------------------
 
     def _checked(self, item: QTreeWidgetItem) -> None:
-        wanted = item.checkState(0) == Qt.CheckState.Checked
-        self._session.send(EnableModule(module=str(item.data(0, _NAME)), enabled=wanted))
+        name, wanted = str(item.data(0, _NAME)), item.checkState(0) == Qt.CheckState.Checked
+        self._asked[name] = wanted
+        self._session.send(EnableModule(module=name, enabled=wanted))
 
 
 def facts_text(module: ModuleState | None, package: PackageFacts | None) -> str:
