@@ -147,11 +147,11 @@ def page() -> str:
     lines = [_HEAD]
     for title, base in (("Inputs", Input), ("Messages of modules", Derived)):
         posts = "" if base is Input else " posted by |"
-        heads = f"| message |{posts} handled by |"
+        heads = f"| message | imported from |{posts} handled by |"
         lines += [f"## {title}", "", heads, re.sub(r"[^|]+", "---", heads)]
         for kind in kinds:
             if issubclass(kind, base):
-                cells = [f"`{kind.__name__}`"]
+                cells = [f"`{kind.__name__}`", f"`{kind.__module__}`"]
                 if base is Derived:
                     cells.append(", ".join(sorted(by[kind.__name__])))
                 cells.append(", ".join(sorted(hears[kind.__name__])))

@@ -116,6 +116,17 @@ def test_templates_and_examples_use_public_names_only():
     assert not private
 
 
+def test_the_page_for_authors_lists_every_python_module_for_them():
+    """Who has a wheel has no reference pages."""
+    page = (ROOT / "docs" / "write_a_module.md").read_text(encoding="utf-8")
+    listed = page.partition("Public for modules are, after `vrut_lite.`:")[2]
+    listed = listed.partition("**Others install it**")[0]
+    titles = ("Scenes", "Skies", "Daylight in numbers")
+    public = {module for title, some in public_names.PYTHON.items() for module in some
+              if title not in titles}  # fmt: skip
+    assert {f"vrut_lite.{name}" for name in re.findall(r"`([a-z_.]+)`", listed)} == public
+
+
 def product():
     for folder in ("vrut_lite", "modules"):
         yield from sorted((ROOT / folder).rglob("*.py"))
