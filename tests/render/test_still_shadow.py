@@ -234,3 +234,20 @@ def test_the_map_is_drawn_once_for_a_view_and_not_without_a_sun(plain):
     )
     assert drawn() == before + 1
     assert plain.counters.skipped["still shadow map: no sun to cast one"] >= 1
+
+
+@pytest.mark.gl
+def test_what_lies_deeper_than_a_fine_square_has_all_its_casters(backend, tmp_path):
+    """A shelf close to the eye has a fine square, in the sun's view over a floor whose light a low
+    wall takes: beyond the square's depth casters are missing, and the floor was bright."""
+    sun = np.array([0.7, 0.7, 0.1]) / np.linalg.norm([0.7, 0.7, 0.1])
+    floor, wall = box((-4.0, -0.1, -4.0), (4.0, 0.0, 4.0)), box((1.0, 0.0, -4.0), (1.1, 1.2, 4.0))
+    shelf = box((2.7, 2.5, -0.3), (3.3, 2.52, 0.3))
+    tower = box((3.8, 0.0, 3.8), (4.0, 4.0, 4.0))
+    show(backend, tmp_path, floor, wall, shelf, tower, sun=sun)
+    look = look_finished(backend, (1.6, 2.9, 0.0), (1.9, 2.2, 0.0), 1.9)
+    at = on_plane(backend, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    # In the shadow of the wall, 1.2 m long, and not hidden by it.
+    shaded = (at[..., 0] > 0.1) & (at[..., 0] < 0.6) & (np.abs(at[..., 2]) < 1.5)
+    assert shaded.sum() > 50
+    np.testing.assert_array_equal(look.radiance[shaded], 0.0)

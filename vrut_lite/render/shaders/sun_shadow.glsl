@@ -123,12 +123,19 @@ float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, floa
 #endif
 
 #ifdef STILL_SHADOW
-// The finest square that contains a place, in metres along the sun's axes.
-int square_at(vec2 at) {
+// Depth in a square, from 0 nearest to the sun to 1.
+float depth_in(int square, float towards_sun_m) {
+    float away = (shadow_depths[square].x - towards_sun_m) * shadow_depths[square].y;
+    return min(0.5 + away, 1.0);
+}
+
+// The finest square that contains a place, in metres along the sun's axes. Beyond its depth, which
+// is that of the near points it is for, casters are missing.
+int square_at(vec3 at) {
     int found = 0;
     for (int i = 1; i < SQUARES; ++i) {
-        vec2 off = abs(at - shadow_squares[i].xy) * shadow_squares[i].z;
-        if (max(off.x, off.y) < INSIDE) found = i;
+        vec2 off = abs(at.xy - shadow_squares[i].xy) * shadow_squares[i].z;
+        if (max(off.x, off.y) < INSIDE && depth_in(i, at.z) < 1.0) found = i;
     }
     return found;
 }
@@ -137,12 +144,6 @@ int square_at(vec2 at) {
 vec2 place_in(int square, vec2 at) {
     vec2 within = clamp((at - shadow_squares[square].xy) * shadow_squares[square].z, -1.0, 1.0);
     return SQUARE_TEXELS * (vec2(square & 1, square >> 1) + 0.5 + 0.5 * within);
-}
-
-// Depth in a square, from 0 nearest to the sun to 1.
-float depth_in(int square, float towards_sun_m) {
-    float away = (shadow_depths[square].x - towards_sun_m) * shadow_depths[square].y;
-    return min(0.5 + away, 1.0);
 }
 
 // One linearly filtered comparison at a place (texels) with a plane whose depth changes by `steep`
@@ -167,7 +168,7 @@ float sun_visibility(vec3 face) {
     // Where a penumbra exceeds MOST_RADIUS, the next square has wider texels.
     float radius, texel;
     vec3 place;
-    for (int square = square_at(at.xy); square >= 0; --square) {
+    for (int square = square_at(at); square >= 0; --square) {
         float texel_m = 2.0 / (SQUARE_TEXELS * shadow_squares[square].z);
         place = vec3(place_in(square, at.xy), depth_in(square, at.z));
         place.z -= shadow_depths[square].z * (1.0 + abs(steep.x) + abs(steep.y));
@@ -228,7 +229,7 @@ vec3 sun_through_glass(vec3 face) {
     vec3 p = point_in_triangle(face);
 #ifdef STILL_SHADOW
     vec3 slope = shadow_axes * face;
-    int square = square_at((shadow_axes * p).xy);
+    int square = square_at(shadow_axes * p);
     float texel_m = 2.0 / (shadow_squares[square].z * SQUARE_TEXELS);
     float aspect = 2.0 * shadow_depths[square].y / shadow_squares[square].z;
 #else
