@@ -33,11 +33,11 @@ def test_scenes_and_play_leave_a_windows_memory_as_it_was(tmp_path, request):
     columns = columns_of(tmp_path)
     resident = np.array(columns["resident"], float)
     chapters = np.array(columns["chapter"])
-    # Two scenes in turn: means over pairs.
-    opened = resident[chapters == "openings"][_FIRST_OPENINGS : openings // 2 * 2]
+    opened = resident[chapters == "openings"][_FIRST_OPENINGS:openings]
     minute = np.array(columns["minute"], float)
     playing = np.array(columns["act"]) == "playing"
     played = resident[playing & (minute > minute[playing][0] + _FIRST_DAY_MINUTES)]
     for curve in (opened, played):
         third = max(len(curve) // 3, 1)
-        assert curve[-third:].mean() < (1.0 + _MOST_GROWTH) * curve[:third].mean()
+        # The least of each: memory that the allocator has not returned yet comes and goes.
+        assert curve[-third:].min() < (1.0 + _MOST_GROWTH) * curve[:third].min()
