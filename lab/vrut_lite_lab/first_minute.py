@@ -25,6 +25,7 @@ _OF_WINDOW = (
     QApplication := lazy("PySide6.QtWidgets:QApplication"),
     Session := lazy("vrut_lite.app.engine.session:Session"),
     apply_theme := lazy("vrut_lite.app.theme:apply_theme"),
+    CompileNews := lazy("vrut_lite.app.window.compile_news:CompileNews"),
     first_place := lazy("vrut_lite.app.window.first_size:first_place"),
     Kept := lazy("vrut_lite.app.window.kept:Kept"),
     MainWindow := lazy("vrut_lite.app.window.main_window:MainWindow"),
@@ -68,10 +69,13 @@ def main() -> None:
     watch.step("the window's code is imported")
     app = QApplication([])
     apply_theme(app)
+    # A first start compiles its kernels in further processes, whose CPU time is not in the columns.
+    compiling = CompileNews(app)
     session = Session()
     session.start()
     with tempfile.TemporaryDirectory() as folder:
         window = MainWindow(session, kept=Kept(Path(folder)))
+        compiling.show_in(window.statusBar())
         watch.step("the window is made")
         window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
         window.show()
@@ -135,6 +139,7 @@ def main() -> None:
         window.close()
         until(lambda: session.has_ended)
         watch.step("the window is closed")
+        compiling.close()
         session.join()
 
 
