@@ -65,15 +65,25 @@ vec3 as_sharp_as_seen(ivec2 p) {
     float deviation = min(blur / max(cycles, least_cycles), float(reach) / deviations);
     if (deviation < sharp_px) return own;
     int near = min(reach, int(ceil(deviations * deviation)));
+    // exp(-(i * i + j * j) / (2 deviation^2)) along a row by its ratios: q, q^3, q^5, ...
+    float q = exp(-0.5 / (deviation * deviation));
     vec3 total = vec3(0.0);
     float weights = 0.0;
-    for (int i = -near; i <= near; ++i)
-        for (int j = -near; j <= near; ++j) {
-            if (i * i + j * j > near * near) continue;
-            float weight = exp(-0.5 * float(i * i + j * j) / (deviation * deviation));
-            total += weight * texelFetch(radiance, clamp(p + ivec2(j, i), ivec2(0), last), 0).rgb;
-            weights += weight;
+    for (int i = -near; i <= near; ++i) {
+        int y = clamp(p.y + i, 0, last.y);
+        float weight = exp(-0.5 * float(i * i) / (deviation * deviation)), ratio = q;
+        vec3 row = weight * texelFetch(radiance, ivec2(p.x, y), 0).rgb;
+        float row_weights = weight;
+        for (int j = 1; i * i + j * j <= near * near; ++j) {
+            weight *= ratio;
+            ratio *= q * q;
+            row += weight * (texelFetch(radiance, ivec2(max(p.x - j, 0), y), 0).rgb
+                             + texelFetch(radiance, ivec2(min(p.x + j, last.x), y), 0).rgb);
+            row_weights += 2.0 * weight;
         }
+        total += row;
+        weights += row_weights;
+    }
     return total / weights;
 }
 
