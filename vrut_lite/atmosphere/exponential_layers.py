@@ -3,6 +3,7 @@ atmospheres."""
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -41,8 +42,9 @@ class ExponentialLayers(NamedTuple):
         height = np.asarray(altitude_m, dtype=float)
         if len(self.base_m) == 1:
             return np.exp(-height / self.scale_height_m[0])
-        layer = np.searchsorted(self.base_m[1:], height, side="right")
-        return np.take(self.share, layer) * np.exp(-height / np.take(self.scale_height_m, layer))
+        base_m, share, scale_height_m = _arrays(self)
+        layer = base_m[1:].searchsorted(height, side="right")
+        return np.asarray(share[layer] * np.exp(-height / scale_height_m[layer]))
 
     def array(self) -> FloatArray:
         """Bases, shares, scale heights and densities at the bases (4, n), for compiled code."""
@@ -69,3 +71,9 @@ class ExponentialLayers(NamedTuple):
             for base, height_m in zip(self.base_m, self.scale_height_m, strict=True)
         ][layer + 1 :]
         return self.of(self.scale_height_m[layer], above), float(self.density(altitude_m))
+
+
+@lru_cache(maxsize=64)
+def _arrays(layers: ExponentialLayers) -> tuple[FloatArray, FloatArray, FloatArray]:
+    base_m, share, scale_height_m = (np.array(numbers) for numbers in layers)
+    return base_m, share, scale_height_m

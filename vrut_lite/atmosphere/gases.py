@@ -158,8 +158,12 @@ def water_optical_depth(wavelength_nm: ArrayLike, path_cm: ArrayLike) -> FloatAr
     """
     nodes_nm, amount, power = _water()
     nm = np.asarray(wavelength_nm, dtype=float)
-    to_nm = np.stack([np.interp(nm, nodes_nm, unit, left=0.0) for unit in np.eye(nodes_nm.size)])
-    return np.asarray(amount * np.asarray(path_cm, dtype=float)[..., None] ** power @ to_nm)
+    place = np.interp(nm, nodes_nm, np.arange(float(nodes_nm.size)))
+    band = np.minimum(place.astype(int), nodes_nm.size - 2)
+    at_nodes = amount * np.asarray(path_cm, dtype=float)[..., None] ** power
+    further = place - band
+    depth = (1.0 - further) * at_nodes[..., band] + further * at_nodes[..., band + 1]
+    return np.where(nm < nodes_nm[0], 0.0, depth)
 
 
 @lru_cache(maxsize=1)

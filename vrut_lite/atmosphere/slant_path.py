@@ -80,11 +80,14 @@ def slant_paths(
     shape = altitude.shape
     altitude, rise, misses = _entry(air, altitude.ravel(), rise.ravel())
     excess = _excess(air, altitude, rise)
-    lowest = np.where(rise >= 0.0, altitude, _perigee(air, altitude, excess))
     # Where the ray starts to climb, its own n r exceeds the invariant by this much.
     level = np.where(rise >= 0.0, excess, 0.0)
+    lowest = altitude.copy()
+    descends = (rise < 0.0) & (altitude > 0.0)
+    if descends.any():
+        lowest[descends] = _perigee(air, altitude[descends], excess[descends])
     paths = _climb(air, lowest, level, np.full(lowest.size, air.top_altitude_m), densities)
-    if (lowest < altitude).any():
+    if descends.any():
         paths += _climb(air, lowest, level, altitude, densities)
     return np.where(misses[:, None], 0.0, paths).reshape(*shape, len(densities))
 
