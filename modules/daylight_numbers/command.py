@@ -97,6 +97,12 @@ _year_light = lazy("daylight_numbers.year_light")
     help="Of EN 17037's hours of sun in a year: 02-01 to 03-21.",
 )
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
+@click.option(
+    "--standards",
+    is_flag=True,
+    help="A page of EN 17037, BRE 209, LEED v4.1 and WELL too, clause by clause; with --year and "
+    "--weather all of them.",
+)
 @worker_options
 def daylight(
     scenes: tuple[str, ...],
@@ -110,6 +116,7 @@ def daylight(
     eyes: str | None,
     sun_day: datetime,
     year: bool,
+    standards: bool,
     jobs: int,
     dask: str | None,
     **options: Any,
@@ -124,6 +131,8 @@ def daylight(
     Example: vrut-lite daylight room.glb -o room --sensors desks.csv --cie-sky 1
 
     Example: vrut-lite daylight room.glb -o room --year --weather prague.epw
+
+    Example: vrut-lite daylight room.glb -o room --year --weather prague.epw --standards
 
     Example: vrut-lite daylight variants/*.glb -o variants --year --jobs 4
     """
@@ -143,7 +152,16 @@ def daylight(
         tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
         wanted.append(
             _folder.DaylightRequest(
-                project, chosen, tolerance, cie_sky, ground_albedo, year, blinds, looking, day
+                project,
+                chosen,
+                tolerance,
+                cie_sky,
+                ground_albedo,
+                year,
+                standards,
+                blinds,
+                looking,
+                day,
             )
         )
     with workers_of(jobs, dask, len(wanted)) as workers:

@@ -22,7 +22,10 @@ from daylight_numbers.now import TITLES, CieSky, cie_hour, numbers_now, patch_er
 from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, plan_picture
 from daylight_numbers.report import ReportPage, Table, write_report
+from daylight_numbers.rooms import room_of
 from daylight_numbers.sensors import SensorGrid, Sensors
+from daylight_numbers.standards import clauses, facts_of, weather_of
+from daylight_numbers.standards import method as standards_method
 from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
 from daylight_numbers.work import DaylightWork, work_of
 from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
@@ -49,6 +52,7 @@ class DaylightRequest:
     cie_sky: CieSky
     ground_albedo: float
     year: bool
+    standards: bool
     blinds: float
     eyes: Sensors | None
     sun_day: date
@@ -126,13 +130,18 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
         tables.append(hour_table(glare))
         pictures |= write_views(folder, glare)
         method.append(METHOD)
+    is_used = asked.year or asked.standards
+    planes = range(len(work.sensors.names)) if is_used else ()
+    rooms = {plane: room for plane in planes if (room := room_of(work, plane)) is not None}
+    of_year = None
     if asked.year:
 
         def steps(hours: Iterable[int], count: int) -> Iterable[int]:
             return tracked(hours, "year", count)
 
-        wanted = YearRequest(asked.blinds, eyes, asked.sun_day)
+        wanted = YearRequest(rooms, asked.blinds, eyes, asked.sun_day)
         found = year_pages(folder, work, opened, wanted, steps)
+        of_year = found.found
         numbers |= found.columns
         tables += found.tables
         pictures |= found.pictures
@@ -145,6 +154,12 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
     )
     title = f"Daylight of {Path(where.scene).stem}"
     write_report(folder / "report.html", ReportPage(title, subtitle, tables, pictures, method))
+    held: list[Table] = []
+    if asked.standards:
+        held = clauses(facts_of(work, opened, rooms, of_year, asked.sun_day))
+        said = standards_method(weather_of(opened))
+        page = ReportPage(f"{title}: compliance", subtitle, held, {}, said)
+        write_report(folder / "compliance.html", page)
     return [
         f"{table.heading}: "
         + "; ".join(
@@ -155,6 +170,10 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
             for row in table.rows
         )
         for table in tables
+    ] + [
+        f"{table.heading}: {clause}, {subject}: {verdict}"
+        for table in held
+        for clause, subject, *_, verdict in table.rows
     ]
 
 
@@ -230,7 +249,7 @@ def _method(work: DaylightWork, asked: DaylightRequest, moved: float) -> list[st
         "rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
-        "Lamps are off. ReflectionProbes throw no sun. The view out is not computed.",
+        "Lamps are off. Mirrors throw no sun.",
     ]
 
 

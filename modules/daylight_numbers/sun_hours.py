@@ -14,6 +14,7 @@ from vrut_lite.numeric_types import FloatArray
 STEP_MINUTES = 10
 # EN 17037: the reference point lies in an opening, so far above the floor.
 _REFERENCE_M, _BEFORE_M = 1.2, 1e-3
+_SUN_LEVELS = ((4.0, "high"), (3.0, "medium"), (1.5, "minimum"))
 
 
 def suns_of_day(opened: OpenedScene, midnight: datetime) -> FloatArray:
@@ -46,3 +47,8 @@ def sun_in_openings(work: DaylightWork, room: DaylitRoom, suns: FloatArray) -> f
         sensors = free_sensors(places, np.broadcast_to(opening.outwards, places.shape), "opening")
         most = max(most, float(sun_hours(work, sensors, suns).max()))
     return most
+
+
+def sun_level(hours: float) -> str:
+    """EN 17037's level of so many hours of sun of a day between 1 February and 21 March."""
+    return next((said for least, said in _SUN_LEVELS if hours >= least), "none")

@@ -1,6 +1,6 @@
 """A year's columns, tables, pictures and method for the command's folder."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, date, datetime, time, timedelta
 from pathlib import Path
 from typing import NamedTuple
@@ -21,9 +21,10 @@ from daylight_numbers.metrics import (
 from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, heat_map, plan_picture
 from daylight_numbers.report import Table
-from daylight_numbers.rooms import DaylitRoom, room_of
+from daylight_numbers.rooms import DaylitRoom
 from daylight_numbers.sensors import Sensors
-from daylight_numbers.sun_hours import sun_hours, sun_in_openings, suns_of_day
+from daylight_numbers.standards import PlaneYear, YearFound
+from daylight_numbers.sun_hours import sun_hours, sun_in_openings, sun_level, suns_of_day
 from daylight_numbers.work import DaylightWork
 from daylight_numbers.year import DAYS_BETWEEN, Year, solved_year, year_matrices, year_of
 from daylight_numbers.year_light import YearLight, lit_hours, year_light
@@ -38,22 +39,22 @@ _PLANS = {
     "dose_klxh": PictureQuantity("dose of a year", "klx h"),
 }
 _MOST_HEAT_MAPS = 4
-# EN 17037: hours of sun of one day between 1 February and 21 March.
-_SUN_LEVELS = ((4.0, "high"), (3.0, "medium"), (1.5, "minimum"))
 
 
 class YearRequest(NamedTuple):
-    """A request: `blinds` is the transmittance of closed blinds; `sun_day`, of YEAR, the day of
-    EN 17037's hours of sun."""
+    """A request: `rooms` by the number of their work plane; `blinds` is the transmittance of closed
+    blinds; `sun_day`, of YEAR, the day of EN 17037's hours of sun."""
 
+    rooms: Mapping[int, DaylitRoom]
     blinds: float
     eyes: Eyes | None
     sun_day: date
 
 
 class YearPages(NamedTuple):
-    """A year's part of tables and page."""
+    """A year's part of tables and page, and its numbers for standards."""
 
+    found: YearFound
     columns: Numbers
     tables: list[Table]
     pictures: dict[Path, str]
@@ -77,8 +78,7 @@ def year_pages(
     light = year_light(opened, hours, offset_h, tracked(range(len(hours)), len(hours)))
     solved = solved_year(work.transport, light)
     year = year_of(year_matrices(work, light, solved), light)
-    planes = range(len(sensors.names))
-    rooms = {plane: room for plane in planes if (room := room_of(work, plane)) is not None}
+    planes, rooms = range(len(sensors.names)), asked.rooms
     shaded = {
         plane: shaded_year(work, plane, room, year, light, solved, asked.blinds)
         for plane, room in rooms.items()
@@ -88,14 +88,14 @@ def year_pages(
     midnight = datetime.combine(asked.sun_day, time(), UTC) - timedelta(hours=offset_h)
     suns = suns_of_day(opened, midnight)
     sun = sun_hours(work, sensors, suns)
-    rows = []
+    rows, of_planes = [], {}
     for plane in planes:
-        room = rooms.get(plane)
+        room, blinds = rooms.get(plane), shaded.get(plane)
         best = sun_in_openings(work, room, suns) if room else sun[sensors.plane == plane].max()
-        rows.append(
-            row_of_plane(
-                sensors, plane, points, halves, shaded.get(plane), room, float(best), light
-            )
+        rows.append(row_of_plane(sensors, plane, points, halves, blinds, room, float(best), light))
+        of_planes[plane] = PlaneYear(
+            room_year(points, sensors, plane, room is not None and room.is_lit_by_roof),
+            None if blinds is None else spatial_autonomy(daylight_autonomy(blinds.total, light)),
         )
     columns = {
         "da_300_percent": 100.0 * points.da_300,
@@ -112,6 +112,7 @@ def year_pages(
     }
     glare = [] if asked.eyes is None else [glare_table(asked.eyes, light, solved)]
     return YearPages(
+        YearFound(of_planes, [row[1] for table in glare for row in table.rows]),
         columns,
         [year_table(rows, f"{asked.sun_day:%-d %B}"), udi_table(sensors, points), *glare],
         _pictures(folder, sensors, columns, year, light),
@@ -160,7 +161,7 @@ def row_of_plane(
     """Cells of a work plane; `points` by all rays, `halves` by either half."""
     by_roof = room is not None and room.is_lit_by_roof
     all_rays, one, other = (room_year(each, sensors, plane, by_roof) for each in (points, *halves))
-    level = next((said for least, said in _SUN_LEVELS if best_sun_h >= least), "none")
+    level = sun_level(best_sun_h)
     targets = f"{all_rays.en_median_lx:,.0f} lx, {all_rays.en_low_lx:,.0f} lx"
     return [
         sensors.names[plane],
@@ -224,7 +225,7 @@ def method(source: str, hours: int, blinds: float) -> list[str]:
         "EN 17037: illuminance on 50 % and on 95 % of the plane, 0.5 m from walls, in half of the "
         "4,380 hours with most light outdoors; minimum, medium, high are 300/100, 500/300, 750/500 "
         "lx, and 300, 500, 750 lx on 95 % where most openings are in the roof. Hours of sun are "
-        "the best place's in a room's openings, 1.2 m above the floor. The view out is left out.",
+        "the best place's in a room's openings, 1.2 m above the floor.",
         f"Bounces of sunlit surfaces are solved every {DAYS_BETWEEN} days and interpolated; the "
         "sun's own light is a ray for each sensor and hour.",
     ]
