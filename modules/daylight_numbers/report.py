@@ -20,6 +20,7 @@ th, td { border-bottom: 1px solid #d8dde4; padding: .3rem .5rem; text-align: rig
 th:first-child, td:first-child { text-align: left; }
 .table { overflow-x: auto; }
 td { white-space: nowrap; }
+.text th, .text td { text-align: left; vertical-align: top; white-space: normal; }
 img { max-width: 100%; border-radius: 4px; } figure { margin: .5rem 0; }
 .pictures { display: grid; gap: 1rem;
             grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
@@ -33,11 +34,12 @@ _WIDE = 1.6
 
 
 class Table(NamedTuple):
-    """A heading, the names of columns, and rows of text."""
+    """A heading, the names of columns, and rows; `is_text` if most cells are words, not numbers."""
 
     heading: str
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
+    is_text: bool = False
 
 
 class ReportPage(NamedTuple):
@@ -56,15 +58,19 @@ def write_report(path: Path, page: ReportPage) -> None:
     Raises:
         UserError: it cannot be written.
     """
+    pictures = [
+        "<h2>Pictures</h2><div class='pictures'>",
+        *(_figure(file, caption) for file, caption in page.pictures.items()),
+        "</div>",
+    ]
     parts = [
         "<!doctype html><html lang='en'><meta charset='utf-8'>",
         "<meta name='viewport' content='width=device-width'>",
         f"<title>{escape(page.title)}</title><style>{_STYLE}</style>",
         f"<h1>{escape(page.title)}</h1><p class='faint'>{escape(page.subtitle)}</p>",
         *map(_table, page.tables),
-        "<h2>Pictures</h2><div class='pictures'>",
-        *(_figure(file, caption) for file, caption in page.pictures.items()),
-        "</div><h2>Method</h2><ul>",
+        *(pictures if page.pictures else []),
+        "<h2>Method</h2><ul>",
         *(f"<li>{escape(sentence)}</li>" for sentence in page.method),
         "</ul></html>",
     ]
@@ -77,7 +83,8 @@ def _table(table: Table) -> str:
     rows = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
     )
-    body = f"<div class='table'><table><tr>{head}</tr>{rows}</table></div>"
+    kind = "table text" if table.is_text else "table"
+    body = f"<div class='{kind}'><table><tr>{head}</tr>{rows}</table></div>"
     return f"<h2>{escape(table.heading)}</h2>{body}"
 
 

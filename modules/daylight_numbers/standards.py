@@ -135,7 +135,7 @@ def clauses(facts: Facts) -> list[Table]:
 
 
 def _table(heading: str, rows: Sequence[_Clause]) -> Table:
-    return Table(heading, ["clause", "of", "asks", "found", "verdict"], rows)
+    return Table(heading, ["clause", "of", "asks", "found", "verdict"], rows, is_text=True)
 
 
 def _en_17037(facts: Facts) -> list[_Clause]:

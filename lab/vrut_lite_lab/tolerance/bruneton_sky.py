@@ -8,6 +8,7 @@ scattered once exactly.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -35,6 +36,9 @@ VIEWS = 15
 CUBE_SIZES = (64, 96, 128, 192, 256, 384, 512)
 _HIGHEST_M, _LOWEST_M = 12_000.0, 10.0
 _TRUE_ORDERS, _TRUE_TOLERANCE, _TRUE_NODES = 40, 1e-3, 48
+# Sizes of the truth and of the rays by which a solution is looked at: by usual rays (12 bins) deep
+# twilight errs by 0.5 to 0.7 %, by these 0.04 %.
+_TRUE_SIZES = SolverSizes.converged()
 # Edge of the cube map that smaller ones are compared with, and how many directions are looked up.
 _TRUE_SIZE, _LOOK_UPS = 1024, 4096
 # Rays of a usual table, and steps along each: a table's work is rays times steps.
@@ -105,15 +109,15 @@ def _view(rng: np.random.Generator, index: int) -> TrialView:
 
 def true_skies(air: ViewedAtmosphere) -> Truth:
     """Radiance (n, 3) of each view's sky texels, by converged sizes."""
-    field = solve(
-        atmosphere_of(air.settings), _TRUE_ORDERS, SolverSizes.converged(), True, _TRUE_TOLERANCE
-    )
+    field = solve(atmosphere_of(air.settings), _TRUE_ORDERS, _TRUE_SIZES, True, _TRUE_TOLERANCE)
     return [evaluated(field, air, view) for view in air.views]
 
 
 def evaluated(field: SourceField, air: ViewedAtmosphere, view: TrialView) -> FloatArray:
     """Radiance (n, 3) of a view's sky texels, each ray by itself: light scattered once by the
-    exact rule, light scattered more from the field's source."""
+    exact rule, light scattered more from the field's source by many bins, whatever its own."""
+    rays = {"steps": _TRUE_SIZES.steps, "multiple_bins": _TRUE_SIZES.multiple_bins}
+    field = replace(field, sizes=replace(field.sizes, **rays))
     directions = texel_directions(EDGE)[_sky_texels(air, view)]
     order = np.argsort(directions[:, 1], kind="stable")
     mu, mu_s = directions[order, 1], float(view.sun[1])
