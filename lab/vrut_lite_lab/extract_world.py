@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from vrut_lite_lab.checkout import ROOT
 
 DATA = ROOT / "vrut_lite" / "app" / "data"
+OUTLINE = ROOT / "vrut_lite" / "geometry" / "data" / "world_outline.npz"
 LAND = "geopandas/datasets/naturalearth_lowres/naturalearth_lowres.shp"
 CITIES = "geopandas/datasets/naturalearth_cities/naturalearth_cities"
 PER_DEGREE = 100
@@ -144,7 +145,7 @@ def main(wheel: str) -> None:
         names = names_of(archive.read(f"{CITIES}.dbf"))
         places = points_of(archive.read(f"{CITIES}.shp"))
     np.savez_compressed(
-        DATA / "world_outline.npz",
+        OUTLINE,
         points=np.round(np.concatenate(rings) * PER_DEGREE).astype(np.int16),
         lengths=np.array([len(ring) for ring in rings], np.int32),
     )

@@ -7,7 +7,7 @@ import pytest
 
 from vrut_lite.app.panels.cities import all_cities, find_cities
 from vrut_lite.app.panels.place_panel import name_of, point_below
-from vrut_lite.app.panels.world_map import world_outline
+from vrut_lite.geometry.world_outline import world_outline
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sun import SunMoved
 from vrut_lite.place_time import Place, time_zone_at

@@ -1,10 +1,8 @@
 """A small clickable world map: land, the place, day and night."""
 
 from functools import lru_cache
-from importlib.resources import as_file, files
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -20,9 +18,9 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from vrut_lite.app import theme
+from vrut_lite.geometry.world_outline import world_outline
 
 _SEA, _LAND, _COAST = "#17191d", "#3a3d3f", "#505456"
-_PER_DEGREE = 100.0
 _NIGHT_ALPHA = 120
 # The shade is smooth, so that few pixels are enough.
 _SHADE_SIZE = (180, 90)
@@ -148,15 +146,6 @@ def _land_path() -> QPainterPath:
             path.lineTo(point)
         path.closeSubpath()
     return path
-
-
-@lru_cache(maxsize=1)
-def world_outline() -> list[NDArray[np.float64]]:
-    """Rings (n, 2) of longitude and latitude in degrees (Natural Earth, 1:110 million)."""
-    with as_file(files("vrut_lite.app").joinpath("data/world_outline.npz")) as path:
-        stored = np.load(path)
-        points, lengths = stored["points"] / _PER_DEGREE, stored["lengths"]
-    return np.split(points, np.cumsum(lengths)[:-1])
 
 
 def _night_shade(latitude_deg: float, longitude_deg: float) -> QImage:
