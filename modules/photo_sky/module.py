@@ -10,7 +10,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from photo_sky.light import RADIUS_RAD, PhotoLight
-from photo_sky.photograph import Photograph, photograph_of
+from photo_sky.photograph import Photograph, photograph_of, with_sun
 from photo_sky.read_panorama import read_panorama
 from photo_sky.settings import PhotoSettings
 from vrut_lite import __version__
@@ -86,7 +86,9 @@ class PhotoSky(SkyModule):
         if message.name in ("sun", "sky") and message.holder == NAME:
             self._show()
             if not self.settings.photo:
-                raise UserError("photo_sky has no picture: set photo to an EXR or HDR panorama")
+                raise UserError(
+                    "photo_sky has no picture: set photo to an EXR, HDR or glTF panorama"
+                )
 
     def settings_changed(self, name: str) -> None:
         """Another photograph, or the same in another way."""
@@ -102,7 +104,11 @@ class PhotoSky(SkyModule):
             self._read, self._photograph = path, None
             if path:
                 panorama = read_panorama(Path(path).expanduser())
-                self._photograph = photograph_of(panorama.pixels)
+                self._photograph = (
+                    photograph_of(panorama.pixels)
+                    if panorama.sun is None
+                    else with_sun(panorama.pixels, panorama.sun, panorama.cd_m2_per_unit)
+                )
                 self._said_cd_m2 = panorama.cd_m2_per_unit
         self._tell_sun()
 

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from photo_sky.read_gltf import GltfSun
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
@@ -84,6 +85,12 @@ def photograph_of(pixels: FloatArray) -> Photograph:
     if level < _LEAST_SHARE * float(luminance(horizontal_irradiance(picture))):
         return none
     return Photograph(np.maximum(picture - excess, 0.0), direction, _as_a_sun(facing))
+
+
+def with_sun(pixels: FloatArray, sun: GltfSun, cd_m2_per_unit: float) -> Photograph:
+    """A panorama (h, 2 h, 3) without a sun in it, and the sun that its file states."""
+    in_units = sun.illuminance_lx / cd_m2_per_unit
+    return Photograph(_reduced(pixels), sun.direction, in_units)
 
 
 def _as_a_sun(irradiance: FloatArray) -> FloatArray:

@@ -13,9 +13,9 @@ class PhotoSettings(msgspec.Struct, frozen=True):
     photo: Annotated[
         str,
         setting(
-            "A panorama of the whole sphere, EXR or HDR. Its sun stands where it stood: it does "
-            "not follow the clock.",
-            file_kinds="Panoramas (*.exr *.hdr)",
+            "A panorama of the whole sphere, EXR or HDR, or a glTF file with one. Its sun stands "
+            "where it stood: it does not follow the clock.",
+            file_kinds="Panoramas (*.exr *.hdr *.glb *.gltf)",
         ),
     ] = ""
     photo_rotation_deg: Annotated[

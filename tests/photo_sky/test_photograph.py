@@ -153,7 +153,7 @@ BROKEN = {
     "square.hdr": (b"#?RADIANCE\n\n-Y 16 +X 16\n", "twice as wide as high"),
     "huge.hdr": (b"#?RADIANCE\n\n-Y 90000 +X 180000\n", "too large"),
     "black.hdr": (b"#?RADIANCE\n\n-Y 8 +X 16\n" + bytes(8 * 16 * 4), "is black"),
-    "sky.jpg": (b"words", "an EXR or HDR file is needed"),
+    "sky.jpg": (b"words", "an EXR, HDR or glTF file is needed"),
 }
 
 
@@ -202,7 +202,7 @@ def test_the_sun_stands_still(told, tmp_path):
 def test_without_a_photograph_it_says_so(told):
     """One line says what to set; the sky is even and grey meanwhile."""
     kernel, faults = told
-    assert set(faults) == {"photo_sky has no picture: set photo to an EXR or HDR panorama"}
+    assert set(faults) == {"photo_sky has no picture: set photo to an EXR, HDR or glTF panorama"}
     kernel.inject(SetSetting(module="photo_sky", name="photo", value="/none/sky.exr"))
     kernel.pump_until_idle()
     assert faults[-1] == "cannot open the panorama /none/sky.exr: there is no such file"

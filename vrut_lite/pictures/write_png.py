@@ -3,7 +3,6 @@
 import os
 import struct
 import zlib
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,21 +41,29 @@ def write_png(
         if rgb.dtype == np.uint8:
             Image.fromarray(rgb).save(beside, "PNG", pnginfo=chunks, compress_level=_EFFORT)
         else:
-            _write_16_bits(beside, rgb, chunks)
+            beside.write_bytes(png16(rgb, chunks))
 
 
-def _write_16_bits(path: Path, rgb16: NDArray[np.uint16], texts: PngImagePlugin.PngInfo) -> None:
-    """16-bit colour, which Pillow cannot write. Each row less the one above packs well."""
+def png16(rgb16: NDArray[np.uint16], texts: PngImagePlugin.PngInfo | None = None) -> bytes:
+    """A PNG file of 16-bit colour (h, w, 3), which Pillow cannot write, with chunks of texts.
+
+    Each row less the one above packs well.
+    """
     height, width = rgb16.shape[:2]
     header = struct.pack(">IIBBBBB", width, height, 16, _RGB, 0, 0, 0)
     rows = rgb16.astype(">u2").reshape(height, -1).view(np.uint8)
     filtered = np.full((height, 1 + rows.shape[1]), _UP_FILTER, np.uint8)
     filtered[0, 1:], filtered[1:, 1:] = rows[0], rows[1:] - rows[:-1]
-    with path.open("wb") as stream:
-        stream.write(_SIGNATURE + _chunk(b"IHDR", header))
-        for kind, data, *_ in texts.chunks:
-            stream.write(_chunk(kind, data))
-        stream.write(_chunk(b"IDAT", zlib.compress(filtered.tobytes(), 6)) + _chunk(b"IEND", b""))
+    chunks = [] if texts is None else [(kind, data) for kind, data, *_ in texts.chunks]
+    return b"".join(
+        (
+            _SIGNATURE,
+            _chunk(b"IHDR", header),
+            *(_chunk(kind, data) for kind, data in chunks),
+            _chunk(b"IDAT", zlib.compress(filtered.tobytes(), 6)),
+            _chunk(b"IEND", b""),
+        )
+    )
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:

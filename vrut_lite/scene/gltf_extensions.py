@@ -36,6 +36,7 @@ _INSTEAD = {
     "KHR_audio": "silent",
     "KHR_materials_dispersion": "light of all colours is bent alike",
     "KHR_node_visibility": "everything is shown",
+    "OMI_environment_sky": "the hour's sky lights; the file can be its photograph",
     "MSFT_lod": "the finest level is shown",
 }
 _PLAIN = re.compile(r"(KHR|EXT|ADOBE|MSFT|FB)_(materials?|physics|interactivity)(_|$)")
