@@ -6,6 +6,7 @@ The window imports it by the entry point `vrut_lite.panels`.
 from datetime import datetime
 from pathlib import Path
 
+import numpy as np
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QHideEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QShowEvent
 from PySide6.QtWidgets import (
@@ -81,11 +82,15 @@ class ShadowPanel(QWidget):
         self.picture = ClickablePicture()
         self.photo_says = QPushButton()
         self.up_deg = _number(0.0, 0.0, 360.0, DEGREE, "bearing of the picture's upward direction")
+        self.find_up = QPushButton("Up by the window's hour")
+        self.find_up.setToolTip(
+            "The bearing of the picture's upward direction, if it was taken at the window's hour"
+        )
         self.height_m = _number(0.0, 0.0, 1e4, " m", "height of the object", 2)
         self.height_m.setSpecialValueText("not known")
         self.pixel_m = _number(1.0, 1e-4, 1e4, " m", "width of a pixel on the ground", 4)
         self.has_bearing, self.has_ratio = QCheckBox("Bearing"), QCheckBox("Length / height")
-        self.bearing_deg = _number(0.0, 0.0, 360.0, DEGREE, "bearing of the shadow")
+        self.bearing_deg = _number(0.0, 0.0, 360.0, DEGREE, "bearing of the shadow", 2)
         self.ratio = _number(1.0, 1e-3, MOST_RATIO, "", "length of the shadow over the height", 3)
         self.bearing_error_deg = _number(
             BEARING_ERROR_DEG, 0.0, 90.0, DEGREE, "error of the bearing"
@@ -106,6 +111,7 @@ class ShadowPanel(QWidget):
             column.addWidget(part)
         self._of_picture = aligned_form()
         self._of_picture.addRow("Up is", self.up_deg)
+        self._of_picture.addRow(self.find_up)
         self._of_picture.addRow("Height", self.height_m)
         self._of_picture.addRow("A pixel is", self.pixel_m)
         column.addLayout(self._of_picture)
@@ -121,6 +127,7 @@ class ShadowPanel(QWidget):
     def _connect(self) -> None:
         self.source.activated.connect(lambda _: self._source_changed())
         self.open.clicked.connect(lambda _: self._choose_picture())
+        self.find_up.clicked.connect(lambda _: self._orient_picture())
         self.photo_says.clicked.connect(lambda _: self._go_to_photo())
         self.picture.changed.connect(self._picture_clicked)
         for field in (self.up_deg, self.height_m, self.pixel_m):
@@ -239,6 +246,21 @@ class ShadowPanel(QWidget):
                 self._session.problem.emit(str(error))
         self._tell_next()
 
+    def _orient_picture(self) -> None:
+        """Turn the picture so that the clicked shadow is that of the window's hour."""
+        days, clock = self._days(), self._session.last(ClockMoved)
+        if days is None or clock is None or len(self.picture.points) <= _TIP:
+            self._session.problem.emit("click foot and tip of a shadow in the picture first")
+            return
+        suns = days.suns(np.array([clock.instant.timestamp()]))
+        if suns.apparent_elevation_rad[0] <= 0.0:
+            self._session.problem.emit("the sun is below the horizon at this hour: set another")
+            return
+        foot, tip = self.picture.points
+        unturned = shadow_in_picture(foot, tip, 0.0, None).bearing_deg
+        shadow_deg = float(np.degrees(suns.azimuth_rad[0])) + 180.0
+        self.up_deg.setValue((shadow_deg - unturned) % 360.0)
+
     def _take(self, shadow: ClickedShadow) -> None:
         for widget in (self.bearing_deg, self.ratio, self.has_bearing, self.has_ratio):
             widget.blockSignals(True)
@@ -269,9 +291,19 @@ class ShadowPanel(QWidget):
             return None
         return place, clock.instant.astimezone(time_zone_at(_place(place))).date().isoformat()
 
-    def _compute(self) -> None:
+    def _days(self) -> ShadowDays | None:
+        """The sun of the window's day and place."""
         present = self._present_day()
-        if present is None or not self.isVisible():
+        if present is None:
+            return None
+        if self._day is None or self._day[:2] != present:
+            where = _place(present[0])
+            date = datetime.fromisoformat(present[1]).date()
+            self._day = *present, ShadowDays(date, date, where, time_zone_at(where))
+        return self._day[2]
+
+    def _compute(self) -> None:
+        if not self.isVisible() or (days := self._days()) is None:
             return
         self.times.clear()
         bearing = self.bearing_deg.value() if self.has_bearing.isChecked() else None
@@ -279,11 +311,6 @@ class ShadowPanel(QWidget):
         if bearing is None and ratio is None:
             self.reason.clear()
             return
-        if self._day is None or self._day[:2] != present:
-            where = _place(present[0])
-            date = datetime.fromisoformat(present[1]).date()
-            self._day = *present, ShadowDays(date, date, where, time_zone_at(where))
-        days = self._day[2]
         shadow = MeasuredShadow(
             bearing, ratio, self.bearing_error_deg.value(), 0.01 * self.ratio_error.value()
         )
@@ -292,7 +319,7 @@ class ShadowPanel(QWidget):
             item = QListWidgetItem(_said(one, days))
             item.setData(Qt.ItemDataRole.UserRole, one.instant)
             self.times.addItem(item)
-        self.reason.setText("" if found else f"None on {present[1]}: {days.why_none(shadow)}.")
+        self.reason.setText("" if found else f"None on this day: {days.why_none(shadow)}.")
 
 
 class ClickablePicture(FittedPicture):

@@ -44,6 +44,8 @@ def panel(opened, qtbot):
     place = SetPlace(latitude_deg=50.0, longitude_deg=14.4, north_offset_rad=NORTH)
     session.send(place, SetClock(instant=AT))
     choose(panel.source, "scene")
+    panel.height_m.setValue(0.0)
+    panel.up_deg.setValue(0.0)
     panel.has_bearing.setChecked(False)
     panel.has_ratio.setChecked(False)
     panel.show()
@@ -130,6 +132,30 @@ def test_clicks_in_an_aerial_picture_give_bearing_and_ratio(panel, qtbot, tmp_pa
     expected = 40.0 * np.sqrt(2.0) * scale * 0.5 / 20.0
     assert panel.has_ratio.isChecked()
     assert panel.ratio.value() == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_picture_of_a_known_hour_is_turned_by_its_shadow(panel, session, qtbot, tmp_path):
+    """At 14:30 the sun says where the shadow points, so that the picture's north follows."""
+    path = tmp_path / "aerial.png"
+    Image.new("RGB", (800, 400), "grey").save(path)
+    choose(panel.source, "picture")
+    panel.show_picture(path)
+    foot = panel.picture.picture_place.center()
+    for spot in (foot, foot + QPoint(0, -60)):
+        qtbot.mouseClick(panel.picture, Qt.MouseButton.LeftButton, pos=spot)
+    panel.find_up.click()
+    sun = sun_position(AT, 50.0, 14.4)
+    shadow_deg = (np.degrees(sun.azimuth_rad) + 180.0) % 360.0
+    assert panel.up_deg.value() == pytest.approx(shadow_deg, abs=0.06)
+    assert abs(instants(panel)[0] - AT) < timedelta(seconds=20)
+    session.send(SetClock(instant=AT + timedelta(hours=9)))
+    said = []
+    session.problem.connect(said.append)
+    qtbot.waitUntil(
+        lambda: session.last(ClockMoved).instant > AT + timedelta(hours=8), timeout=PATIENCE_MS
+    )
+    panel.find_up.click()
+    assert "below the horizon" in said[0]
 
 
 def test_a_photograph_offers_its_place_and_time(panel, session, qtbot, tmp_path):
