@@ -160,11 +160,13 @@ class ShadowPanel(QWidget):
             self._session.problem.emit(str(error))
             return
         self.picture.show_photo(self._photo)
-        said = [self._photo.taken.replace("T", " ")] if self._photo.taken else []
+        said = {"time": self._photo.taken.replace("T", " "), "place": ""}
         if self._photo.place is not None:
-            said.append(", ".join(f"{angle:.4f}" for angle in self._photo.place))
-        self.photo_says.setText("Go to its " + " at ".join(said))
-        self.photo_says.setVisible(bool(said))
+            said["place"] = ", ".join(f"{angle:.4f}" for angle in self._photo.place)
+        known = {name: text for name, text in said.items() if text}
+        self.photo_says.setText(f"Go to its {' and '.join(known)}")
+        self.photo_says.setToolTip("\n".join(known.values()))
+        self.photo_says.setVisible(bool(known))
 
     # --- user input --------------------------------------------------------------------------
 
@@ -175,7 +177,7 @@ class ShadowPanel(QWidget):
             part.setVisible(in_picture)
         for row in range(self._of_picture.rowCount()):
             self._of_picture.setRowVisible(row, in_picture)
-        self.photo_says.setVisible(in_picture and bool(self.photo_says.text()))
+        self.photo_says.setVisible(in_picture and bool(self.photo_says.toolTip()))
         self._demand()
         self._tell_next()
 

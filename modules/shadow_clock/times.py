@@ -49,6 +49,7 @@ class ShadowDays:
     def __init__(self, first: date, last: date, place: Place, time_zone: tzinfo):
         """Sample the sun from the first day's midnight to the last day's end."""
         self.place, self.time_zone = place, time_zone
+        self._is_one_day = first == last
         self._start_s = civil_day(first, time_zone)[0].timestamp()
         self._end_s = civil_day(last, time_zone)[1].timestamp()
         begin, end = self._start_s - _BEYOND_S, self._end_s + _BEYOND_S
@@ -76,7 +77,7 @@ class ShadowDays:
         )
 
     def why_none(self, shadow: MeasuredShadow) -> str:
-        """A sentence why the shadow never falls so on the first day."""
+        """The reason why the shadow never falls so in these days."""
         inside = (self._samples >= self._start_s) & (self._samples < self._end_s)
         at = self._samples[inside]
         suns = self.suns(at)
@@ -108,15 +109,17 @@ class ShadowDays:
             if opposite[at_night] <= 1.0:
                 parts.append(
                     f"the sun is below the horizon, at {np.degrees(height[at_night]):.1f} degrees, "
-                    f"when a shadow would point to {shadow.bearing_deg:g} degrees, at "
+                    f"when a shadow would point to {shadow.bearing_deg % 360.0:g} degrees, at "
                     f"{self._clock(at[at_night])}"
                 )
             else:
-                parts.append(f"no shadow ever points to {shadow.bearing_deg:g} degrees")
+                parts.append(f"no shadow ever points to {shadow.bearing_deg % 360.0:g} degrees")
         return ", and ".join(parts) or self._apart(shadow)
 
     def _apart(self, shadow: MeasuredShadow) -> str:
-        """A sentence on a bearing and a ratio that each fit, but never together."""
+        """The reason where bearing and ratio each fit, but never together."""
+        if not self._is_one_day:
+            return "bearing and ratio each fit, but on no day at the same time"
         alone = replace(shadow, length_ratio=None), replace(shadow, bearing_deg=None)
         bearing, ratio = (
             " and ".join(self._clock(one.instant.timestamp()) for one in self.times(part))
@@ -180,7 +183,8 @@ class ShadowDays:
         )
 
     def _clock(self, seconds: float) -> str:
-        return f"{_utc(float(seconds)).astimezone(self.time_zone):%H:%M}"
+        local = _utc(float(seconds)).astimezone(self.time_zone)
+        return f"{local:%H:%M}" if self._is_one_day else f"{local:%H:%M} on {local:%Y-%m-%d}"
 
 
 def _utc(seconds: float) -> datetime:

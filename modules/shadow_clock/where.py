@@ -85,7 +85,7 @@ def where(
             f"{place.latitude_deg:.3f},{place.longitude_deg:.3f}: within {place.error_km:,.0f} km"
         )
     if bearing_deg is not None and not places:
-        click.echo(f"none of them has shadows to {bearing_deg:g} degrees at that time")
+        click.echo(f"none of them has shadows to {bearing_deg % 360.0:g} degrees at that time")
     if output is not None:
         said = {"at": instant.isoformat(), "length_ratio": length_ratio}
         features = [_geojson.line_feature(line, what="line", **said)]

@@ -53,6 +53,17 @@ def test_when_says_why_there_is_none(arguments, reason):
     assert said.count("\n") == 1
 
 
+def test_a_range_without_any_names_the_day_that_comes_closest():
+    """The longest day has the shortest shadow."""
+    dates = "2026-06-10..2026-07-02"
+    said = output_of(when, "--length-ratio", 0.3, *PRAGUE, "--date", dates)
+    assert said.startswith(f"none on {dates}: no shadow is shorter than 0.501")
+    assert " on 2026-06-2" in said
+    both = ("--length-ratio", 1.2, "--shadow-bearing", -48)
+    said = output_of(when, *both, *PRAGUE, "--date", dates)
+    assert "on no day at the same time" in said
+
+
 def test_where_writes_a_line_and_a_map(tmp_path):
     """The line as other programs read it, and a picture whose dot lies at the place."""
     line, picture = tmp_path / "line.geojson", tmp_path / "map.png"

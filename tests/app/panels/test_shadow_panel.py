@@ -169,6 +169,8 @@ def test_a_photograph_offers_its_place_and_time(panel, session, qtbot, tmp_path)
     choose(panel.source, "picture")
     panel.show_picture(path)
     assert panel.photo_says.isVisible()
+    assert panel.photo_says.text() == "Go to its time and place"
+    assert panel.photo_says.toolTip() == "2025-12-03 18:30:05\n-33.9200, 18.4200"
     panel.photo_says.click()
     at = datetime(2025, 12, 3, 16, 30, 5, tzinfo=UTC)
     qtbot.waitUntil(lambda: session.last(ClockMoved).instant == at, timeout=PATIENCE_MS)
