@@ -7,8 +7,8 @@ from datetime import datetime
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, Signal
-from PySide6.QtGui import QColor, QHideEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QShowEvent
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QCheckBox,
     QDoubleSpinBox,
@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from shadow_clock.clickable_picture import ClickablePicture
 from shadow_clock.clicks import ClickedShadow, shadow_in_picture, shadow_in_scene
 from shadow_clock.measured_shadow import (
     BEARING_ERROR_DEG,
@@ -35,7 +36,6 @@ from vrut_lite.messages.place import SetPlace
 from vrut_lite.numeric_types import Vector
 from vrut_lite.panel_kit import (
     Chooser,
-    FittedPicture,
     Session,
     aligned_form,
     faint_label,
@@ -58,9 +58,7 @@ _HINTS = {
         "Click the foot of another shadow to begin again.",
     ),
 }
-_FOOT, _TIP, _TOP = 0, 1, 2
-_MARK_PX, _MARK = 5, "#ffd678"
-_HINT_PX = (280, 200)
+_TIP, _TOP = 1, 2
 
 
 class ShadowPanel(QWidget):
@@ -322,64 +320,6 @@ class ShadowPanel(QWidget):
             item.setData(Qt.ItemDataRole.UserRole, one.instant)
             self.times.addItem(item)
         self.reason.setText("" if found else f"None on this day: {days.why_none(shadow)}.")
-
-
-class ClickablePicture(FittedPicture):
-    """A picture with at most two clicked points (x, y), foot and tip, in the file's pixels.
-
-    `changed` follows each click.
-    """
-
-    changed = Signal()
-
-    def __init__(self) -> None:
-        super().__init__("aerial picture with the shadow", _HINT_PX)
-        self.points: list[tuple[float, float]] = []
-        self._width_px = 1
-        self.setCursor(Qt.CursorShape.CrossCursor)
-
-    def show_photo(self, photo: PhotoFacts) -> None:
-        """Show a photograph without points."""
-        self._width_px = photo.width_px
-        self.points = []
-        self.show_pixels(photo.pixels)
-        self.changed.emit()
-
-    def forget_last(self) -> None:
-        """Forget the last point."""
-        self.points.pop()
-        self.update()
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the point under the pointer, in pixels of the picture."""
-        place = self.picture_place
-        if event.button() != Qt.MouseButton.LeftButton or not place.contains(
-            event.position().toPoint()
-        ):
-            return
-        if len(self.points) > _TIP:
-            self.points = []
-        away = event.position() - QPointF(place.topLeft())
-        scale = self._width_px / place.width()
-        self.points.append((away.x() * scale, away.y() * scale))
-        self.update()
-        self.changed.emit()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """The picture, a ring at the foot, and an arrow's line to the tip."""
-        super().paintEvent(event)
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(QColor(_MARK), 2))
-        place = self.picture_place
-        corner, scale = QPointF(place.topLeft()), place.width() / self._width_px
-        shown = [corner + QPointF(scale * x, scale * y) for x, y in self.points]
-        for at in shown[:1]:
-            painter.drawEllipse(at, _MARK_PX, _MARK_PX)
-        if len(shown) > _TIP:
-            painter.drawLine(shown[_FOOT], shown[_TIP])
-            painter.setBrush(QColor(_MARK))
-            painter.drawEllipse(shown[_TIP], _MARK_PX // 2, _MARK_PX // 2)
 
 
 def _number(
