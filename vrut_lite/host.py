@@ -1,5 +1,6 @@
 """The host: a kernel with its modules, a scene manager, and the one owner of OpenGL."""
 
+from collections.abc import Sequence
 from concurrent.futures import Future, wait
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from vrut_lite.kernel.messages import Input, JobResult
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.scene import LoadScene
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.eye_pictures import EyesDrawn, HeadsetEye
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
@@ -115,6 +117,10 @@ class Host:
         """
         drawn = replace(state, skips=self.frame_skips)
         return self._backend.draw(drawn, still, is_given_up)
+
+    def draw_eyes(self, state: SceneState, eyes: Sequence[HeadsetEye]) -> EyesDrawn:
+        """Draw a state for a headset's eyes, on the GL thread; see `PyrenderBackend.draw_eyes`."""
+        return self._backend.draw_eyes(replace(state, skips=self.frame_skips), eyes)
 
     @property
     def state(self) -> SceneState:

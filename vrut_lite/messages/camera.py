@@ -75,6 +75,24 @@ def perspective(vertical_field_of_view_rad: float, aspect: float, near_m: float)
     return np.array([[f / aspect, 0, 0, 0], [0, f, 0, 0], [0, 0, 0, near_m], [0, 0, -1, 0]])
 
 
+def off_axis_perspective(tangents: ArrayLike, near_m: float) -> FloatArray:
+    """Projection matrix (4, 4) to reversed depth, as `perspective`, of a view without symmetry.
+
+    `tangents` of the angles from the axis to the left, right, lower and upper edge; left and lower
+    ones of an eye are negative.
+    """
+    left, right, lower, upper = np.asarray(tangents, dtype=float)
+    width, height = right - left, upper - lower
+    return np.array(
+        [
+            [2.0 / width, 0.0, (right + left) / width, 0.0],
+            [0.0, 2.0 / height, (upper + lower) / height, 0.0],
+            [0.0, 0.0, 0.0, near_m],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+    )
+
+
 def rays_through(camera: MoveCamera, aspect: float, right: ArrayLike, up: ArrayLike) -> FloatArray:
     """Unit world directions (..., 3) through points of the picture.
 

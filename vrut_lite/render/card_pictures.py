@@ -11,25 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.pictures.exposure import metered_ev100
-from vrut_lite.pictures.luminance_histogram import (
-    BINS,
-    BINS_PER_STOP,
-    LEAST_LOG2,
-    luminances_of,
-)
+from vrut_lite.pictures.luminance_histogram import luminances_of
 from vrut_lite.pictures.picture import PictureOnCard
 from vrut_lite.render.card_targets import CallGl, CardTargets, Fence, LentRadiance
+from vrut_lite.render.luminance_meter import LuminanceCounts, LuminanceMeter
 from vrut_lite.render.picture_passes import FrameInputs, PicturePasses
 from vrut_lite.render.pyrender_scene import PyrenderScene
-from vrut_lite.render.shader_files import defined, shader_source
+from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.size_cache import SizeCache
-from vrut_lite.render.unlocked import clear_buffer, read_buffer, run_compute
+from vrut_lite.render.unlocked import read_buffer, run_compute
 
-# Pixels of the histogram's work group along an edge, of the bytes' work group, and of its rows.
-_TILE, _GROUP_PX, _ROW_GROUPS = 64, 4 * 256, 1024
+# Pixels of the bytes' work group, and of its rows.
+_GROUP_PX, _ROW_GROUPS = 4 * 256, 1024
 DrawSeen = Callable[[CardTargets, FrameInputs], None]
 
 
@@ -59,7 +54,7 @@ class DrawnPicture:
         lent = self._radiance
         return PictureOnCard(
             lambda: lent.read(call_gl),
-            self._buffers.read_counts(),
+            self._buffers.counts.read(),
             self._buffers.read_bytes()[: 3 * width * height].reshape(height, width, 3),
             self._ev100,
             self._pixel_rad,
@@ -76,10 +71,7 @@ class CardPictures:
         self._targets = SizeCache(context, lambda size: CardTargets(context, size))
         self._buffers = SizeCache(context, lambda size: _Buffers(context, size))
         self._largest_bytes = int(context.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
-        bins = {"BINS": BINS}
-        self._histogram = context.compute_shader(
-            defined(shader_source("luminance_histogram.comp"), bins)
-        )
+        self._meter = LuminanceMeter(context)
         self._bytes = context.compute_shader(shader_source("display_bytes.comp"))
         # The scene of the last picture, and its buffers.
         self._metered: tuple[PyrenderScene, _Buffers] | None = None
@@ -104,7 +96,7 @@ class CardPictures:
         buffers = self._buffers.get(state.size_px)
         counts = self._last_counts(shot.scene)
         with passes.measure("meter"):
-            self._count(radiance, targets.size, buffers)
+            self._meter.count(radiance, targets.size, buffers.counts)
         ev100 = self._ev100(shot, counts, buffers)
         self._metered = shot.scene, buffers
         pixel_rad = shot.view.pixel_rad(targets.size)
@@ -117,14 +109,14 @@ class CardPictures:
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
         self._metered = None
-        for thing in (self._targets, self._buffers, self._histogram, self._bytes):
+        for thing in (self._targets, self._buffers, self._meter, self._bytes):
             thing.release()
 
     def _last_counts(self, scene: PyrenderScene) -> NDArray[np.uint32] | None:
         """The histogram of the picture before, if it showed this scene."""
         if self._metered is None or self._metered[0] is not scene:
             return None
-        return self._metered[1].counts
+        return self._metered[1].counts.read_last
 
     def _ev100(
         self, shot: FrameInputs, counts: NDArray[np.uint32] | None, buffers: "_Buffers"
@@ -134,19 +126,9 @@ class CardPictures:
             return wish.ev100 - wish.compensation_ev
         if counts is None:
             Fence().wait()
-            counts = buffers.read_counts()
+            counts = buffers.counts.read()
         metered = metered_ev100(luminances_of(counts), shot.state.white_card, wish.night_look)
         return metered - wish.compensation_ev
-
-    def _count(self, radiance: Any, size: tuple[int, int], buffers: "_Buffers") -> None:
-        buffers.clear_counts()
-        program = self._histogram
-        program["luminance_weights"].value = tuple(LUMINANCE_WEIGHTS)
-        program["least_log2"].value = LEAST_LOG2
-        program["bins_per_stop"].value = float(BINS_PER_STOP)
-        radiance.use(location=0)
-        run_compute(program, -(-size[0] // _TILE), -(-size[1] // _TILE), 1)
-        self._passes.context.memory_barrier()
 
     def _pack(self, targets: CardTargets, buffers: "_Buffers") -> None:
         buffers.bind_bytes()
@@ -161,27 +143,17 @@ class _Buffers:
     """The histogram and the bytes for display of a picture, in buffers to be read later."""
 
     def __init__(self, context: Any, size: tuple[int, int]):
-        self._counts = context.buffer(reserve=4 * BINS, dynamic=True)
+        self.counts = LuminanceCounts(context)
         self._bytes = context.buffer(reserve=_bytes_of(size), dynamic=True)
-        # The histogram as read last; None before.
-        self.counts: NDArray[np.uint32] | None = None
-
-    def clear_counts(self) -> None:
-        clear_buffer(self._counts)
-        self._counts.bind_to_storage_buffer(0)
 
     def bind_bytes(self) -> None:
         self._bytes.bind_to_storage_buffer(1)
-
-    def read_counts(self) -> NDArray[np.uint32]:
-        self.counts = read_buffer(self._counts, np.empty(BINS, np.uint32))
-        return self.counts
 
     def read_bytes(self) -> NDArray[np.uint8]:
         return read_buffer(self._bytes, np.empty(self._bytes.size, np.uint8))
 
     def release(self) -> None:
-        self._counts.release()
+        self.counts.release()
         self._bytes.release()
 
 

@@ -3,9 +3,9 @@
 Radiance stays linear and in physical units until the tone map.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -22,9 +22,10 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.card_pictures import CardPictures, DrawnPicture
 from vrut_lite.render.culling import has_glow, in_view
 from vrut_lite.render.device import Choices
+from vrut_lite.render.eye_pictures import EyePictures, EyesDrawn
 from vrut_lite.render.frame_parts import PartFailed
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
-from vrut_lite.render.light import Light, Reflection
+from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.caster_renderer import SceneCasters
 from vrut_lite.render.passes.shadow_map import SHADOW_SIZE, ShadowMaps, quick_size
 from vrut_lite.render.passes.shadows_on_mesh import shadow_from_eye
@@ -38,10 +39,33 @@ from vrut_lite.render.still_picture import StillPictures
 from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import FrameSkips, SceneState
 
+T = TypeVar("T")
 _CUBE_MAP_SEAMLESS = 0x884F
 # Slices of the filtered sky (of 24) in a frame that must not wait for them: a sixth of its time
 # where slices are largest.
 SLICES_A_FRAME = 2
+
+
+class EyeInputs(NamedTuple):
+    """What an eye of a frame has for itself: the state has its camera and size."""
+
+    view: View
+    light: Light
+    state: SceneState
+    texture: int
+
+
+class _SharedLight(NamedTuple):
+    """What all views of a frame share: meshes that any may show, reflected sky, and shadows.
+
+    `in_air`: whether shadows may be visible in the air; `shafts`: whether all of them are.
+    """
+
+    seen: list[PlacedPrimitive]
+    reflection: Reflection
+    shadows: Shadows
+    in_air: bool
+    shafts: bool
 
 
 class Frame:
@@ -62,6 +86,8 @@ class Frame:
             self._moving = MovingPictures(self._passes)
         else:
             self._moving = CardPictures(self._passes, self._stills.draw_once)
+        # Made with a headset's first frame.
+        self._eyes: EyePictures | None = None
         self._shadow = ShadowMaps(context, self.counters)
         self._filter = SpecularFilter(context, self.counters, compares=choices.takes_over)
         self._casters: SceneCasters | None = None
@@ -108,15 +134,30 @@ class Frame:
         if still and (known := self._stills.exposed_again(state, view)) is not None:
             return known
         self._stills.forget()
+        return self._without_broken_glsl(
+            scene, lambda: self._drawn(scene, view, light, state, still, is_given_up)
+        )
+
+    def draw_eyes(self, scene: PyrenderScene, eyes: Sequence[EyeInputs]) -> EyesDrawn:
+        """Draw the same scene for several eyes, into a texture of each; returns before the card is
+        done.
+
+        Their states differ in camera and size alone.
+        """
+        self._stills.forget()
+        return self._without_broken_glsl(scene, lambda: self._drawn_eyes(scene, eyes))
+
+    def _without_broken_glsl(self, scene: PyrenderScene, draw: Callable[[], T]) -> T:
+        """Draw, and again without parts whose GLSL does not compile."""
         try:
-            return self._drawn(scene, view, light, state, still, is_given_up)
+            return draw()
         except GivenUp:
             raise
         except Exception:
             # A shader with a part's GLSL that does not compile shows nothing at all.
             if not self._passes.parts.drop_broken_glsl(scene.placed):
                 raise
-            return self._drawn(scene, view, light, state, still, is_given_up)
+            return draw()
 
     def _drawn(
         self,
@@ -127,50 +168,95 @@ class Frame:
         still: bool,
         is_given_up: IsGivenUp | None,
     ) -> Picture | DrawnPicture:
-        assert state.key_light is not None
-        passes = self._passes
-        passes.patience.is_given_up = is_given_up
-        passes.meshes.update(scene)
-        passes.meshes.section = state.section
+        self._passes.patience.is_given_up = is_given_up
         quick = not still and state.shows == "picture" and self._choices.takes_over
         finished = still and not state.shows_map and state.has_finished_light
-        seen = self._seen(scene, view, state.skips)
+        shared = self._shared(scene, [view], light, state, still, finished, quick)
+        shot = self._shot(scene, view, light, state, still, shared)
+        if isinstance(self._moving, CardPictures):
+            by_card = not still and self._moving.can_draw(shot)
+            return self._moving.draw(shot) if by_card else self._stills.draw(shot, still, finished)
+        return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
+
+    def _drawn_eyes(self, scene: PyrenderScene, eyes: Sequence[EyeInputs]) -> EyesDrawn:
+        self._passes.patience.is_given_up = None
+        if self._eyes is None:
+            several = not self._choices.takes_over
+            self._eyes = EyePictures(self._passes, self._stills.draw_once, several)
+        views, (_, light, state, _) = [eye.view for eye in eyes], eyes[0]
+        quick = self._choices.takes_over
+        shared = self._shared(scene, views, light, state, False, False, quick)
+        return self._eyes.draw(
+            # A part prepares an eye after the one before was drawn.
+            (self._shot(scene, eye.view, eye.light, eye.state, False, shared) for eye in eyes),
+            [eye.texture for eye in eyes],
+        )
+
+    def _shared(
+        self,
+        scene: PyrenderScene,
+        views: Sequence[View],
+        light: Light,
+        state: SceneState,
+        still: bool,
+        finished: bool,
+        quick: bool,
+    ) -> _SharedLight:
+        """Upload the scene, and draw what does not depend on the view; shadows near the first."""
+        passes = self._passes
+        passes.meshes.update(scene)
+        passes.meshes.section = state.section
+        seen = self._seen(scene, views, state.skips)
         with passes.measure("reflection"):
             reflection = self._reflection(light, seen, still, state)
         with passes.measure("shadow"):
             always = not state.skips.shadow
             has_sunlit_air = passes.parts.fill_air and any(light.sun_irradiance)
             shafts = has_sunlit_air and state.light_shafts
-            in_air = shafts or (has_sunlit_air and has_glow(view, light.sun_direction))
+            glow = any(has_glow(view, light.sun_direction) for view in views)
+            in_air = shafts or (has_sunlit_air and glow)
             if finished:
                 shadows = self._shadow.of_still(
-                    passes.meshes, scene, seen, light, view, state.size_px, always, in_air
+                    passes.meshes, scene, seen, light, views[0], state.size_px, always, in_air
                 )
             else:
                 size = quick_size(state.size_px[0]) if quick else SHADOW_SIZE
-                shadows = self._shadow.update(passes.meshes, scene, light, view, always, size)
+                shadows = self._shadow.update(passes.meshes, scene, light, views[0], always, size)
         if always or self._casters is None or self._casters.scene is not scene:
             self._casters = SceneCasters(passes.meshes, scene)
+        return _SharedLight(seen, reflection, shadows, in_air, shafts)
+
+    def _shot(
+        self,
+        scene: PyrenderScene,
+        view: View,
+        light: Light,
+        state: SceneState,
+        still: bool,
+        shared: _SharedLight,
+    ) -> FrameInputs:
+        """The inputs of a view's picture, for which parts have prepared."""
+        assert state.key_light is not None
+        assert self._casters is not None
+        seen, reflection, shadows, in_air, shafts = shared
         shadow = None
         if in_air:
             assert shadows.scene is not None
             shadow = PartShadow(shadows.scene.texture, shadow_from_eye(shadows.scene, view))
         parts = _part_frame(scene, view, seen, light, shadow, shafts, state, still, self._casters)
-        with passes.measure("parts before surfaces"):
-            defines = passes.parts.prepare(parts)
+        with self._passes.measure("parts before surfaces"):
+            defines = self._passes.parts.prepare(parts)
         parts = replace(parts, air=defines.air)
         disc = self._disc(light, state.key_light, state.shown(MoonDiscChanged))
-        shot = FrameInputs(
+        return FrameInputs(
             scene, seen, view, light, disc, shadows, reflection, defines, parts, state
         )
-        if isinstance(self._moving, CardPictures):
-            by_card = not still and self._moving.can_draw(shot)
-            return self._moving.draw(shot) if by_card else self._stills.draw(shot, still, finished)
-        return self._moving.draw(shot) if quick else self._stills.draw(shot, still, finished)
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
         bind_permanent_framebuffer(self._context)
+        if self._eyes is not None:
+            self._eyes.release()
         for thing in (self._passes, self._stills, self._moving, self._shadow, self._filter,
                       self._reflectance):  # fmt: skip
             thing.release()
@@ -181,12 +267,13 @@ class Frame:
         sun = (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance
         return VisibleSun(sun, key.angular_radius_rad, key.limb_darkening_rgb, moon)
 
-    def _seen(self, scene: PyrenderScene, view: View, skips: FrameSkips) -> list[PlacedPrimitive]:
-        """Meshes that may be visible in the picture."""
-        if not skips.meshes:
-            seen = scene.placed
-        else:
-            seen = [placed for placed in scene.placed if in_view(placed, view)]
+    def _seen(
+        self, scene: PyrenderScene, views: Sequence[View], skips: FrameSkips
+    ) -> list[PlacedPrimitive]:
+        """Meshes that may be visible in any of the views."""
+        seen = scene.placed
+        if skips.meshes:
+            seen = [each for each in seen if any(in_view(each, view) for view in views)]
         self.counters.did("mesh", len(seen))
         self.counters.skip("mesh: out of view", len(scene.placed) - len(seen))
         return seen

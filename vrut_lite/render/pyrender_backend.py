@@ -1,6 +1,6 @@
 """The scene backend on pyrender and moderngl: uploads changes and draws on the GL thread."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter, sleep
@@ -15,7 +15,13 @@ from vrut_lite.frame_part import Hit
 from vrut_lite.geometry.polarisation import polariser_axis
 from vrut_lite.installed_parts import PartsHeard, extra_irradiance, irradiance_at, sun_share
 from vrut_lite.kernel.work_counters import WorkCounters
-from vrut_lite.messages.camera import MoveCamera, look_at, perspective, pixel_rays
+from vrut_lite.messages.camera import (
+    MoveCamera,
+    look_at,
+    off_axis_perspective,
+    perspective,
+    pixel_rays,
+)
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import BackgroundChanged, SkyPolarisationChanged
@@ -23,7 +29,8 @@ from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.card_pictures import DrawnPicture
 from vrut_lite.render.card_targets import LONGEST_S, no_answer
-from vrut_lite.render.frame import Frame
+from vrut_lite.render.eye_pictures import EyesDrawn, HeadsetEye
+from vrut_lite.render.frame import EyeInputs, Frame
 from vrut_lite.render.frame_parts import PartFailed, warn_of_part
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, PolarisedSky, SkyTexture
@@ -113,6 +120,28 @@ class PyrenderBackend:
                 raise no_answer()
             sleep(_POLL_S)
         return taken
+
+    def draw_eyes(self, state: SceneState, eyes: Sequence[HeadsetEye]) -> EyesDrawn:
+        """Draw the scene for a headset's eyes, whose textures the card may still fill on return.
+
+        On the GL thread only. The state's exposure holds for all eyes, its camera and size for
+        none; nor have they glare, or values in false colours.
+
+        Raises:
+            RuntimeError: scene, light or camera is still missing.
+        """
+        state.check_drawable()
+        context = self._owner.opened.context
+        self._upload(context, state)
+        scene = self._scene
+        assert scene is not None
+        scene.paint_ground(state.ground_albedo_rgb)
+        inputs = []
+        for eye in eyes:
+            view = _view_of_eye(eye, scene.radius_m)
+            own = replace(state, moved_camera=eye.camera, size_px=eye.size_px, shows="picture")
+            inputs.append(EyeInputs(view, self._light(own, view), own, eye.texture))
+        return self._frame.draw_eyes(scene, inputs)
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Illuminance (lx) of a plane with this normal (3,) at a point (3,), world axes."""
@@ -320,8 +349,24 @@ class _OwnPolarisation:
             cube.release()
 
 
+def _near_m(scene_radius_m: float) -> float:
+    """Distance of the near plane: 2 cm, less in a tiny scene."""
+    return min(_NEAR_M, _NEAR_RADII * scene_radius_m)
+
+
+def _view_of_eye(eye: HeadsetEye, scene_radius_m: float) -> View:
+    """An eye's matrices."""
+    rotation = np.eye(4)
+    rotation[:3, :3] = eye.rotation.T
+    return View(
+        eye_m=eye.eye_m,
+        rotation=rotation,
+        projection=off_axis_perspective(eye.tangents, _near_m(scene_radius_m)),
+    )
+
+
 def _view(camera: MoveCamera, scene_radius_m: float, aspect: float) -> View:
-    """The camera's matrices; its near plane is 2 cm away, nearer in a tiny scene."""
+    """The camera's matrices."""
     eye_m = np.asarray(camera.eye_m, dtype=float)
     return View(
         eye_m=eye_m,
@@ -329,6 +374,6 @@ def _view(camera: MoveCamera, scene_radius_m: float, aspect: float) -> View:
         projection=perspective(
             camera.vertical_field_of_view_rad,
             aspect,
-            near_m=min(_NEAR_M, _NEAR_RADII * scene_radius_m),
+            near_m=_near_m(scene_radius_m),
         ),
     )

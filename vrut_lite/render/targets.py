@@ -28,7 +28,7 @@ class Targets:
         if samples > 1:
             makes.append(partial(context.renderbuffer, size, 4, samples=samples, dtype="f4"))
         what = f"a picture of {size[0]} x {size[1]}"
-        self.radiance, self._display, *colours = allocated(context, what, *makes)
+        self.radiance, self.display_texture, *colours = allocated(context, what, *makes)
         self._colour = colours[0] if colours else None
         self._context = context
         self._resolved = context.framebuffer([self.radiance])
@@ -37,18 +37,22 @@ class Targets:
             self.buffer = context.framebuffer([self._colour])
         # In OpenGL 0 means one sample, whose depth is tested before it is shaded.
         self._depth = FloatDepth(self.buffer, size, samples if samples > 1 else 0)
-        self.display = context.framebuffer([self._display])
+        self.display = context.framebuffer([self.display_texture])
 
     @property
     def has_one_sample(self) -> bool:
         """Whether pixels have one sample each."""
         return self.buffer is self._resolved
 
-    def read_resolved(self) -> NDArray[np.float32]:
-        """The mean of each pixel's samples (h, w, 4), row 0 at the bottom."""
+    def resolved(self) -> Any:
+        """The texture with the mean of each pixel's samples."""
         if not self.has_one_sample:
             self._context.copy_framebuffer(self._resolved, self.buffer)
-        return read_rgba(self.radiance)
+        return self.radiance
+
+    def read_resolved(self) -> NDArray[np.float32]:
+        """The mean of each pixel's samples (h, w, 4), row 0 at the bottom."""
+        return read_rgba(self.resolved())
 
     def write_resolved(self, radiance: NDArray[np.float32]) -> None:
         """Replace the resolved radiance by (h, w, 4), row 0 at the top."""
@@ -56,7 +60,7 @@ class Targets:
 
     def read_display(self) -> NDArray[np.uint8]:
         """The tone-mapped picture (h, w, 3), row 0 at the top."""
-        return read_colours(self._display)[::-1].copy()
+        return read_colours(self.display_texture)[::-1].copy()
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
@@ -64,5 +68,6 @@ class Targets:
         if self._colour is not None:
             self.buffer.release()
             self._colour.release()
-        for thing in (self._resolved, self.display, self._depth, self.radiance, self._display):
+        for thing in (self._resolved, self.display, self._depth, self.radiance,
+                      self.display_texture):  # fmt: skip
             thing.release()

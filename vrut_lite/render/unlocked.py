@@ -89,6 +89,18 @@ def _read(texture: Any, channels: int, kind: int, out: NDArray[Number]) -> NDArr
     return out
 
 
+def copy_bytes(source: Any, texture: int) -> None:
+    """Copy the bytes of a flat moderngl texture into another of its size, by its name.
+
+    Both have four bytes a pixel; sRGB ones are not converted.
+    """
+    from OpenGL import GL
+
+    of_source, of_other = (source.glo, GL.GL_TEXTURE_2D), (texture, GL.GL_TEXTURE_2D)
+    corner = (0, 0, 0, 0)
+    GL.glCopyImageSubData(*of_source, *corner, *of_other, *corner, *source.size, 1)
+
+
 def clear_buffer(buffer: Any) -> None:
     """Fill a moderngl buffer with zeros, on the card."""
     from OpenGL import GL
