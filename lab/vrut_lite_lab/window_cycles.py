@@ -55,7 +55,7 @@ class CountedStage(GlStage):
                      GL.glIsProgram)  # fmt: skip
             return sum(bool(kind(name)) for kind in kinds for name in _NAMES)
 
-        return self._host.gl.call(count)
+        return self.host.gl.call(count)
 
 
 class Cycles:

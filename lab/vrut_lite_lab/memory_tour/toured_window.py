@@ -33,7 +33,7 @@ class MeasuredStage(GlStage):
 
     def gl_memory(self) -> GlMemory:
         """What the context holds."""
-        return self._host.gl.call(lambda _: gl_memory())
+        return self.host.gl.call(lambda _: gl_memory())
 
 
 class TouredWindow:

@@ -8,6 +8,7 @@ seconds of the engine's clock.
 """
 
 from math import exp
+from typing import Protocol
 
 import msgspec
 import numpy as np
@@ -26,11 +27,10 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.messages.ground import SetGround
 from vrut_lite.messages.haze import SetHaze
 from vrut_lite.messages.light_map import SurfaceLightChanged
-from vrut_lite.messages.picture import SetExposure
+from vrut_lite.messages.picture import NightLook, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.tolerance import SetTolerance
 from vrut_lite.pictures.exposure import metered_cd, uncorrected_ev100
-from vrut_lite.pictures.picture import Picture
 from vrut_lite.scene.scene_state import SceneState
 
 # 95 % of the difference in stops is gone after 0.6 seconds. A finished picture waits until the
@@ -48,6 +48,17 @@ _MOST_OFF_EV = 3.0
 _HOLDING = (Tick, SetSetting, SetTolerance, SetHaze, SetGround, ChooseSlot, EnableModule)
 # All that `Adaptation.hear` acts on.
 LISTENED_TO = (SetClock, SetPlace, SurfaceLightChanged, *_HOLDING)
+
+
+class Metered(Protocol):
+    """A picture, or the pictures of two eyes, that can be metered."""
+
+    @property
+    def ev100(self) -> float:
+        """The exposure that it was drawn with."""
+
+    def metered_ev100(self, white: float, night_look: NightLook, enough: int) -> float:
+        """EV100 by which automatic exposure would expose it, by about `enough` pixels."""
 
 
 class Adaptation:
@@ -148,7 +159,7 @@ class Adaptation:
         return msgspec.structs.replace(state.exposure, mode="manual", ev100=self._ev100)
 
     def drew(
-        self, picture: Picture, exposure: SetExposure, now_s: float, still: bool = False
+        self, picture: Metered, exposure: SetExposure, now_s: float, still: bool = False
     ) -> None:
         """Meter a picture that was drawn with `exposure`, which this object chose."""
         if self._state.exposure.mode == "manual":

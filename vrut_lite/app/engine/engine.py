@@ -12,7 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from time import perf_counter
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer, is_only_lit
@@ -62,6 +62,16 @@ class Shown(NamedTuple):
     whole_in_s: tuple[float, float] = (0.0, 0.0)
 
 
+class Watcher(Protocol):
+    """Who draws the same states elsewhere, as for a headset."""
+
+    def show(self, state: SceneState) -> None:
+        """Take a state to draw; it may lack parts, and be the one before."""
+
+    def close(self) -> None:
+        """Draw no more; the stage is closed thereafter."""
+
+
 class Engine:
     """`tell(key, value)` is called on the engine's thread and must be quick.
 
@@ -88,6 +98,7 @@ class Engine:
         # When an input came last.
         self._sent_at_s = 0.0
         self._finishing = Finishing()
+        self._watcher: Watcher | None = None
         self._drawn: SceneState | None = None
         # The last picture that was not finished.
         self._moved_from: SceneState | None = None
@@ -123,6 +134,19 @@ class Engine:
 
         self.ask(meter, changes=True)
 
+    def watch(self, watcher: Watcher | None) -> None:
+        """Show the states to somebody else too; None: to nobody.
+
+        Meanwhile no picture is finished here: it would hold the GL thread for longer than a frame.
+        """
+
+        def begin(stage: Stage) -> None:
+            self._watcher = watcher
+            if watcher is not None:
+                watcher.show(stage.state)
+
+        self.ask(begin, changes=True)
+
     def stop(self) -> None:
         """Request the end of the thread, which then posts ENDED."""
         self._requests.end()
@@ -140,6 +164,8 @@ class Engine:
             if stage is not None:
                 with self._attend(stage):
                     self._live(stage)
+                if self._watcher is not None:
+                    self._watcher.close()
                 self._pictures.shutdown()
                 stage.close()
         finally:
@@ -194,7 +220,8 @@ class Engine:
         self._finer_light.resume(stage.kernel, self._now_s())
 
     def _patience_s(self, kernel: Kernel) -> float | None:
-        finish_at_s = self._finishing.due_s if self._adaptation.is_near else None
+        may_finish = self._adaptation.is_near and self._watcher is None
+        finish_at_s = self._finishing.due_s if may_finish else None
         times_s: tuple[float | None, ...] = (self._gate.due_s, self._finer_light.resumes_at_s)
         if kernel.is_whole:
             times_s = (*times_s, finish_at_s, self._adaptation.wakes_at_s)
@@ -229,6 +256,8 @@ class Engine:
         if kernel.is_whole:
             self._news.publish()
         self._news.camera_is(stage.state.camera)
+        if self._watcher is not None:
+            self._watcher.show(stage.state)
 
     def _draw_what_moved(self, stage: Stage) -> bool:
         """Draw a state that was not drawn yet; False if it was, or cannot be finished yet."""
@@ -253,7 +282,7 @@ class Engine:
         if self._requests.awake.is_set() or stage.state.missing or not stage.kernel.is_whole:
             return
         now_s, adaptation, finishing = self._now_s(), self._adaptation, self._finishing
-        if finishing.is_due(now_s) and adaptation.is_near:
+        if finishing.is_due(now_s) and adaptation.is_near and self._watcher is None:
             if stage.kernel.jobs.modules("drafted") and finishing.waits_for_drafts(now_s):
                 return
             finishing.begun()

@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 
 from vrut_lite.app.engine import revision_news
 from vrut_lite.app.engine.cpu_sky import best_stage
-from vrut_lite.app.engine.engine import Engine, Shown
+from vrut_lite.app.engine.engine import Engine, Shown, Watcher
 from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
 from vrut_lite.app.engine.garbage import GarbageOnQtThread
 from vrut_lite.app.engine.history import History
@@ -176,6 +176,10 @@ class Session(QObject):
     def meter_exposure(self) -> None:
         """Meter automatic exposure by a new picture."""
         self._engine.meter_exposure()
+
+    def watch(self, watcher: Watcher | None) -> None:
+        """Show the states of the scene to somebody else too, or to nobody."""
+        self._engine.watch(watcher)
 
     def exposure_of(self, state: SceneState) -> SetExposure:
         """The exposure of the finished picture of a state; on the engine's thread."""

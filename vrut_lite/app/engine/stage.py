@@ -74,20 +74,20 @@ class Stage(Protocol):
 
 
 class GlStage:
-    """A host that draws with OpenGL, on its owner's thread; `gl` is the stage's from now on."""
+    """A `host` that draws with OpenGL, on its owner's thread; `gl` is the stage's from now on."""
 
     def __init__(self, gl: GlOwner | None = None) -> None:
-        self._host = Host(runner=WindowJobs(), gl=gl)
+        self.host = Host(runner=WindowJobs(), gl=gl)
         self._measures_next = False
         self.pass_seconds: dict[str, float] = {}
-        self.renderer: str = self._host.gl.opened.renderer
-        self.device: Device | None = self._host.gl.opened.device
-        self.failures: list[str] = self._host.failures
+        self.renderer: str = self.host.gl.opened.renderer
+        self.device: Device | None = self.host.gl.opened.device
+        self.failures: list[str] = self.host.failures
 
     @property
     def kernel(self) -> Kernel:
         """The host's kernel."""
-        return self._host.kernel
+        return self.host.kernel
 
     def measure_next(self) -> None:
         """Measure the next frame, whose passes wait for each other then."""
@@ -96,40 +96,40 @@ class GlStage:
     @property
     def state(self) -> SceneState:
         """The state of the last whole revision."""
-        return self._host.state
+        return self.host.state
 
     @property
     def revision(self) -> int:
         """The number of that revision."""
-        return self._host.revision
+        return self.host.revision
 
     @property
     def frame_counters(self) -> WorkCounters:
         """Counts of work that frames did and skipped."""
-        return self._host.frame_counters
+        return self.host.frame_counters
 
     def draw(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None = None) -> Picture:
         """Draw a state; GivenUp is raised when `is_given_up()`."""
         if not self._measures_next:
-            return self._host.draw_state(state, still, is_given_up)
+            return self.host.draw_state(state, still, is_given_up)
         self._measures_next, self.pass_seconds = False, {}
-        self._host.measure_passes(self._measured)
+        self.host.measure_passes(self._measured)
         try:
-            return self._host.draw_state(state, still, is_given_up)
+            return self.host.draw_state(state, still, is_given_up)
         finally:
-            self._host.measure_passes(unmeasured)
+            self.host.measure_passes(unmeasured)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on the surface at a pixel of the full size; None for the sky."""
-        return self._host.light_at_pixel(x, y)
+        return self.host.light_at_pixel(x, y)
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
         """The surface that a pixel of the full size shows; None for the sky."""
-        return self._host.surface_at_pixel(x, y)
+        return self.host.surface_at_pixel(x, y)
 
     def close(self) -> None:
         """Cancel background jobs and free the GPU."""
-        self._host.close()
+        self.host.close()
 
     @contextmanager
     def _measured(self, name: str) -> Iterator[Any]:

@@ -14,6 +14,9 @@ from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.scene.scene_state import Shown
 
+# Titles of the action `vr`, by whether a headset shows the scene.
+ENTER_VR, LEAVE_VR = "Enter VR", "Leave VR"
+
 
 class ActionSpec(NamedTuple):
     """Calls `act` when triggered; a `checkable` action passes its new state.
@@ -72,6 +75,9 @@ class Window(Protocol):
 
     def show_about(self) -> None:
         """Open the dialog of versions, graphics and folders."""
+
+    def toggle_vr(self) -> None:
+        """Show the scene in a headset, or no more."""
 
     def undo(self) -> None:
         """Undo the last change."""
@@ -143,6 +149,7 @@ def action_specs(
         show("illuminance", "Illuminance in false colours"),
         show("texels", "Light map's texels in false colours", advanced=True),
         show("noise", "Light map's noise in false colours", advanced=True),
+        ActionSpec("vr", "View", ENTER_VR, "", window.toggle_vr),
         ActionSpec("compare", "View", "Compare two skies", "C",
                    partial(window.toggle_dock, "compare")),
         ActionSpec("profiler", "View", "Profiler", "F3", profiler.setVisible, True,

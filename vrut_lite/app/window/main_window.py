@@ -18,6 +18,7 @@ from vrut_lite.app.engine.module_catalogue import ModuleCatalogue
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.engine.sun_day_finder import SunDayFinder
+from vrut_lite.app.headset.headset import Headset
 from vrut_lite.app.panels.module_manager import ModuleManager
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.presets import PresetStore
@@ -83,6 +84,7 @@ class MainWindow(QMainWindow):
         )
         self.setCentralWidget(self.desk.viewport)
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
+        self.headset = Headset(session, self.desk.viewport, self)
         self._status = StatusLine()
         self._warnings = LoggedWarnings(self)
         self._opened: LoadScene | None = None
@@ -144,6 +146,8 @@ class MainWindow(QMainWindow):
         self._warnings.logged.connect(self._status.show_warning)
         session.picture_shown.connect(self._show_facts)
         session.steps_changed.connect(self.menus.show_steps)
+        self.headset.changed.connect(self.menus.show_vr)
+        self.headset.news.connect(self._status.show_news)
         desk.viewport.scene_dropped.connect(self.files.ask_and_open)
         self.files.unsaved.changed.connect(self.setWindowModified)
         desk.viewport.mode_changed.connect(self._mode_changed)
@@ -215,6 +219,10 @@ class MainWindow(QMainWindow):
     def show_about(self) -> None:
         """Open the dialog of versions, graphics and folders, once the engine has named them."""
         self.session.ask(graphics_of, lambda graphics: AboutBox(graphics, self).show())
+
+    def toggle_vr(self) -> None:
+        """Show the scene in a headset, or no more."""
+        self.headset.toggle()
 
     def undo(self) -> None:
         """Undo the last change."""

@@ -8,7 +8,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu
 
 from vrut_lite.app.engine.history import Steps
-from vrut_lite.app.window.actions import ActionSpec
+from vrut_lite.app.window.actions import ENTER_VR, LEAVE_VR, ActionSpec
 from vrut_lite.bundled.examples import all_examples
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SettingChanged
@@ -69,6 +69,10 @@ class Menus:
         for name, verb, title in (("undo", "Undo", steps.undo), ("redo", "Redo", steps.redo)):
             self.actions[name].setText(f"&{verb} {title}".rstrip())
             self.actions[name].setEnabled(bool(title))
+
+    def show_vr(self, is_on: bool) -> None:
+        """Show whether a headset shows the scene."""
+        self.actions["vr"].setText(LEAVE_VR if is_on else ENTER_VR)
 
     def show_exposure(self, exposure: SetExposure) -> None:
         """Show whether the exposure is locked."""
