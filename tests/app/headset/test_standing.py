@@ -8,8 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from vrut_lite.app.headset.aim import Aim
 from vrut_lite.app.headset.controllers import SNAP_TURN_RAD, SnapTurn
 from vrut_lite.app.headset.loop import level_camera, middle_of
+from vrut_lite.app.headset.marker import ring
 from vrut_lite.app.headset.openxr import LocatedEye
 from vrut_lite.app.headset.standing import (
     RoomPose,
@@ -145,6 +147,34 @@ def test_a_body_needs_room(height_m, fits):
 
     found = teleport_target(pointing(0.0, -1.0, -1.0, at=(0.0, 1.0, 0.0)), first_hit)
     assert (found is not None) == fits
+
+
+def test_one_goes_where_the_hand_points_at_last():
+    """The rays are cast on another thread; what was aimed at is forgotten with the release."""
+    aim, floor = Aim(), plane_at(0.0)
+    assert aim.release() is None
+    aim.point(pointing(0.0, -3.0, -4.0), lambda: floor)
+    np.testing.assert_allclose(aim.release(), (0.0, 0.0, -2.0), atol=1e-9)
+    assert aim.target_m is None
+    assert aim.release() is None
+    aim.close()
+
+
+@given(PLACES, ANGLES, PLACES)
+def test_a_point_of_the_world_has_its_place_in_the_room(origin_m, azimuth, point_m):
+    """And back, as the ring of a teleport is located there and seen here."""
+    room = Standing(origin_m, azimuth)
+    back = room.in_world(RoomPose(room.in_room(point_m), np.eye(3)))
+    np.testing.assert_allclose(back.position_m, point_m, atol=1e-9)
+
+
+def test_the_ring_is_round_and_hollow():
+    """Its area is that between its circles, within a texel of its edges; corners are clear."""
+    picture = ring(128)
+    radii = 0.95**2 - 0.75**2
+    assert picture[..., 3].mean() / 255.0 == pytest.approx(math.pi / 4.0 * radii, rel=0.01)
+    assert picture[0, 0].max() == picture[64, 64].max() == 0
+    np.testing.assert_array_equal(picture, picture[::-1].swapaxes(0, 1))
 
 
 # --- head and thumbstick -------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Actions of the controllers: hour, turns and teleports.
 
-The left thumbstick moves the hour, the right one turns by steps, the right trigger teleports to
-where the hand points when it is released. A simple controller has a button a hand: the right one
+The left thumbstick moves the hour, the right one turns by steps. The right hand aims while its
+trigger is held; released, it teleports. A simple controller has a button a hand: the right one
 teleports, the left one turns.
 """
 
@@ -39,12 +39,14 @@ class Wishes(NamedTuple):
     Attributes:
         hour: share of the clock's full speed, -1 (back) to 1.
         turn_rad: angle of a snap turn, clockwise as seen from above.
-        teleports_from: the hand (in the room) that has just released its trigger, or None.
+        aims_from: the pointing hand (in the room) while its trigger is held, else None.
+        teleports: whether it has just been released.
     """
 
     hour: float = 0.0
     turn_rad: float = 0.0
-    teleports_from: RoomPose | None = None
+    aims_from: RoomPose | None = None
+    teleports: bool = False
 
 
 class SnapTurn:
@@ -119,7 +121,8 @@ class Controllers:
         return Wishes(
             hour=hour if abs(hour) > _RESTS_TO else 0.0,
             turn_rad=self._snap_turn.turn_rad(self._deflection("turn")),
-            teleports_from=self._hand_at(frame) if was_aiming and not self._aims else None,
+            aims_from=self._hand_at(frame) if self._aims else None,
+            teleports=was_aiming and not self._aims,
         )
 
     @property

@@ -15,15 +15,17 @@ from typing import Any
 import numpy as np
 
 from vrut_lite.app.engine.adaptation import Adaptation
+from vrut_lite.app.headset.aim import Aim
 from vrut_lite.app.headset.controllers import Controllers, Wishes
+from vrut_lite.app.headset.marker import TeleportMarker
 from vrut_lite.app.headset.openxr import HeadsetFrame, LocatedEye, OpenXrSession
+from vrut_lite.app.headset.runtime import failure
 from vrut_lite.app.headset.standing import (
     RoomPose,
     Standing,
     azimuth_rad,
     floor_below,
     standing_at,
-    teleport_target,
 )
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.host import Host
@@ -37,6 +39,8 @@ from vrut_lite.scene.scene_state import SceneState
 # Seconds of the clock a second at full deflection of a thumbstick.
 HOUR_RATE = 3600.0
 _EYE_HEIGHT_M = 1.7
+# Longest time by which one frame moves the hour.
+_LONGEST_STEP_S = 0.25
 # Time between two looks at a runtime that wants no frames yet.
 _IDLE_S = 0.02
 # Time after which a runtime that does not end the session is left.
@@ -61,6 +65,9 @@ class HeadsetLoop:
         self._stands_in: Any = None
         self._rays: tuple[SceneOpened, SceneRays] | None = None
         self._framed_s = perf_counter()
+        self._aim = Aim()
+        # Made with the session.
+        self._marker: TeleportMarker | None = None
         self._thread = threading.Thread(target=self._run, name="vrut-lite headset", daemon=True)
 
     # --- from any thread -------------------------------------------------------------------
@@ -90,11 +97,13 @@ class HeadsetLoop:
             openxr = OpenXrSession()
             try:
                 self._host.gl.call(lambda _: openxr.begin())
+                self._marker = self._host.gl.call(lambda _: TeleportMarker(openxr))
                 self._live(openxr, Controllers(openxr))
             finally:
+                self._aim.close()
                 self._host.gl.call(lambda _: openxr.close())
         except BaseException as error:
-            problem = sentence_of(error)
+            problem = failure(error) or sentence_of(error)
         self._tell("left", problem)
 
     def _live(self, openxr: OpenXrSession, controllers: Controllers) -> None:
@@ -124,7 +133,8 @@ class HeadsetLoop:
     def _act(self, wishes: Wishes, state: SceneState, head: RoomPose) -> None:
         """Stand where the head and the controllers ask for, and pass the hour on."""
         now_s = perf_counter()
-        elapsed_s, self._framed_s = now_s - self._framed_s, now_s
+        elapsed_s = min(now_s - self._framed_s, _LONGEST_STEP_S)
+        self._framed_s = now_s
         if wishes.hour:
             self._tell("hour", HOUR_RATE * wishes.hour * elapsed_s)
         before, scene = self._standing, state.scene
@@ -136,11 +146,11 @@ class HeadsetLoop:
             standing = before
         if wishes.turn_rad:
             standing = standing.turned(wishes.turn_rad, head)
-        if wishes.teleports_from is not None:
-            hand = standing.in_world(wishes.teleports_from)
-            target_m = teleport_target(hand, self._rays_of(scene).first_hit)
-            if target_m is not None:
-                standing = standing.with_head_at(target_m, head)
+        if wishes.aims_from is not None:
+            hand = standing.in_world(wishes.aims_from)
+            self._aim.point(hand, lambda: self._rays_of(scene).first_hit)
+        elif wishes.teleports and (target_m := self._aim.release()) is not None:
+            standing = standing.with_head_at(target_m, head)
         if standing is not before:
             assert state.camera is not None
             self._standing = standing
@@ -181,7 +191,14 @@ class HeadsetLoop:
                 shown = eyes
         finally:
             openxr.give_textures_back()
-            openxr.end_frame(frame, shown)
+            openxr.end_frame(frame, shown, self._over(shown))
+
+    def _over(self, shown: list[LocatedEye]) -> list[Any]:
+        """Layers over the eyes' pictures: the ring while the hand aims at a place."""
+        target_m, standing = self._aim.target_m, self._standing
+        if not shown or target_m is None or standing is None or self._marker is None:
+            return []
+        return [self._marker.layer(standing.in_room(target_m))]
 
     def _draw_eyes(self, state: SceneState, views: list[HeadsetEye]) -> None:
         exposure = self._adaptation.next_exposure(state, perf_counter())

@@ -66,8 +66,9 @@ class OpenXrSession:
         self.room: Any = None
         self.sizes_px: list[tuple[int, int]] = []
         self.is_running = self.has_ended = False
+        # All swapchains, and of each eye its own with the names of its textures.
         self._swapchains: list[Any] = []
-        self._textures: list[list[int]] = []
+        self._eyes: list[tuple[Any, list[int]]] = []
         self._taken: list[Any] = []
         self.instance = open_runtime(xr)
         try:
@@ -179,29 +180,47 @@ class OpenXrSession:
         return xr.create_reference_space(self.session, xr.ReferenceSpaceCreateInfo(kind, floor))
 
     def _make_swapchains(self) -> None:
-        xr, session = self.xr, self.session
-        offered = list(xr.enumerate_swapchain_formats(session))
+        xr = self.xr
+        stereo = xr.ViewConfigurationType.PRIMARY_STEREO
+        for view in xr.enumerate_view_configuration_views(self.instance, self._system, stereo):
+            size = view.recommended_image_rect_width, view.recommended_image_rect_height
+            swapchain, textures = self.swapchain(size)
+            self._eyes.append((swapchain, textures))
+            self.sizes_px.append(size)
+
+    def swapchain(self, size_px: tuple[int, int], is_still: bool = False) -> tuple[Any, list[int]]:
+        """A swapchain of a size, and the names of its textures; one if it `is_still`.
+
+        Raises:
+            UserError: the runtime has no textures of four bytes a pixel.
+        """
+        xr = self.xr
+        offered = list(xr.enumerate_swapchain_formats(self.session))
         stored_as = next((each for each in _FORMATS if each in offered), None)
         if stored_as is None:
             raise UserError("the OpenXR runtime has no textures of four bytes a pixel")
-        stereo, usage = xr.ViewConfigurationType.PRIMARY_STEREO, xr.SwapchainUsageFlags
-        for view in xr.enumerate_view_configuration_views(self.instance, self._system, stereo):
-            size = view.recommended_image_rect_width, view.recommended_image_rect_height
-            info = xr.SwapchainCreateInfo(
-                usage_flags=usage.COLOR_ATTACHMENT_BIT | usage.TRANSFER_DST_BIT,
-                format=stored_as,
-                sample_count=1,
-                width=size[0],
-                height=size[1],
-                face_count=1,
-                array_size=1,
-                mip_count=1,
-            )
-            swapchain = xr.create_swapchain(session, info)
-            images = xr.enumerate_swapchain_images(swapchain, xr.SwapchainImageOpenGLKHR)
-            self._swapchains.append(swapchain)
-            self._textures.append([image.image for image in images])
-            self.sizes_px.append(size)
+        usage, flags = xr.SwapchainUsageFlags, xr.SwapchainCreateFlags
+        info = xr.SwapchainCreateInfo(
+            create_flags=flags.STATIC_IMAGE_BIT if is_still else flags.NONE,
+            usage_flags=usage.COLOR_ATTACHMENT_BIT | usage.TRANSFER_DST_BIT,
+            format=stored_as,
+            sample_count=1,
+            width=size_px[0],
+            height=size_px[1],
+            face_count=1,
+            array_size=1,
+            mip_count=1,
+        )
+        made = xr.create_swapchain(self.session, info)
+        self._swapchains.append(made)
+        images = xr.enumerate_swapchain_images(made, xr.SwapchainImageOpenGLKHR)
+        return made, [image.image for image in images]
+
+    def sub_image(self, swapchain: Any, size_px: tuple[int, int]) -> Any:
+        """The whole picture of a swapchain of a size, for a layer."""
+        xr = self.xr
+        place = xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*size_px))
+        return xr.SwapchainSubImage(swapchain, place, 0)
 
     def begin_frame(self) -> None:
         """Begin the frame that `wait` returned."""
@@ -210,7 +229,7 @@ class OpenXrSession:
     def take_textures(self) -> list[int]:
         """Names of a texture for each eye, to be given back before the frame ends."""
         xr, names = self.xr, []
-        for swapchain, textures in zip(self._swapchains, self._textures, strict=True):
+        for swapchain, textures in self._eyes:
             number = xr.acquire_swapchain_image(swapchain, xr.SwapchainImageAcquireInfo())
             self._taken.append(swapchain)
             info = xr.SwapchainImageWaitInfo(timeout=xr.INFINITE_DURATION)
@@ -224,21 +243,24 @@ class OpenXrSession:
             info = self.xr.SwapchainImageReleaseInfo()
             self.xr.release_swapchain_image(self._taken.pop(), info)
 
-    def end_frame(self, frame: HeadsetFrame, eyes: Sequence[LocatedEye]) -> None:
-        """Show the textures that were given back as seen by these eyes; without eyes nothing."""
+    def end_frame(
+        self, frame: HeadsetFrame, eyes: Sequence[LocatedEye], over: Sequence[Any] = ()
+    ) -> None:
+        """Show the textures that were given back as seen by these eyes, and layers over them.
+
+        Without eyes nothing is shown.
+        """
         xr, layers = self.xr, []
         if eyes:
             views = [
                 xr.CompositionLayerProjectionView(
                     pose=eye.view.pose,
                     fov=eye.view.fov,
-                    sub_image=xr.SwapchainSubImage(
-                        swapchain, xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*size)), 0
-                    ),
+                    sub_image=self.sub_image(swapchain, size),
                 )
-                for eye, swapchain, size in zip(eyes, self._swapchains, self.sizes_px, strict=True)
+                for eye, (swapchain, _), size in zip(eyes, self._eyes, self.sizes_px, strict=True)
             ]
-            layers.append(xr.CompositionLayerProjection(space=self.room, views=views))
+            layers = [xr.CompositionLayerProjection(space=self.room, views=views), *over]
         info = xr.FrameEndInfo(
             display_time=frame.display_time,
             environment_blend_mode=xr.EnvironmentBlendMode.OPAQUE,
@@ -249,13 +271,16 @@ class OpenXrSession:
     def close(self) -> None:
         """Destroy everything, after the session has ended or failed."""
         xr = self.xr
+        # What a lost runtime cannot destroy is gone.
         with suppress(xr.XrException):
             self.give_textures_back()
         for swapchain in self._swapchains:
-            xr.destroy_swapchain(swapchain)
-        if self.session is not None:
-            xr.destroy_session(self.session)
-        xr.destroy_instance(self.instance)
+            with suppress(xr.XrException):
+                xr.destroy_swapchain(swapchain)
+        with suppress(xr.XrException):
+            if self.session is not None:
+                xr.destroy_session(self.session)
+            xr.destroy_instance(self.instance)
 
 
 def pose_of(posef: Any) -> RoomPose:

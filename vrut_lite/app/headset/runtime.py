@@ -81,6 +81,13 @@ def egl_binding(xr: Any) -> Any:
     )
 
 
-def name_of(error: Exception) -> str:
+def name_of(error: BaseException) -> str:
     """The name of an error of OpenXR, as its specification writes it but for the case."""
     return type(error).__name__.removesuffix("Error")
+
+
+def failure(error: BaseException) -> str:
+    """A sentence on an error of OpenXR in a session; empty of any other error."""
+    if type(error).__module__ != "xr.exception":
+        return ""
+    return f"the OpenXR runtime has failed ({name_of(error)}): start it again, and then enter VR"

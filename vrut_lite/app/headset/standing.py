@@ -75,6 +75,11 @@ class Standing:
         turn = _turn(self.azimuth_rad)
         return RoomPose(self.origin_m + turn @ pose.position_m, turn @ pose.rotation)
 
+    def in_room(self, point_m: ArrayLike) -> FloatArray:
+        """A point (3,) of the world in the room's axes; the inverse of `in_world`."""
+        away_m = np.asarray(point_m, dtype=float) - self.origin_m
+        return np.asarray(_turn(self.azimuth_rad).T @ away_m)
+
     def with_head_at(self, floor_m: ArrayLike, head: RoomPose) -> "Standing":
         """The room shifted so that a head (in the room) is above a point (3,) of the floor."""
         over = _turn(self.azimuth_rad) @ (head.position_m * (1.0, 0.0, 1.0))
