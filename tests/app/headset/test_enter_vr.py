@@ -12,11 +12,12 @@ import sys
 import numpy as np
 import pytest
 from remote_headset import ENVIRONMENT, RemoteHeadset
+from window_driver import SCENES
 
 from vrut_lite.app.headset.controllers import SNAP_TURN_RAD
 from vrut_lite.kernel.messages import ClockMoved
-from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.scene import SceneOpened
+from vrut_lite.messages.camera import MoveCamera, frame_bounds
+from vrut_lite.messages.scene import LoadScene, SceneOpened
 
 WITH_PACKAGE = pytest.mark.skipif(
     importlib.util.find_spec("xr") is None, reason="pyopenxr is not installed (extra vr)"
@@ -79,6 +80,16 @@ def test_without_a_runtime_a_sentence_says_what_to_start(
     from OpenGL import platform
 
     assert type(platform.PLATFORM).__name__ == "EGLPlatform"
+
+
+def test_a_thumbstick_moves_the_clock_by_all_that_was_asked(shared_headless_window):
+    """However few steps the kernel makes of it: ten minutes, sent by the headset's thread."""
+    driver, headset = shared_headless_window, shared_headless_window.window.headset
+    start = driver.session.last(ClockMoved).instant
+    for _ in range(10):
+        headset._told.emit("hour", 60.0)
+    driver.until(lambda: (driver.session.last(ClockMoved).instant - start).total_seconds() >= 600.0)
+    assert (driver.session.last(ClockMoved).instant - start).total_seconds() == 600.0
 
 
 # --- in a headset --------------------------------------------------------------------------
@@ -194,6 +205,23 @@ def test_a_released_trigger_teleports_to_where_the_hand_points(worn):
     ahead, right = math.sin(azimuth), math.cos(azimuth)
     moved_m = (0.5 * ahead + 0.2 * right, 0.0, -0.5 * right + 0.2 * ahead)
     assert worn.camera[0] - before_m == pytest.approx(moved_m, abs=0.05)
+
+
+@WITH_PACKAGE
+@IN_MONADO
+@pytest.mark.gl
+def test_in_another_scene_one_stands_below_its_camera(worn):
+    """As on entering: on what is straight below the eye from which it is seen."""
+    driver, scene = worn.driver, str(SCENES / "spheres.glb")
+    driver.session.send(LoadScene(path=scene))
+    driver.until(lambda: driver.session.last(SceneOpened).path == scene)
+    opened = driver.session.last(SceneOpened)
+    seen_from = opened.camera or frame_bounds(opened.lower_m, opened.upper_m, 1.0)
+    driver.until(lambda: driver.session.camera.target_m[1] == driver.session.camera.eye_m[1])
+    worn.until_frames(4)
+    x, y, z = worn.camera[0]
+    assert y == pytest.approx(opened.ground.height_m + 1.6, abs=1e-4)
+    assert (x < 0.0, z > 0.0) == (seen_from.eye_m[0] < 0.0, seen_from.eye_m[2] > 0.0)
 
 
 @WITH_PACKAGE
