@@ -144,7 +144,6 @@ class Frame:
 
         Their states differ in camera and size alone.
         """
-        self._stills.forget()
         return self._without_broken_glsl(scene, lambda: self._drawn_eyes(scene, eyes))
 
     def _without_broken_glsl(self, scene: PyrenderScene, draw: Callable[[], T]) -> T:

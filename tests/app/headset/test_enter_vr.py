@@ -15,6 +15,8 @@ from remote_headset import ENVIRONMENT, RemoteHeadset
 from window_driver import SCENES
 
 from vrut_lite.app.headset.controllers import SNAP_TURN_RAD
+from vrut_lite.errors import UserError
+from vrut_lite.host import Host
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.messages.camera import MoveCamera, frame_bounds
 from vrut_lite.messages.scene import LoadScene, SceneOpened
@@ -211,7 +213,7 @@ def test_a_released_trigger_teleports_to_where_the_hand_points(worn):
 @IN_MONADO
 @pytest.mark.gl
 def test_in_another_scene_one_stands_below_its_camera(worn):
-    """As on entering: on what is straight below the eye from which it is seen."""
+    """As on entering: on the ground straight below the eye from which the scene is seen."""
     driver, scene = worn.driver, str(SCENES / "spheres.glb")
     driver.session.send(LoadScene(path=scene))
     driver.until(lambda: driver.session.last(SceneOpened).path == scene)
@@ -222,6 +224,26 @@ def test_in_another_scene_one_stands_below_its_camera(worn):
     x, y, z = worn.camera[0]
     assert y == pytest.approx(opened.ground.height_m + 1.6, abs=1e-4)
     assert (x < 0.0, z > 0.0) == (seen_from.eye_m[0] < 0.0, seen_from.eye_m[2] > 0.0)
+
+
+@WITH_PACKAGE
+@IN_MONADO
+@pytest.mark.gl
+def test_a_frame_that_cannot_be_drawn_ends_vr_with_a_sentence(worn, monkeypatch):
+    """The runtime gets its frame and the end of the session; the window goes on, and VR again."""
+
+    def without_memory(*_):
+        raise UserError("there is no memory for a picture of 320 x 240")
+
+    driver = worn.driver
+    with monkeypatch.context() as patch:
+        patch.setattr(Host, "draw_eyes", without_memory)
+        driver.until(lambda: title(driver) == "Enter VR")
+    assert driver.problems == ["there is no memory for a picture of 320 x 240"]
+    driver.until(lambda: driver.session.shown.still)
+    vr(driver).trigger()
+    driver.until(lambda: title(driver) == "Leave VR")
+    worn.until_frames(4)
 
 
 @WITH_PACKAGE

@@ -150,7 +150,7 @@ def test_a_body_needs_room(height_m, fits):
 
 
 def test_one_goes_where_the_hand_points_at_last():
-    """The rays are cast on another thread; what was aimed at is forgotten with the release."""
+    """Another thread casts the rays; the release clears the target."""
     aim, floor = Aim(), plane_at(0.0)
     assert aim.release() is None
     aim.point(pointing(0.0, -3.0, -4.0), lambda: floor)

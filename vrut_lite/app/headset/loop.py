@@ -85,9 +85,9 @@ class HeadsetLoop:
         self._ending.set()
 
     def close(self) -> None:
-        """Leave the headset, and wait until nothing is drawn any more."""
+        """Leave the headset, and wait until nothing is drawn any more, or the runtime hangs."""
         self.stop()
-        self._thread.join()
+        self._thread.join(2.0 * _LONGEST_END_S)
 
     # --- on the headset's thread -----------------------------------------------------------
 

@@ -224,7 +224,9 @@ class OpenXrSession:
 
     def begin_frame(self) -> None:
         """Begin the frame that `wait` returned."""
-        self.xr.begin_frame(self.session, self.xr.FrameBeginInfo())
+        # One before that was not ended is no failure.
+        with suppress(self.xr.FrameDiscarded):
+            self.xr.begin_frame(self.session, self.xr.FrameBeginInfo())
 
     def take_textures(self) -> list[int]:
         """Names of a texture for each eye, to be given back before the frame ends."""
@@ -271,7 +273,7 @@ class OpenXrSession:
     def close(self) -> None:
         """Destroy everything, after the session has ended or failed."""
         xr = self.xr
-        # What a lost runtime cannot destroy is gone.
+        # A lost runtime has destroyed them already.
         with suppress(xr.XrException):
             self.give_textures_back()
         for swapchain in self._swapchains:
