@@ -27,6 +27,7 @@ from vrut_lite.app.headset.standing import (
     floor_below,
     standing_at,
 )
+from vrut_lite.app.view.camera_rig import EYE_HEIGHT_M
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.host import Host
 from vrut_lite.messages.camera import MoveCamera
@@ -38,7 +39,6 @@ from vrut_lite.scene.scene_state import SceneState
 
 # Seconds of the clock a second at full deflection of a thumbstick.
 HOUR_RATE = 3600.0
-_EYE_HEIGHT_M = 1.7
 # Longest time by which one frame moves the hour.
 _LONGEST_STEP_S = 0.25
 # Time between two looks at a runtime that wants no frames yet.
@@ -149,8 +149,10 @@ class HeadsetLoop:
         if wishes.aims_from is not None:
             hand = standing.in_world(wishes.aims_from)
             self._aim.point(hand, lambda: self._rays_of(scene).first_hit)
-        elif wishes.teleports and (target_m := self._aim.release()) is not None:
-            standing = standing.with_head_at(target_m, head)
+        else:
+            target_m = self._aim.release()
+            if wishes.teleports and target_m is not None:
+                standing = standing.with_head_at(target_m, head)
         if standing is not before:
             assert state.camera is not None
             self._standing = standing
@@ -164,7 +166,7 @@ class HeadsetLoop:
         eye_m = np.array(camera.eye_m)
         floor_m = floor_below(eye_m, self._rays_of(state.scene).first_hit)
         if floor_m is None:
-            floor_m = eye_m - (0.0, _EYE_HEIGHT_M, 0.0)
+            floor_m = eye_m - (0.0, EYE_HEIGHT_M, 0.0)
         return standing_at(floor_m, azimuth_rad(np.array(camera.target_m) - eye_m), head)
 
     def _rays_of(self, scene: SceneOpened) -> SceneRays:

@@ -15,12 +15,11 @@ import numpy as np
 
 from vrut_lite.app.headset.runtime import egl_binding, import_xr, name_of, open_runtime
 from vrut_lite.app.headset.standing import RoomPose, rotation_of
+from vrut_lite.app.view.camera_rig import EYE_HEIGHT_M
 from vrut_lite.errors import UserError
 
 # Formats of textures of sRGB values in four bytes a pixel: GL_SRGB8_ALPHA8, else GL_RGBA8.
 _FORMATS = (0x8C43, 0x8058)
-# Height of the eyes above the floor where the runtime does not know the floor.
-_EYE_HEIGHT_M = 1.7
 
 
 class LocatedEye(NamedTuple):
@@ -176,7 +175,7 @@ class OpenXrSession:
         kind, floor = xr.ReferenceSpaceType.STAGE, xr.Posef()
         if kind not in offered:
             kind = xr.ReferenceSpaceType.LOCAL
-            floor.position.y = -_EYE_HEIGHT_M
+            floor.position.y = -EYE_HEIGHT_M
         return xr.create_reference_space(self.session, xr.ReferenceSpaceCreateInfo(kind, floor))
 
     def _make_swapchains(self) -> None:

@@ -13,7 +13,8 @@ _TURN_PER_VIEW_RAD = math.pi
 _NEAREST_M, _FARTHEST_M = 0.05, 5e7
 # A step of the wheel: a tenth nearer, an eighth higher.
 _ZOOM, _CLIMB = 0.9, 1.125
-_EYE_HEIGHT_M = 1.7
+# Height of the eyes of one who stands.
+EYE_HEIGHT_M = 1.7
 _HIGHEST_M = 4e7
 # The Earth's radius: it affects only the view's tilt with height.
 NARROWEST_RAD, WIDEST_RAD = math.radians(5.0), math.radians(120.0)
@@ -26,7 +27,7 @@ class CameraRig:
     """
 
     def __init__(self) -> None:
-        self.eye_m: FloatArray = np.array([0.0, _EYE_HEIGHT_M, 10.0])
+        self.eye_m: FloatArray = np.array([0.0, EYE_HEIGHT_M, 10.0])
         self.azimuth_rad = 0.0
         self.elevation_rad = 0.0
         self.distance_m = 10.0
@@ -133,14 +134,14 @@ class CameraRig:
 
     def climb(self, steps: float) -> None:
         """Rise by an eighth of the height a step, or sink; the horizon stays in place."""
-        above_m = max(self.eye_m[1], 0.0) + 2.0 * _EYE_HEIGHT_M
-        height_m = above_m * _CLIMB**steps - 2.0 * _EYE_HEIGHT_M
+        above_m = max(self.eye_m[1], 0.0) + 2.0 * EYE_HEIGHT_M
+        height_m = above_m * _CLIMB**steps - 2.0 * EYE_HEIGHT_M
         self.rise_to(height_m)
 
     def rise_to(self, height_m: float) -> None:
         """Set the height; the view keeps its angle above the horizon."""
         above_rad = self.elevation_rad + dip_rad(self.eye_m[1])
-        height_m = min(max(height_m, _EYE_HEIGHT_M), _HIGHEST_M)
+        height_m = min(max(height_m, EYE_HEIGHT_M), _HIGHEST_M)
         self.eye_m = np.array([self.eye_m[0], height_m, self.eye_m[2]])
         self._tilt(above_rad - dip_rad(height_m))
 
