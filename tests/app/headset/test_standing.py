@@ -1,6 +1,7 @@
 """Where a headset's room stands in the scene: rigid motions, by analytic cases and at random."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from vrut_lite.app.headset.aim import Aim
 from vrut_lite.app.headset.controllers import SNAP_TURN_RAD, SnapTurn
 from vrut_lite.app.headset.loop import level_camera, middle_of
 from vrut_lite.app.headset.marker import ring
-from vrut_lite.app.headset.openxr import LocatedEye
+from vrut_lite.app.headset.openxr import LocatedEye, tangents_of
 from vrut_lite.app.headset.standing import (
     RoomPose,
     Standing,
@@ -175,6 +176,15 @@ def test_the_ring_is_round_and_hollow():
     assert picture[..., 3].mean() / 255.0 == pytest.approx(math.pi / 4.0 * radii, rel=0.01)
     assert picture[0, 0].max() == picture[64, 64].max() == 0
     np.testing.assert_array_equal(picture, picture[::-1].swapaxes(0, 1))
+
+
+def test_an_eyes_angles_are_those_of_its_edges():
+    """By name: OpenXR has the upper angle before the lower one, projections after it."""
+    fov = SimpleNamespace(
+        angle_left=-math.atan(1.2), angle_right=math.atan(0.9),
+        angle_up=math.atan(0.8), angle_down=-math.atan(1.1),
+    )  # fmt: skip
+    assert tangents_of(fov) == pytest.approx((-1.2, 0.9, -1.1, 0.8))
 
 
 # --- head and thumbstick -------------------------------------------------------------------

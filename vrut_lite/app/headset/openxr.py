@@ -131,7 +131,7 @@ class OpenXrSession:
         needed = flags.ORIENTATION_VALID_BIT | flags.POSITION_VALID_BIT
         if state.view_state_flags & needed != needed:
             return []
-        return [LocatedEye(pose_of(view.pose), _tangents(view.fov), view) for view in views]
+        return [LocatedEye(pose_of(view.pose), tangents_of(view.fov), view) for view in views]
 
     # --- on the GL thread ------------------------------------------------------------------
 
@@ -290,8 +290,8 @@ def pose_of(posef: Any) -> RoomPose:
     return RoomPose(np.array([at.x, at.y, at.z]), rotation_of((turn.x, turn.y, turn.z, turn.w)))
 
 
-def _tangents(fov: Any) -> tuple[float, float, float, float]:
-    """Tangents of an eye's four angles."""
+def tangents_of(fov: Any) -> tuple[float, float, float, float]:
+    """Tangents of an eye's angles (XrFovf, rad) to the left, right, lower and upper edge."""
     angles = fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up
     left, right, lower, upper = map(math.tan, angles)
     return left, right, lower, upper
