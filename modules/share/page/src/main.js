@@ -1,6 +1,7 @@
 // The page: reads its data, keeps hour and view, and draws when something changes.
 import { unpacked, PageData } from './data.js';
 import { Controls } from './controls.js';
+import { Headset } from './headset.js';
 import { Picture } from './picture.js';
 import { instantOf, wallOf } from './sun.js';
 
@@ -28,7 +29,7 @@ function showStills() {
   document.body.classList.add('still');
 }
 
-class Page {
+export class Page {
   /** @param {PageData} data */
   constructor(data) {
     this.header = data.header;
@@ -52,6 +53,7 @@ class Page {
     this.frames = 0;
     /** @type {{x: number, y: number} | null} */
     this.pointer = null;
+    this.headset = new Headset(this);
   }
 
   /** Something moved: the picture begins anew. */
@@ -88,6 +90,7 @@ class Page {
   }
 
   layOut() {
+    if (this.headset.session) return;
     const box = this.canvas.parentElement.getBoundingClientRect();
     const most = this.view.soft ? 1 : 2;
     this.view.resize(Math.max(box.width, 16), Math.max(box.height, 16), Math.min(devicePixelRatio || 1, most));
@@ -109,18 +112,26 @@ class Page {
     this.barDay = this.day;
   }
 
-  tell() {
+  /** Clock, date, and where sun or moon stand, in words. */
+  words() {
     const { sun, moon } = this.view, degrees = (/** @type {number} */ rad) => (rad * 180 / Math.PI).toFixed(1);
     const wall = new Date(Date.UTC(this.year, 0, 1) + (this.day * DAY + this.minute) * MINUTE);
-    part('clock').textContent = wall.toISOString().slice(11, 16);
-    part('date').textContent = wall.toLocaleDateString('en-GB', { day: 'numeric', month: 'long', timeZone: 'UTC' });
+    let body = sun ? `sun ${degrees(-sun.apparentRad)}° below the horizon` : '';
+    if (sun && sun.apparentRad > -0.0047) body = `sun ${degrees(sun.apparentRad)}° high`;
+    else if (moon && moon.apparentRad > 0) body = `moon ${degrees(moon.apparentRad)}° high, ${Math.round(100 * moon.lit)} % lit`;
+    return [wall.toISOString().slice(11, 16),
+      wall.toLocaleDateString('en-GB', { day: 'numeric', month: 'long', timeZone: 'UTC' }), body];
+  }
+
+  tell() {
+    const [clock, date, body] = this.words();
+    part('clock').textContent = clock;
+    part('date').textContent = date;
+    part('sun').textContent = body;
     part('hour').value = String(this.minute);
     part('hour').setAttribute('aria-valuetext', part('clock').textContent);
     part('day').value = String(this.day);
     part('day').setAttribute('aria-valuetext', part('date').textContent);
-    if (sun && sun.apparentRad > -0.0047) part('sun').textContent = `sun ${degrees(sun.apparentRad)}° high`;
-    else if (sun && moon && moon.apparentRad > 0) part('sun').textContent = `moon ${degrees(moon.apparentRad)}° high, ${Math.round(100 * moon.lit)} % lit`;
-    else part('sun').textContent = sun ? `sun ${degrees(-sun.apparentRad)}° below the horizon` : '';
     part('ev').textContent = `EV ${this.view.ev.toFixed(1)}`;
     const link = `#${this.text()}`;
     if (location.hash !== link && !this.plays && !this.dragging) history.replaceState(null, '', link);
@@ -137,6 +148,7 @@ class Page {
     requestAnimationFrame((next) => this.frame(next));
     const seconds = Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
+    if (this.headset.session) return;
     if (this.plays) this.setHour(this.day, this.minute + seconds * MINUTES_A_SECOND);
     this.controls.advance(seconds);
     if (!this.dirty) return;
@@ -146,12 +158,7 @@ class Page {
   step() {
     const { view } = this;
     const moves = this.plays || this.dragging || this.controls.fingers.size > 0 || this.controls.keys.size > 0;
-    if (this.hourChanged || (this.drafted && !moves)) {
-      this.drafted = moves && view.soft;
-      view.setHour(this.date, this.drafted);
-      if (this.barDay !== this.day) this.drawBar();
-      this.hourChanged = false;
-    }
+    this.lightHour(moves);
     const first = view.stillCount === 0, before = view.ev;
     this.dirty = view.draw(!moves) && !moves;
     // The exposure that was just metered is that of the next picture.
@@ -161,6 +168,16 @@ class Page {
     this.tell();
     this.turnNorth();
     if (first && this.pointer) this.tellLux();
+  }
+
+  /** Lights the scene at the present hour. @param {boolean} moves whether the hour goes on moving */
+  lightHour(moves) {
+    const { view } = this;
+    if (!this.hourChanged && (moves || !this.drafted)) return;
+    this.drafted = moves && view.soft;
+    view.setHour(this.date, this.drafted);
+    if (this.barDay !== this.day) this.drawBar();
+    this.hourChanged = false;
   }
 
   /** The range of false colours. */
@@ -208,6 +225,7 @@ class Page {
       this.change();
     });
     part('views').addEventListener('change', () => this.showView(part('views').value));
+    part('headset').addEventListener('click', () => this.wear());
     part('about-open').addEventListener('click', () => part('about').showModal());
     canvas.addEventListener('pointermove', (/** @type {PointerEvent} */ event) => {
       const box = canvas.getBoundingClientRect();
@@ -261,6 +279,22 @@ class Page {
     part('walk').setAttribute('aria-pressed', String(controls.walks));
   }
 
+  /** Enters or leaves the scene with a headset. */
+  async wear() {
+    const { session } = this.headset;
+    try {
+      await (session ? session.end() : this.headset.enter());
+      say('');
+    } catch (fault) {
+      say(`The headset cannot be entered: ${/** @type {Error} */ (fault).message || fault}`);
+    }
+    this.showHeadset();
+  }
+
+  showHeadset() {
+    part('headset').textContent = this.headset.session ? 'Leave VR' : 'Enter VR';
+  }
+
   /** @param {boolean} on */
   automatic(on) {
     const { exposure } = this.view;
@@ -291,6 +325,7 @@ async function start() {
   page.showView(Object.keys(header.views)[0]);
   page.listen();
   page.readLink();
+  part('headset').hidden = !await Headset.isThere();
   page.layOut();
   page.step();
   part('wait').hidden = true;

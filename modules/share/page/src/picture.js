@@ -159,6 +159,7 @@ export class Picture {
     });
     this.range = [10, 10000];
     this.meter = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.FloatType, depthBuffer: false });
+    this.glimpse = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.HalfFloatType });
     this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
@@ -204,16 +205,27 @@ export class Picture {
     const w = Math.max(1, Math.round(width * ratio)), h = Math.max(1, Math.round(height * ratio));
     for (const target of [this.target, this.sum]) target.dispose();
     this.size = [w, h];
-    const samples = this.soft ? 0 : 4;
-    this.target = new THREE.WebGLRenderTarget(w, h, {
-      type: THREE.HalfFloatType, samples, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
-    });
+    this.target = this.radianceTarget(w, h);
     this.sum = new THREE.WebGLRenderTarget(w, h, {
       type: THREE.FloatType, depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
     });
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
     this.stillCount = 0;
+  }
+
+  /** A target for a picture's radiance. @param {number} width @param {number} height */
+  radianceTarget(width, height) {
+    return new THREE.WebGLRenderTarget(width, height, {
+      type: THREE.HalfFloatType, samples: this.soft ? 0 : 4, minFilter: THREE.NearestFilter,
+      magFilter: THREE.NearestFilter,
+    });
+  }
+
+  /** Distances (m) of the nearest and the farthest things that are drawn. */
+  get depths() {
+    const size = this.header.scene.size_m;
+    return [Math.max(0.02, 2e-4 * size), 150 * size];
   }
 
   /** Lights the scene at an instant. @param {Date} date
@@ -339,15 +351,10 @@ export class Picture {
       jitter.value.set(2 * (halton(k + 1, 2) - 0.5) / w, 2 * (halton(k + 1, 3) - 0.5) / h);
       if (this.shared.key_irradiance.value.y > 0) this.drawShadow(this.inDisc(k));
     } else jitter.value.set(0, 0);
-    this.camera.near = Math.max(0.02, 2e-4 * this.header.scene.size_m);
-    this.camera.far = 150 * this.header.scene.size_m;
+    [this.camera.near, this.camera.far] = this.depths;
     this.camera.updateProjectionMatrix();
-    this.shared.values_shown.value = this.values ? 1 : 0;
-    if (count === 0) pre.value = 0.3 * scaleOf(this.ev);
+    this.drawRadiance(this.camera, this.target, count === 0);
     const { renderer } = this;
-    renderer.setRenderTarget(this.target);
-    renderer.clear();
-    renderer.render(this.scene, this.camera);
     let shown = this.target;
     if (still) {
       const k = count - 1;
@@ -364,6 +371,17 @@ export class Picture {
     return this.stillCount < STILLS;
   }
 
+  /** Draws what a camera sees. @param {THREE.Camera} camera @param {THREE.WebGLRenderTarget} target
+   * @param {boolean} [scales] by the present exposure */
+  drawRadiance(camera, target, scales = true) {
+    const { renderer, shared } = this;
+    shared.values_shown.value = this.values ? 1 : 0;
+    if (scales) shared.pre.value = 0.3 * scaleOf(this.ev);
+    renderer.setRenderTarget(target);
+    renderer.clear();
+    renderer.render(this.scene, camera);
+  }
+
   /** @param {number} k */
   inDisc(k) {
     const far = this.softRadius * Math.sqrt((k + 0.5) / (STILLS - 1)), turn = 2.399963 * k;
@@ -372,6 +390,12 @@ export class Picture {
     side.normalize();
     const up = this.keyDirection.clone().cross(side);
     return this.keyDirection.clone().addScaledVector(side, far * Math.cos(turn)).addScaledVector(up, far * Math.sin(turn)).normalize();
+  }
+
+  /** Exposes for what a camera sees. @param {THREE.Camera} camera */
+  meterView(camera) {
+    this.drawRadiance(camera, this.glimpse);
+    this.meterPicture(this.glimpse, 1 / this.shared.pre.value);
   }
 
   /** @param {THREE.WebGLRenderTarget} target @param {number} factor */
@@ -402,15 +426,16 @@ export class Picture {
     if (before[0] !== this.range[0] || before[1] !== this.range[1]) this.display(this.target, 1);
   }
 
-  /** @param {THREE.WebGLRenderTarget} target @param {number} count of the pictures in it */
-  display(target, count) {
+  /** @param {THREE.WebGLRenderTarget} target @param {number} count of the pictures in it
+   * @param {THREE.WebGLRenderTarget | null} [into] null for the page's canvas */
+  display(target, count, into = null) {
     this.setTone();
     const u = this.tone.material.uniforms;
     u.radiance.value = target.texture;
     u.range.value.set(Math.log(this.range[0]), Math.log(this.range[1]));
     const kept = this.shared.pre.value;
     this.shared.pre.value = count * (this.values ? 1 : kept);
-    this.tone.draw(this.renderer, null);
+    this.tone.draw(this.renderer, into);
     this.shared.pre.value = kept;
   }
 

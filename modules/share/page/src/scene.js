@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
+import { SURFACES } from './floor.js';
 import {
   DEPTH_FRAGMENT, DEPTH_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TINT_FRAGMENT, program,
 } from './shaders.js';
@@ -11,7 +12,7 @@ const MIRRORED_BELOW = 0.5;
 
 /** @param {number[]} values */
 const vec3 = (values) => new THREE.Vector3(values[0], values[1], values[2]);
-const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
+export const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
 white.needsUpdate = true;
 
 /** Linear colour: the scene's factors are linear already. @param {THREE.Color} c */
@@ -100,6 +101,7 @@ export async function sceneOf(glb, shared, defines, map) {
     placed.matrix.copy(mesh.matrixWorld);
     placed.matrixWorld.copy(mesh.matrixWorld);
     placed.frustumCulled = false;
+    if (!clear) placed.layers.enable(SURFACES);
     (clear ? glass : opaque).add(placed);
     if (mirrors) glossy.push(placed);
     if (ground) continue;

@@ -186,6 +186,45 @@ void main() {
     colour = vec4(min(radiance * cube_scale, 6e4), 1.0);
 }`;
 
+// Where surfaces are, and the height of the normal of the side that is seen, plus 2.
+export const PLACE_VERTEX = `
+in vec3 position;
+uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
+out vec3 world;
+void main() {
+    world = (modelMatrix * vec4(position, 1.0)).xyz;
+    gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
+}`;
+
+export const PLACE_FRAGMENT = `${HEAD}
+in vec3 world;
+out vec4 place;
+void main() {
+    vec3 face = normalize(cross(dFdx(world), dFdy(world)));
+    // Derivatives run rightwards and upwards in the picture: the normal points to the eye.
+    place = vec4(world, face.y + 2.0);
+}`;
+
+// Marks that a headset shows: display values, whatever the exposure.
+export const MARK_VERTEX = `
+in vec3 position;
+in vec2 uv;
+uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
+out vec2 at;
+void main() {
+    at = uv;
+    gl_Position = projectionMatrix * viewMatrix * modelMatrix * vec4(position, 1.0);
+}`;
+
+export const MARK_FRAGMENT = `${HEAD}
+uniform sampler2D picture;
+uniform vec3 tint;
+in vec2 at;
+out vec4 colour;
+// Radiance in the target of what the tone curve shows as white.
+const float SHOWN_WHITE = 2.0;
+void main() { colour = vec4(pow(texture(picture, at).rgb * tint, vec3(2.2)) * SHOWN_WHITE, 1.0); }`;
+
 export const DEPTH_VERTEX = `
 in vec3 position;
 in vec2 uv;
@@ -470,7 +509,8 @@ void main() {
     float sky_in_all = max(sky.a + dot(sky.rgb, even) * 2.0 / 3.0, 1e-4);
     float nl = dot(n, key_direction), cos_face = dot(face, key_direction);
     vec3 sun = vec3(0.0);
-    if (nl > 0.0 && cos_face > 0.0 && key_irradiance.g > 0.0) {
+    // Shadow maps leak sunlight where walls meet: what no sky reaches gets none.
+    if (nl > 0.0 && cos_face > 0.0 && key_irradiance.g > 0.0 && lit_by.a > 0.0) {
         sun = key_irradiance * (before_terminator(nl, cos_face, dot(n, face)) * sun_lit(face));
 #ifdef GLASS_SHADOW
         sun *= through_glass();
@@ -566,7 +606,7 @@ uniform sampler2D colours;
 in vec2 at;
 out vec4 display;
 void main() {
-    vec3 found = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
+    vec3 found = texelFetch(radiance, ivec2(at * vec2(textureSize(radiance, 0))), 0).rgb;
     if (values_shown > 0.5) {
         if (found.r < 0.0) { display = vec4(0.08, 0.08, 0.08, 1.0); return; }
         float share = (log(max(found.r, 1e-6)) - range.x) / (range.y - range.x);
