@@ -66,6 +66,13 @@ def decoded(codes: NDArray[np.int8]) -> Float32Array:
     return np.asarray(np.sign(codes) * share ** np.float32(POWER), np.float32)
 
 
+def coded(values: Float32Array) -> tuple[NDArray[np.int8], Float32Array]:
+    """Bytes of maps (K, T) over the peaks (K,) of their values, and the peaks."""
+    peak = np.maximum(np.abs(values).max(axis=1), np.float32(1e-30))
+    share = (np.abs(values) / peak[:, None]) ** (1.0 / POWER)
+    return (np.sign(values) * np.rint(_MOST * share)).astype(np.int8), peak
+
+
 def factors(code: NDArray[np.uint8]) -> Float32Array:
     """Factors (T,) of codes."""
     found = np.exp2((code.astype(np.float32) - 255.0) / np.float32(CODES_PER_STOP))
@@ -80,7 +87,7 @@ def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
     used = np.flatnonzero(code)
     sample = random.permutation(used)[:_SAMPLES]
     rows = columns.rows(sample)
-    directions = _principal(rows.T @ rows, _DIMENSIONS)
+    directions = principal(rows.T @ rows, _DIMENSIONS)
     towards = np.empty((len(code), directions.shape[1]), np.float32)
     for block in _blocks(len(code)):
         towards[block] = columns.rows(block) @ directions
@@ -92,14 +99,12 @@ def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
         at = used[cluster[used] == number]
         if not len(at):
             continue
-        own = _principal(towards[at].T @ towards[at], terms)
+        own = principal(towards[at].T @ towards[at], terms)
         basis = towards[at] @ own
-        peak = np.maximum(np.abs(basis).max(axis=0), 1e-30)
-        share = (np.abs(basis) / peak) ** (1.0 / POWER)
-        coded = (np.sign(basis) * np.rint(_MOST * share)).astype(np.int8)
-        values[: coded.shape[1], at] = coded.T
+        codes = coded(basis.T)[0].T
+        values[: codes.shape[1], at] = codes.T
         # Coefficients of the coded maps, by least squares.
-        exact = decoded(coded)
+        exact = decoded(codes)
         inner = (exact.T @ exact).astype(float)
         inner += np.eye(len(inner)) * max(1e-6 * np.trace(inner) / len(inner), 1e-20)
         product = exact.T @ columns.rows(at)
@@ -150,8 +155,8 @@ def _blocks(count: int) -> Iterator[slice]:
         yield slice(first, min(first + _BLOCK, count))
 
 
-def _principal(gram: Float32Array, count: int) -> Float32Array:
-    """The first eigenvectors (n, <= count) of a matrix (n, n), the strongest first."""
+def principal(gram: Float32Array, count: int) -> Float32Array:
+    """The first eigenvectors (n, <= count) of a symmetric matrix (n, n), the strongest first."""
     vectors = np.linalg.eigh(np.asarray(gram, float))[1]
     return np.asarray(vectors[:, ::-1][:, :count], np.float32)
 

@@ -33,8 +33,6 @@ _CUBE = 64
 # Texels and faces of probes up to which a page stays small enough to be sent.
 MOST_VALUES = 400_000
 _BLACK = (0.0, 0.0, 0.0)
-# Heights of the sun from which places count in the share of the open sky, and every which one does.
-_OPEN_SHARE_RAD, _OPEN_SHARE_STEP = 0.2, 8
 
 
 def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTransport:
@@ -136,14 +134,14 @@ class LightMaps:
         by_sun: (S, T, 3), at the places, as shares of `level_rgb` (S, 3).
         by_glow: (T, 3), of a moonless night.
         by_lamps: (T, 3), of lamps and surfaces that glow, their direct light too.
-        open_share: (T,), share of the open sky's irradiance that arrives, mean over places of day.
+        sky_share: (S, T) float16, share of the open sky's irradiance that arrives.
     """
 
     by_sun: Float32Array
     level_rgb: FloatArray
     by_glow: Float32Array
     by_lamps: Float32Array
-    open_share: Float32Array
+    sky_share: NDArray[np.float16]
 
 
 def light_maps(
@@ -161,21 +159,19 @@ def light_maps(
         found = transport.light(hour)
         return values.taken(found.texels, found.probes)
 
-    day = np.flatnonzero(places.heights > _OPEN_SHARE_RAD)[::_OPEN_SHARE_STEP]
-    share = np.zeros(len(values), np.float32)
     albedo = table.albedo_rgb[-1]
     by_lamps = light(glow_illumination(None, albedo))[:, :3]
     by_glow = np.maximum(light(glow_illumination(glow, albedo))[:, :3] - by_lamps, 0.0)
     count = len(places.heights)
     by_sun, levels = np.empty((count, len(values), 3), np.float32), np.empty((count, 3))
+    share = np.empty((count, len(values)), np.float16)
     for number in tracked(range(count)):
         height = float(places.heights[number])
         hour = illumination(table, height, apparent_of(height), float(places.azimuths[number]))
         levels[number] = table.level(height)
         found = light(hour)
         by_sun[number] = np.maximum(found[:, :3] - by_lamps, 0.0) / levels[number]
-        if number in day:
-            share += found[:, 3] / np.float32(len(day))
+        share[number] = found[:, 3]
     lamps = by_lamps + _drawn_lamps(transport, values)
     return LightMaps(by_sun, levels, by_glow, lamps, share)
 

@@ -11,12 +11,14 @@ from light_transport.public import Illumination, SceneTransport
 from numpy.typing import NDArray
 from PIL import Image
 
+from share.air_table import BELOW, air_table
 from share.glb import glb_of
 from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light_basis
 from share.light_maps import MapValues, glow_illumination, light_maps, traced
 from share.page_file import page_text
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
+from share.sky_shares import COMPONENTS, SkyShares, sky_shares
 from share.sky_table import LOWER, SkyTable, check_sky, sky_table
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
@@ -27,7 +29,6 @@ from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.headless import Project, display_numbers, tracked
 from vrut_lite.messages.camera import frame_bounds
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import Float32Array, FloatArray
 from vrut_lite.place_time import time_zone_at
@@ -41,9 +42,6 @@ _HEIGHTS_DEG = (
 )
 # Number of hours of the day at which the error is measured.
 _ERROR_HOURS = 12
-# Extinction (1/m) of clean air at sea level at the three primaries (Bucholtz 1995).
-_MOLECULES_PER_M = (5.8e-6, 1.36e-5, 3.31e-5)
-_MOLECULES_HEIGHT_M = 8000.0
 _BYTES_OF_COLOURS = 64
 
 
@@ -114,7 +112,9 @@ def _page(
     transport = traced(scene, tolerance, texels)
     values = MapValues.of(transport)
     disc, key = opened.disc, opened.light.key_light
-    table = sky_table(opened.sun_skies(np.radians(_HEIGHTS_DEG)))
+    skies = opened.sun_skies(np.radians(_HEIGHTS_DEG))
+    table = sky_table(skies)
+    air = air_table(skies, table, math.dist(scene.lower_m, scene.upper_m))
     check_sky(table, opened.afternoon_sky())
     glow = opened.moonless_glow()
     places = SunPlaces(math.radians(place.latitude_deg), place.north_offset_rad)
@@ -129,6 +129,7 @@ def _page(
         lambda steps: tracked(steps, "light of the sun's places", len(places.heights)),
     )
     basis = light_basis(maps, terms)
+    shares = sky_shares(maps.sky_share, places.heights > 0.0)
     # As the page reads them; coefficients have either sign.
     sun_scale = float16_scale(float(np.abs(basis.sun).max()))
     sun_bits = (basis.sun / np.float32(sun_scale)).astype(np.float16)
@@ -163,11 +164,11 @@ def _page(
             "sun_scale": sun_scale,
             "lamps_bright": float(maps.by_lamps.max()),
             "glow_bright": float(maps.by_glow.max()),
+            "share_components": COMPONENTS,
         },
         "sky": about_sky(table),
         "moon": moon,
         "glow_ground": list(glow_illumination(glow, table.albedo_rgb[-1]).ground_radiance_rgb),
-        "air": {"extinction_per_m": _extinction(key, place.altitude_m)},
         "disc": {
             "angular_radius_rad": disc.angular_radius_rad,
             "even_radius_rad": key.even_radius_rad,
@@ -179,12 +180,15 @@ def _page(
     }
     glow_bits, glow_scale = encode_float16(np.zeros((2, 2, 3)) if glow is None else glow)
     header["glow_scale"] = glow_scale
-    planes = _planes(basis, values, maps.open_share)
+    planes = _planes(basis, values, shares)
     arrays: dict[str, NDArray] = {
         "planes": planes,
         "sun": sun_bits.view(np.uint16),
+        "share_weights": shares.weights,
         "night_and_lamps": np.stack([basis.glow, basis.lamps]),
         "sky": table.radiance.view(np.uint16),
+        "air": air.radiance.view(np.uint16),
+        "optical_depth": air.optical_depth.view(np.uint16),
         "glow": glow_bits.view(np.uint16),
         "visible_sky": _visible_sky(transport, planes.shape[1:]),
         "reflectance": _reflectance(),
@@ -216,6 +220,7 @@ def about_sky(table: SkyTable) -> dict[str, Any]:
     """The table of the sky, without its radiances, as `page/src/sky.js` reads it."""
     return {
         "lower": LOWER,
+        "below": BELOW,
         "true_rad": table.true_rad.tolist(),
         "apparent_rad": table.apparent_rad.tolist(),
         "level": table.level_rgb.tolist(),
@@ -228,20 +233,22 @@ def about_sky(table: SkyTable) -> dict[str, Any]:
 # --- light ----------------------------------------------------------------------------------------
 
 
-def _planes(basis: LightBasis, values: MapValues, open_share: Float32Array) -> NDArray[np.uint8]:
-    """Planes (K + 3, h, w): factors' codes, clusters, roots of the share of the open sky, terms.
+def _planes(basis: LightBasis, values: MapValues, shares: SkyShares) -> NDArray[np.uint8]:
+    """Planes (3 + C + K, h, w): factors' codes, clusters, roots of the sky's mean share, the
+    share's components, terms.
 
-    Terms count from 128. The probes' rows come after the map's.
+    Components and terms count from 128. The probes' rows come after the map's.
     """
     width, height = values.size_px
     count = 0 if values.probes is None else int(np.prod(values.probes))
     rows = height + -(-count // width)
     where = np.concatenate([values.where, width * height + np.arange(count)])
-    found = np.zeros((3 + len(basis.terms), rows * width), np.uint8)
+    signed = np.concatenate([shares.components, basis.terms])
+    found = np.zeros((3 + len(signed), rows * width), np.uint8)
     found[3:] = 128
     found[0, where], found[1, where] = basis.factor_code, basis.cluster
-    found[2, where] = np.rint(255.0 * np.sqrt(np.clip(open_share, 0.0, 1.0)))
-    found[3:, where] = basis.terms.astype(np.int16) + 128
+    found[2, where] = np.rint(255.0 * np.sqrt(np.clip(shares.mean, 0.0, 1.0)))
+    found[3:, where] = signed.astype(np.int16) + 128
     return found.reshape(-1, rows, width)
 
 
@@ -330,16 +337,6 @@ def _moon_table(opened: SharedScene) -> dict[str, Any] | None:
         return None
     found.sort()
     return {"phase_deg": [phase for phase, _ in found], "log_share": [row for _, row in found]}
-
-
-def _extinction(key: KeyLightChanged, altitude_m: float) -> list[float]:
-    """Extinction (1/m) of the air at the place: molecules, and the layers of haze."""
-    total = np.array(_MOLECULES_PER_M) * math.exp(-altitude_m / _MOLECULES_HEIGHT_M)
-    for layer in key.haze:
-        if layer.peak_m is None:
-            thins = math.exp(-altitude_m / layer.height_m)
-            total = total + np.asarray(layer.optical_depth) / layer.height_m * thins
-    return total.tolist()
 
 
 # --- scene ----------------------------------------------------------------------------------------

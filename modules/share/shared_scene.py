@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.headless import Project, SceneKernel, require_sun
-from vrut_lite.kernel.messages import EnableModule
+from vrut_lite.kernel.messages import EnableModule, SetSetting
+from vrut_lite.messages.air import AirChanged, AirVolume
 from vrut_lite.messages.night import MoonLight, NightLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
@@ -48,6 +49,7 @@ class SunSky:
         key_rgb: irradiance of the sun behind the air, on a plane that faces it, W m^-2.
         ground_rgb: radiance of open ground, W m^-2 sr^-1.
         albedo_rgb: of open ground.
+        air: before surfaces; None where the sky makes none, or the scene is to be seen without.
     """
 
     true_rad: float
@@ -57,6 +59,7 @@ class SunSky:
     key_rgb: FloatArray
     ground_rgb: FloatArray
     albedo_rgb: FloatArray
+    air: AirVolume | None = None
 
 
 class Disc(NamedTuple):
@@ -76,7 +79,7 @@ class SharedScene(SceneKernel):
             UserError: the project has an invalid value, or its scene cannot be read.
         """
         super().__init__(project, _CONSUMER, cube_px=_CUBE, background_px=_CUBE)
-        self._start = project.instant()
+        self._start, self._has_air = project.instant(), project.air
 
     @property
     def disc(self) -> Disc:
@@ -95,11 +98,18 @@ class SharedScene(SceneKernel):
     def sun_skies(self, heights_rad: FloatArray) -> list[SunSky]:
         """Skies by the sun alone, by rising height; heights (n,) that it never has are left out."""
         found = []
+        self._show_air(self._has_air)
         for instants in self._instants_of(heights_rad):
             sky = self._moonless_sky(instants)
             if sky is not None:
                 found.append(sky)
+        self._show_air(False)
         return sorted(found, key=lambda sky: sky.true_rad)
+
+    def _show_air(self, on: bool) -> None:
+        """Let the sky compute air, or spare it."""
+        self.kernel.inject(SetSetting(module="scene", name="air", value=on))
+        self.settle()
 
     def _moonless_sky(self, instants: Iterator[datetime]) -> SunSky | None:
         """The sky of the first instant without moonlight."""
@@ -147,6 +157,7 @@ class SharedScene(SceneKernel):
             glow = np.float32(share) * glow_cube(night.glow_rgb, cube.shape[1], _BLACK)
             ground = ground - albedo / np.pi * horizontal_irradiance(glow)
             cube = cube - glow
+        air = self.kernel.last(AirChanged)
         return SunSky(
             true_rad=sun.elevation_rad,
             apparent_rad=sun.apparent_elevation_rad,
@@ -155,6 +166,7 @@ class SharedScene(SceneKernel):
             key_rgb=np.asarray(hour.key_irradiance_rgb, float) * float(lit),
             ground_rgb=np.maximum(ground, 0.0),
             albedo_rgb=albedo,
+            air=None if air is None else air.volume,
         )
 
     def _suns_of_year(self) -> tuple[FloatArray, FloatArray]:

@@ -93,14 +93,13 @@ class SkyTable:
 
 def sky_table(skies: list[SunSky]) -> SkyTable:
     """The table of skies that the sun alone lights, by rising height."""
-    directions = _directions()
     levels = [
         np.maximum(horizontal_irradiance(sky.cube) + SUN_SHARE * sky.key_rgb, _LEAST)
         for sky in skies
     ]
     radiance = np.stack(
         [
-            _sampled(sky, directions(max(sky.apparent_rad, 0.0), sky.azimuth_rad)) / level
+            _sampled(sky, table_directions(max(sky.apparent_rad, 0.0), sky.azimuth_rad)) / level
             for sky, level in zip(skies, levels, strict=True)
         ]
     )
@@ -133,24 +132,19 @@ def check_sky(table: SkyTable, sky: SunSky) -> None:
         )
 
 
-def _directions():  # type: ignore[no-untyped-def]
-    """Function of the sun's height and azimuth: directions (rows, columns, 3) of the nodes."""
-    azimuth = np.pi * np.linspace(0.0, 1.0, COLUMNS) ** 2
+def table_directions(sun_rad: float, sun_azimuth_rad: float) -> FloatArray:
+    """Unit directions (rows, columns, 3) of nodes for a sun's height, at least 0, and azimuth."""
+    turned = sun_azimuth_rad + np.pi * np.linspace(0.0, 1.0, COLUMNS) ** 2
     lower = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, LOWER))
     upper = np.linspace(0.0, 1.0, UPPER) ** 2
-
-    def directions(sun_rad: float, sun_azimuth_rad: float) -> FloatArray:
-        height = np.concatenate([sun_rad * lower, sun_rad + (0.5 * np.pi - sun_rad) * upper])
-        level = np.cos(height)[:, None]
-        turned = sun_azimuth_rad + azimuth
-        return np.stack(
-            np.broadcast_arrays(
-                level * np.sin(turned), np.sin(height)[:, None], -level * np.cos(turned)
-            ),
-            axis=-1,
-        )
-
-    return directions
+    height = np.concatenate([sun_rad * lower, sun_rad + (0.5 * np.pi - sun_rad) * upper])
+    level = np.cos(height)[:, None]
+    return np.stack(
+        np.broadcast_arrays(
+            level * np.sin(turned), np.sin(height)[:, None], -level * np.cos(turned)
+        ),
+        axis=-1,
+    )
 
 
 def _sampled(sky: SunSky, directions: FloatArray) -> FloatArray:

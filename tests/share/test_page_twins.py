@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dynamic_skylight import sun_position
+from share.air_table import BELOW, VIEWS
 from share.page_file import packed
 from share.shared_page import about_places, about_sky
 from share.shared_scene import SunSky
-from share.sky_table import sky_table
+from share.sky_table import COLUMNS, LOWER, UPPER, sky_table
 from share.sun_places import SunPlaces, equatorial
 
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
@@ -145,7 +146,12 @@ def test_the_skys_table_is_read_alike(node):
     directions = random.normal(size=(50, 3))
     directions[:, 1] = np.abs(directions[:, 1])
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    arrays = {"sky": table.radiance.view(np.uint16), "glow": np.zeros((2, 2, 3), np.uint16)}
+    arrays = {
+        "sky": table.radiance.view(np.uint16),
+        "air": np.zeros((4, BELOW + LOWER + UPPER, COLUMNS, 3), np.uint16),
+        "optical_depth": np.zeros((VIEWS, 3), np.uint16),
+        "glow": np.zeros((2, 2, 3), np.uint16),
+    }
     content = packed({"sky": about_sky(table), "glow_scale": 1.0}, arrays)
     script = """
         import { PageData } from './src/data.js';

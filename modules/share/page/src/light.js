@@ -15,6 +15,9 @@ export class LightMap {
     this.count = about.clusters * about.terms * 3;
     const bits = data.array('sun');
     this.sun = Float32Array.from(bits, (half) => halfValue(half) * about.sun_scale);
+    this.shares = data.array('share_weights');
+    /** Weights of the share of the sky's light, those of the sources in the share of their light. */
+    this.shareWeights = new Float32Array(about.share_components);
     const extra = data.array('night_and_lamps');
     this.glow = extra.subarray(0, this.count);
     this.lamps = extra.subarray(this.count);
@@ -38,7 +41,8 @@ export class LightMap {
     });
     this.pass = fullScreen(LIGHT_FRAGMENT, {
       basis: { value: this.basis }, coefficients: { value: this.coefficients },
-    }, { TERMS: about.terms, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
+      share_weights: { value: this.shareWeights },
+    }, { TERMS: about.terms, COMPONENTS: about.share_components, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
     /** Factor from the map's values to W m^-2. */
     this.scale = 1;
   }
@@ -55,6 +59,23 @@ export class LightMap {
         for (let k = c; k < this.count; k += 3) into[k] += factor * this.sun[start + k];
       }
     }
+  }
+
+  /** How the sky's light is shared out by its sources; the night's glow is as the mean.
+   * @param {(import('./sky.js').Body & {declination: number, hour: number, northRad: number})[]} bodies
+   * @param {number} night its light, as those of bodies by their levels */
+  share(bodies, night) {
+    const count = this.shareWeights.length;
+    const bright = bodies.map((body) => this.table.level(body.trueRad)[1] * body.share[1]);
+    const all = bright.reduce((sum, one) => sum + one, Math.max(night, 1e-30));
+    this.shareWeights.fill(0);
+    bodies.forEach((body, number) => {
+      for (const [place, weight] of placeWeights(this.places, body)) {
+        for (let k = 0; k < count; ++k) {
+          this.shareWeights[k] += bright[number] / all * weight * this.shares[place * count + k];
+        }
+      }
+    });
   }
 
   /** Draws the map of these coefficients. @param {THREE.WebGLRenderer} renderer

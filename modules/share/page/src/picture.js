@@ -9,6 +9,8 @@ import {
 import { OpenIrradiance, SkyTable, directionOf, placed } from './sky.js';
 import { Ephemeris, nightShare, sunShare, visible } from './sun.js';
 
+// Factor on lux in half floats: sunlight has more than these hold.
+const LUX_SCALE = 1 / 8;
 const MIRROR_EDGE = 64, METER = [128, 72], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
 const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
@@ -42,7 +44,10 @@ export class Picture {
     this.softRadius = 0.0045;
     this.white = 0;
     const [columns, rows] = [this.table.columns, this.table.rows];
-    this.defines = { COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1) };
+    this.defines = {
+      COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1),
+      BELOW: header.sky.below.toFixed(1),
+    };
     const tone = header.tone;
     const sky = data.array('visible_sky'), [mapHeight, mapWidth] = data.shape('visible_sky');
     const skyTexture = new THREE.DataTexture(sky, mapWidth, mapHeight, THREE.RGBAFormat,
@@ -57,6 +62,9 @@ export class Picture {
     this.mirror = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
       type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
       depthBuffer: false,
+    });
+    this.air = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
+      type: THREE.HalfFloatType, depthBuffer: false,
     });
     const edge = this.soft ? 2048 : 4096;
     this.shadow = new THREE.WebGLRenderTarget(edge, edge, { depthBuffer: true });
@@ -73,7 +81,10 @@ export class Picture {
       glow_map: { value: this.table.glow },
       glow: { value: 0 },
       below_horizon: { value: new THREE.Vector3() },
-      extinction_per_m: { value: new THREE.Vector3(...header.air.extinction_per_m) },
+      air_table: { value: this.table.air },
+      near_air: { value: this.air.texture },
+      air_scale: { value: 1 },
+      optical_depth: { value: this.table.opticalDepth },
       scene_m: { value: header.scene.size_m },
       from_radiance: { value: new THREE.Matrix3() },
       outset: { value: matrix(tone.outset) },
@@ -145,7 +156,9 @@ export class Picture {
       u.eye_height.value = new THREE.Vector3().setFromMatrixPosition(view).y - header.scene.ground_m;
       /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniformsNeedUpdate = true;
     };
-    this.cubePass = fullScreen(CUBE_FRAGMENT, { ...one, face: { value: 0 }, cube_scale: { value: 1 } }, this.defines);
+    const cube = { ...one, face: { value: 0 }, cube_scale: { value: 1 } };
+    this.cubePass = fullScreen(CUBE_FRAGMENT, cube, this.defines);
+    this.airPass = fullScreen(CUBE_FRAGMENT, cube, { ...this.defines, AIR: 1 });
     this.copy = fullScreen(COPY_FRAGMENT, { from: { value: null }, factor: { value: 1 } });
     this.add = fullScreen(COPY_FRAGMENT, { from: { value: null }, factor: { value: 1 } }, {}, {
       transparent: true, blending: THREE.CustomBlending, blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor,
@@ -269,16 +282,19 @@ export class Picture {
     this.shared.key_direction.value.copy(this.keyDirection);
     this.shared.key_irradiance.value.set(...strength);
     const level = Math.max(...lit.flatMap((body) => this.table.level(body.trueRad).map((v, c) => v * body.share[c])), night * this.header.basis.glow_bright, 1e-9);
+    this.light.share(lit, night * this.header.basis.glow_bright);
     this.light.draw(this.renderer, coefficients, Math.max(level, this.header.basis.lamps_bright));
     this.shared.light_scale.value = this.light.scale;
     this.open.update(lit, night, ground, 1 / level);
     this.shared.open_scale.value = level;
-    this.cubePass.material.uniforms.cube_scale.value = 1 / level;
-    this.shared.mirror_scale.value = level;
-    for (let face = 0; face < 6; ++face) {
-      this.cubePass.material.uniforms.face.value = face;
-      this.cubePass.material.uniformsNeedUpdate = true;
-      this.cubePass.draw(this.renderer, this.mirror, face);
+    this.shared.mirror_scale.value = this.shared.air_scale.value = level;
+    for (const [pass, target] of /** @type {const} */ ([[this.cubePass, this.mirror], [this.airPass, this.air]])) {
+      pass.material.uniforms.cube_scale.value = 1 / level;
+      for (let face = 0; face < 6; ++face) {
+        pass.material.uniforms.face.value = face;
+        pass.material.uniformsNeedUpdate = true;
+        pass.draw(this.renderer, target, face);
+      }
     }
     const { disc } = this.header, u = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms;
     const radius = byDay ? disc.angular_radius_rad : 0.0045;
@@ -375,7 +391,7 @@ export class Picture {
    * @param {boolean} [scales] by the present exposure */
   drawRadiance(camera, target, scales = true) {
     const { renderer, shared } = this;
-    shared.values_shown.value = this.values ? 1 : 0;
+    shared.values_shown.value = this.values ? LUX_SCALE : 0;
     if (scales) shared.pre.value = 0.3 * scaleOf(this.ev);
     renderer.setRenderTarget(target);
     renderer.clear();
@@ -419,8 +435,8 @@ export class Picture {
     this.renderer.readRenderTargetPixels(this.meter, 0, 0, METER[0], METER[1], texels);
     const values = texels.filter((v, i) => i % 4 === 0 && v > 0).sort();
     if (!values.length) return;
-    const high = values[Math.floor(0.99 * (values.length - 1))];
-    const low = Math.max(values[Math.floor(0.01 * (values.length - 1))], high / 1e3);
+    const high = values[Math.floor(0.99 * (values.length - 1))] / LUX_SCALE;
+    const low = Math.max(values[Math.floor(0.01 * (values.length - 1))] / LUX_SCALE, high / 1e3);
     const before = this.range;
     this.range = [low, Math.max(high, low * 1.01)];
     if (before[0] !== this.range[0] || before[1] !== this.range[1]) this.display(this.target, 1);
@@ -458,7 +474,7 @@ export class Picture {
     const texel = new Float32Array(4);
     this.renderer.readRenderTargetPixels(this.probe, 0, 0, 1, 1, texel);
     this.camera.clearViewOffset();
-    this.shared.values_shown.value = this.values ? 1 : 0;
+    this.shared.values_shown.value = this.values ? LUX_SCALE : 0;
     return texel[0] < 0 ? NaN : texel[0];
   }
 }

@@ -12,26 +12,29 @@ void main() { at = 0.5 + 0.5 * position.xy; gl_Position = vec4(position.xy, 0.0,
 const HEAD = 'precision highp float;\nprecision highp sampler2DArray;\nprecision highp sampler2DShadow;\n';
 
 export const LIGHT_FRAGMENT = `${HEAD}
-uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, open share, terms
+uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, sky's share, its components, terms
 uniform sampler2D coefficients;   // of terms, a row a cluster
+uniform float share_weights[COMPONENTS];
 out vec4 light;
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy);
     vec4 four = 255.0 * texelFetch(basis, ivec3(p, 0), 0);
     light = vec4(0.0);
     if (four.x < 0.5) return;
-    light.a = four.z * four.z / (255.0 * 255.0);
+    float mean_share = four.z * four.z / (255.0 * 255.0), ratio = 1.0;
     float factor = exp2((floor(four.x + 0.5) - 255.0) / CODES);
     int cluster = int(four.y + 0.5);
     vec3 sum = vec3(0.0);
-    for (int k = 0; k < TERMS; ++k) {
-        int number = (k + 3) & 3;
-        if (number == 0) four = 255.0 * texelFetch(basis, ivec3(p, (k + 3) >> 2), 0);
+    for (int k = -COMPONENTS; k < TERMS; ++k) {
+        int plane = k + COMPONENTS + 3, number = plane & 3;
+        if (number == 0) four = 255.0 * texelFetch(basis, ivec3(p, plane >> 2), 0);
         float code = (number == 0 ? four.x : number == 1 ? four.y : number == 2 ? four.z : four.w);
         float share = (floor(code + 0.5) - 128.0) / 127.0;
         float value = sign(share) * pow(abs(share), POWER);
-        sum += value * texelFetch(coefficients, ivec2(k, cluster), 0).rgb;
+        if (k < 0) ratio += value * share_weights[k + COMPONENTS];
+        else sum += value * texelFetch(coefficients, ivec2(k, cluster), 0).rgb;
     }
+    light.a = mean_share * max(ratio, 0.0);
     light.rgb = max(sum * factor, 0.0);
 }`;
 
@@ -44,8 +47,8 @@ uniform sampler2DArray sky_table;
 uniform sampler2D glow_map;
 uniform float glow;               // factor on the map's values
 uniform vec3 below_horizon;       // radiance of open ground
-vec3 sky_of(Body body, vec3 d) {
-    vec2 size = vec2(COLUMNS, ROWS);
+// Column and row of a direction, at least on the horizon.
+vec2 table_node(Body body, vec3 d) {
     float height = asin(clamp(d.y, 0.0, 1.0));
     float cosine = dot(d.xz, body.azimuth) / max(length(d.xz), 1e-6);
     // acos beside 1 loses the glow's middle; the chord keeps it.
@@ -56,7 +59,10 @@ vec3 sky_of(Body body, vec3 d) {
         ? acos(1.0 - 2.0 * clamp(height / body.height, 0.0, 1.0)) / PI * (LOWER - 1.0)
         : LOWER + sqrt(clamp((height - body.height) / max(0.5 * PI - body.height, 1e-6), 0.0, 1.0))
             * (ROWS - LOWER - 1.0);
-    vec2 uv = (vec2(column, row) + 0.5) / size;
+    return vec2(column, row);
+}
+vec3 sky_of(Body body, vec3 d) {
+    vec2 uv = (table_node(body, d) + 0.5) / vec2(COLUMNS, ROWS);
     vec3 low = textureLod(sky_table, vec3(uv, body.layer), 0.0).rgb;
     vec3 high = textureLod(sky_table, vec3(uv, body.layer + 1.0), 0.0).rgb;
     return body.light * mix(low, high, body.share);
@@ -71,8 +77,19 @@ vec3 sky_radiance(vec3 d) {
     }
     return sum;
 }
-uniform vec3 extinction_per_m;
-uniform float scene_m;
+// Mean radiance of the air before near surfaces, by share/air_table.py's layout.
+uniform sampler2DArray air_table;
+vec3 air_of(Body body, vec3 d) {
+    vec2 node = table_node(body, d);
+    node.y = d.y < 0.0 ? (BELOW - 1.0) * (1.0 - sqrt(asin(min(-d.y, 1.0)) / (0.5 * PI))) : BELOW + node.y;
+    vec2 uv = (node + 0.5) / vec2(COLUMNS, BELOW + ROWS);
+    vec3 low = textureLod(air_table, vec3(uv, body.layer), 0.0).rgb;
+    vec3 high = textureLod(air_table, vec3(uv, body.layer + 1.0), 0.0).rgb;
+    return body.light * mix(low, high, body.share);
+}
+uniform samplerCube near_air;     // that of the hour
+uniform sampler2D optical_depth;  // along the scene's size, by the height of the view
+uniform float scene_m, air_scale;
 // Towards the sky a little above the horizon, in the same azimuth: air that no surface ends is as
 // bright.
 vec3 horizon(vec3 d) {
@@ -81,8 +98,12 @@ vec3 horizon(vec3 d) {
 }
 vec3 far_air(vec3 d);
 vec3 through_air(vec3 radiance, vec3 d, float metres, float lit) {
-    vec3 left = exp(-extinction_per_m * metres);
-    return radiance * left + far_air(d) * (lit * (1.0 - left));
+    float height = asin(clamp(d.y, -1.0, 1.0)) / (0.5 * PI), views = float(textureSize(optical_depth, 0).x);
+    float at = 0.5 + 0.5 * sign(height) * sqrt(abs(height));
+    vec3 depth = textureLod(optical_depth, vec2((at * (views - 1.0) + 0.5) / views, 0.5), 0.0).rgb;
+    vec3 left = exp(-depth * (metres / scene_m)), near = textureLod(near_air, d, 0.0).rgb * air_scale;
+    vec3 air = mix(near, far_air(d), smoothstep(2.0, 8.0, metres / scene_m));
+    return radiance * left + air * (lit * (1.0 - left));
 }`;
 
 // Display by AgX: the twin of vrut_lite/pictures/tone_map.py and night_eye.py.
@@ -140,7 +161,8 @@ void main() {
     gl_Position = vec4(position.xy, 1.0, 1.0);
 }`;
 
-export const SKY_FRAGMENT = `${HEAD}${SKY}${TONE}${FINISH}
+export const SKY_FRAGMENT = `${HEAD}precision highp samplerCube;
+${SKY}${TONE}${FINISH}
 in vec3 ray;
 vec3 far_air(vec3 d) { return sky_radiance(normalize(horizon(d))); }
 uniform vec3 disc_direction;
@@ -161,7 +183,7 @@ vec3 disc(vec3 d) {
 }
 void main() {
     vec3 d = normalize(ray);
-    if (values_shown > 0.5) { colour = vec4(-1.0); return; }
+    if (values_shown > 0.0) { colour = vec4(-1.0); return; }
     float above = clamp(d.y / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
     vec3 upper = sky_radiance(d) + disc(d), lower = upper;
     if (above < 1.0)
@@ -169,8 +191,9 @@ void main() {
     colour = finished(mix(lower, upper, above), 1.0);
 }`;
 
-// One face of the cube in which surfaces mirror the sky.
-export const CUBE_FRAGMENT = `${HEAD}${SKY}
+// One face of the cube in which surfaces mirror the sky, or with AIR of the air before them.
+export const CUBE_FRAGMENT = `${HEAD}precision highp samplerCube;
+${SKY}
 vec3 far_air(vec3 d) { return vec3(0.0); }
 in vec2 at;
 out vec4 colour;
@@ -182,7 +205,13 @@ void main() {
         : face == 2 ? vec3(c.x, 1.0, c.y) : face == 3 ? vec3(c.x, -1.0, -c.y)
         : face == 4 ? vec3(c.x, -c.y, 1.0) : vec3(-c.x, -c.y, -1.0);
     d = normalize(d);
+#ifdef AIR
+    vec3 radiance = vec3(0.0);
+    for (int k = 0; k < 2; ++k)
+        if (bodies[k].light.g > 0.0) radiance += air_of(bodies[k], d);
+#else
     vec3 radiance = d.y > 0.0 ? sky_radiance(d) : below_horizon;
+#endif
     colour = vec4(min(radiance * cube_scale, 6e4), 1.0);
 }`;
 
@@ -311,7 +340,7 @@ uniform sampler2DShadow shadow_map;
 uniform sampler2D glass_map;
 uniform mat4 shadow_from_world;
 uniform float shadow_texel_m, shadow_radius;
-uniform float values_shown;
+uniform float values_shown;       // factor on lux, which are shown in place of radiance; 0: radiance
 const float LUMENS_PER_WATT = 683.0, SMALLEST_ALPHA = 0.005, TABLE_F0 = 0.04, FEWEST = 0.05;
 
 vec2 uv_of(int layer) { return layer == 1 ? second_uv : first_uv; }
@@ -516,9 +545,9 @@ void main() {
         sun *= through_glass();
 #endif
     }
-    if (values_shown > 0.5) {
+    if (values_shown > 0.0) {
         float cosine = max(dot(even, key_direction), 0.0);
-        colour = vec4(LUMENS_PER_WATT * dot(reached + sun * cosine, WEIGHTS));
+        colour = vec4(values_shown * LUMENS_PER_WATT * dot(reached + sun * cosine, WEIGHTS));
         return;
     }
     float metallic = metallic_factor, roughness = roughness_factor;
@@ -607,9 +636,9 @@ in vec2 at;
 out vec4 display;
 void main() {
     vec3 found = texelFetch(radiance, ivec2(at * vec2(textureSize(radiance, 0))), 0).rgb;
-    if (values_shown > 0.5) {
+    if (values_shown > 0.0) {
         if (found.r < 0.0) { display = vec4(0.08, 0.08, 0.08, 1.0); return; }
-        float share = (log(max(found.r, 1e-6)) - range.x) / (range.y - range.x);
+        float share = (log(max(found.r / (pre * values_shown), 1e-6)) - range.x) / (range.y - range.x);
         display = vec4(texture(colours, vec2(clamp(share, 0.0, 1.0), 0.5)).rgb, 1.0);
         return;
     }

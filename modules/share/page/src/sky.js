@@ -38,20 +38,13 @@ export class SkyTable {
     const [layers, rows, columns] = data.shape('sky');
     this.layers = layers; this.rows = rows; this.columns = columns;
     this.lower = this.about.lower;
-    const rgba = new Uint16Array(layers * rows * columns * 4);
-    for (let i = 0; i < layers * rows * columns; ++i) {
-      rgba.set(this.bits.subarray(3 * i, 3 * i + 3), 4 * i);
-    }
-    this.texture = new THREE.DataArrayTexture(rgba, columns, rows, layers);
-    this.texture.type = THREE.HalfFloatType;
-    this.texture.magFilter = this.texture.minFilter = THREE.LinearFilter;
-    this.texture.needsUpdate = true;
+    this.texture = layered(this.bits, layers, rows, columns);
+    this.air = layered(data.array('air'), layers, rows + this.about.below, columns);
+    const [views] = data.shape('optical_depth');
+    this.opticalDepth = halves(data.array('optical_depth'), 1, views);
     const [glowRows, glowColumns] = data.shape('glow');
-    this.glow = new THREE.DataTexture(glowTexels(data.array('glow'), glowRows * glowColumns),
-      glowColumns, glowRows, THREE.RGBAFormat, THREE.HalfFloatType);
-    this.glow.magFilter = this.glow.minFilter = THREE.LinearFilter;
+    this.glow = halves(data.array('glow'), glowRows, glowColumns);
     this.glow.wrapS = THREE.RepeatWrapping;
-    this.glow.needsUpdate = true;
     this.glowBits = data.array('glow');
     this.glowSize = [glowRows, glowColumns];
     this.glowScale = data.header.glow_scale;
@@ -113,8 +106,26 @@ export class SkyTable {
   }
 }
 
-/** @param {Uint16Array} bits @param {number} count */
-function glowTexels(bits, count) {
+/** @param {Uint16Array} bits @param {number} layers @param {number} rows @param {number} columns */
+function layered(bits, layers, rows, columns) {
+  const found = new THREE.DataArrayTexture(fours(bits, layers * rows * columns), columns, rows, layers);
+  found.type = THREE.HalfFloatType;
+  found.magFilter = found.minFilter = THREE.LinearFilter;
+  found.needsUpdate = true;
+  return found;
+}
+
+/** @param {Uint16Array} bits @param {number} rows @param {number} columns */
+function halves(bits, rows, columns) {
+  const found = new THREE.DataTexture(fours(bits, rows * columns), columns, rows, THREE.RGBAFormat,
+    THREE.HalfFloatType);
+  found.magFilter = found.minFilter = THREE.LinearFilter;
+  found.needsUpdate = true;
+  return found;
+}
+
+/** Texels of four channels. @param {Uint16Array} bits of three @param {number} count */
+function fours(bits, count) {
   const rgba = new Uint16Array(4 * count);
   for (let i = 0; i < count; ++i) rgba.set(bits.subarray(3 * i, 3 * i + 3), 4 * i);
   return rgba;

@@ -1,0 +1,53 @@
+"""Share of the open sky's light that arrives at a light map's values, by the sun's place.
+
+It is a mean over the day's places times a ratio, whose principal components are kept: windows that
+face the bright part of the sky let in more of it. Errors count by the share itself, up to a third.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from share.light_basis import coded, decoded, principal
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+COMPONENTS = 12
+# Shares above which errors count no more, and below which there is no ratio.
+_FULL, _LEAST = 0.3, 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class SkyShares:
+    """Shares of T values under a sun in S places.
+
+    Attributes:
+        mean: (T,) over the places of day.
+        components: (`COMPONENTS`, T) int8, of the ratio to the mean less 1.
+        weights: (S, `COMPONENTS`) float32, of the components' values (`decoded`).
+    """
+
+    mean: Float32Array
+    components: NDArray[np.int8]
+    weights: Float32Array
+
+    def of(self, weights: FloatArray | Float32Array) -> Float32Array:
+        """Shares (T,) by weights (`COMPONENTS`,): the twin of the page's sum."""
+        ratio = 1.0 + weights.astype(np.float32) @ decoded(self.components)
+        return np.asarray(np.maximum(self.mean * ratio, 0.0), np.float32)
+
+
+def sky_shares(by_sun: NDArray[np.floating], is_day: NDArray[np.bool_]) -> SkyShares:
+    """The components of shares (S, T); `is_day` (S,) are the mean's places."""
+    shares = by_sun.astype(np.float32)
+    mean = shares[is_day].mean(axis=0) if is_day.any() else shares.mean(axis=0)
+    has_ratio = mean > _LEAST
+    weight = np.sqrt(np.minimum(mean, np.float32(_FULL)))
+    rows = np.where(has_ratio, shares / np.maximum(mean, _LEAST) - 1.0, 0.0) * weight
+    along = principal(rows @ rows.T, COMPONENTS)
+    values = np.where(has_ratio, (along.T @ rows) / np.maximum(weight, 1e-9), 0.0)
+    missing = COMPONENTS - len(values)
+    values = np.pad(values, ((0, missing), (0, 0)))
+    codes, peak = coded(values)
+    weights = np.pad(along, ((0, 0), (0, missing))) * peak
+    return SkyShares(mean, codes, weights.astype(np.float32))
