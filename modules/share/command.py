@@ -5,8 +5,7 @@ from typing import Any
 
 import click
 
-from share.page_file import check_built
-from vrut_lite.errors import UserError
+from share.page_file import check_built, check_name
 from vrut_lite.headless import (
     busy_with,
     daylight_options,
@@ -22,7 +21,6 @@ from vrut_lite.write_atomic import atomic_output, check_writable
 _shared_page = lazy("share.shared_page")
 _stills = lazy("share.stills")
 
-_SUFFIX = ".html"
 # Bytes above which a file is said to be large: mail servers refuse more.
 _LARGE_BYTES = 15_000_000
 
@@ -60,8 +58,7 @@ def share(
     Example: vrut-lite share scenes/work/indoor.glb -o room.html --at 2026-06-21T12:30
     """
     path = Path(output)
-    if path.suffix.lower() != _SUFFIX:
-        raise UserError(f"cannot write {output}: a page's name ends with .html")
+    check_name(path)
     check_built()
     project = with_options(with_scene_options(project_of_path(scene), options), options)
     check_writable(path)

@@ -17,6 +17,7 @@ from vrut_lite.errors import UserError
 _HERE = Path(__file__).parent
 SCRIPT, LICENCES = _HERE / "built" / "page.js", _HERE / "built" / "LICENSES.txt"
 _TEMPLATE = _HERE / "page" / "index.html"
+SUFFIX = ".html"
 _MISSING = (
     "the page's script is not built: install Node.js with npm (Debian: apt-get install nodejs npm) "
     "and run `sh tools/bootstrap.sh page` in the checkout; an installed wheel has it"
@@ -33,6 +34,16 @@ def check_built() -> None:
     """
     if not SCRIPT.is_file():
         raise UserError(_MISSING)
+
+
+def check_name(path: Path) -> None:
+    """Check the name of a page.
+
+    Raises:
+        UserError: it is none.
+    """
+    if path.suffix.lower() != SUFFIX:
+        raise UserError(f"cannot write {path}: a page's name ends with .html")
 
 
 def packed(header: Mapping[str, Any], arrays: Mapping[str, NDArray]) -> bytes:

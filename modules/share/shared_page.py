@@ -2,6 +2,7 @@
 
 import io
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
@@ -43,6 +44,8 @@ _HEIGHTS_DEG = (
 # Number of hours of the day at which the error is measured.
 _ERROR_HOURS = 12
 _BYTES_OF_COLOURS = 64
+# Passes on steps, given their name and number.
+Follow = Callable[[Iterable[int], str, int], Iterable[int]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +88,16 @@ def shared_page(
     texels: int | None,
     terms: int,
     stills: list[tuple[str, bytes]],
+    follow: Follow = tracked,
 ) -> SharedPage:
-    """The page of a project.
+    """The page of a project; `follow` shows the progress of the steps that it passes on.
 
     Raises:
         UserError: the scene cannot be read, has no surfaces or too many texels.
     """
     opened = SharedScene(project)
     try:
-        return _page(opened, project, title, texels, terms, stills)
+        return _page(opened, project, title, texels, terms, stills, follow)
     finally:
         opened.close()
 
@@ -105,6 +109,7 @@ def _page(
     texels: int | None,
     terms: int,
     stills: list[tuple[str, bytes]],
+    follow: Follow,
 ) -> SharedPage:
     scene, place = opened.scene, opened.place
     tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
@@ -126,7 +131,7 @@ def _page(
         places,
         lambda true_rad: apparent(true_rad, pressure_pa),
         glow,
-        lambda steps: tracked(steps, "light of the sun's places", len(places.heights)),
+        lambda steps: follow(steps, "light of the sun's places", len(places.heights)),
     )
     basis = light_basis(maps, terms)
     shares = sky_shares(maps.sky_share, places.heights > 0.0)

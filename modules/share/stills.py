@@ -17,7 +17,7 @@ HOURS = (7.0, 12.5, 17.0, 20.0)
 def stills_of(project: Project) -> list[tuple[str, bytes]]:
     """Captions and WebP pictures of the project's day."""
     midnight = project.instant().astimezone(time_zone_at(project.where()))
-    plan = ScenePlan(msgspec.structs.replace(project, size=SIZE_PX))
+    plan = ScenePlan(msgspec.structs.replace(project, size=SIZE_PX, shows="picture"))
     studio = plan.open()
     try:
         found = []

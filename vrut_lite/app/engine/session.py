@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import closing, contextmanager
 from itertools import count
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
 
@@ -31,6 +31,9 @@ from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.scene.scene_state import SceneState
 
+if TYPE_CHECKING:
+    from vrut_lite.project import Project
+
 M = TypeVar("M", bound=Message)
 T = TypeVar("T")
 Listener = Callable[[Any], None]
@@ -50,6 +53,7 @@ class Session(QObject):
     all threads have ended.
 
     `catalogue` follows every change of a setting or a slot; listeners find the new value in it.
+    `present_project` is the window's state as a project; the window sets it.
     """
 
     ready = Signal(object)
@@ -65,6 +69,7 @@ class Session(QObject):
     closing = Signal()
     ended = Signal()
     _mail_came = Signal()
+    present_project: "Callable[[], Project]"
 
     def __init__(self, open_stage: Callable[[], Stage] = best_stage, parent: QObject | None = None):
         super().__init__(parent)

@@ -106,11 +106,20 @@ class DockBoard:
         self.docks[spec.name], self.panels[spec.name] = dock, panel
         if not spec.advanced:
             self._menus.panels.addAction(dock.toggleViewAction())
+        if spec.file_entry:
+            self._menus.add(
+                ActionSpec(spec.name, "File", spec.file_entry, "", partial(self._ask, spec.name)),
+                before="quit",
+            )
         if spec.keys:
             self._menus.add(
                 ActionSpec(spec.name, "View", spec.title, spec.keys,
                            partial(self.toggle, spec.name), advanced=spec.advanced)
             )  # fmt: skip
+
+    def _ask(self, name: str) -> None:
+        self.show(name)
+        self.panels[name].ask_for_file()  # type: ignore[attr-defined]
 
     def _show_names(self) -> None:
         """A dock alone in its place has no tab to show its name."""

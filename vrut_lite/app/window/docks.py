@@ -1,8 +1,9 @@
 """The docks of the window: the host's own, and those of the modules.
 
 A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
-QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. One that
-is `advanced` stands under View, Advanced. Further ones are named `module.panel`. They are imported
+QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. One with
+a `file_entry`, a title, has an entry in the menu File, which calls its `ask_for_file`. One that is
+`advanced` stands under View, Advanced. Further ones are named `module.panel`. They are imported
 when the window is ready, so that the rest of a module needs no Qt.
 """
 
@@ -44,7 +45,7 @@ class DockSpec(NamedTuple):
     """A dock: docks of one `group` share a place as tabs, in this order.
 
     A dock that is not `scrolled` is as high as its content. `keys` is its shortcut. The menu opens
-    an `advanced` one, for developers, by View, Advanced.
+    an `advanced` one, for developers, by View, Advanced. File has a `file_entry`.
     """
 
     name: str
@@ -55,6 +56,7 @@ class DockSpec(NamedTuple):
     scrolled: bool = True
     keys: str = ""
     advanced: bool = False
+    file_entry: str = ""
 
 
 # The groups from top to bottom.
@@ -153,8 +155,8 @@ def scrolled(panel: QWidget) -> QScrollArea:
 
 
 def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
-    title, keys = (getattr(panel, name, "") for name in ("title", "keys"))
-    if not (isinstance(title, str) and title and isinstance(keys, str)):
+    title, keys, entry = (getattr(panel, name, "") for name in ("title", "keys", "file_entry"))
+    if not (title and all(isinstance(text, str) for text in (title, keys, entry))):
         raise UserError("its class needs a `title`, a text, and may have `keys`, a shortcut")
     advanced = bool(getattr(panel, "advanced", False))
     return DockSpec(
@@ -165,6 +167,7 @@ def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
         shown=False,
         keys=keys,
         advanced=advanced,
+        file_entry=entry,
     )
 
 

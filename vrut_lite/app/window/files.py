@@ -75,6 +75,7 @@ class Files:
         self._sensors = ""
         self.title_changed = title_changed
         self.pictures = user_pictures_path() / "vrut_lite"
+        self._session.present_project = lambda: self.present_project
         self._session.refused.connect(self._refuse)
         self._session.sent.connect(self._note_reading)
         self._session.listen(Fault, self._note_fault)

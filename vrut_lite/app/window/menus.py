@@ -51,15 +51,18 @@ class Menus:
         self.actions["show picture"].setChecked(True)
         self.show_steps(Steps())
 
-    def add(self, spec: ActionSpec) -> None:
-        """Append an action to its menu."""
+    def add(self, spec: ActionSpec, before: str = "") -> None:
+        """Append an action to its menu, or put it before the one of that name."""
         if spec.menu not in self._menus:
             self._menus[spec.menu] = self._window.menuBar().addMenu(f"&{spec.menu}")
         menu = self._menus[spec.menu]
         if spec.advanced:
             menu = self.advanced
         action = self._action(spec)
-        menu.addAction(action)
+        if before:
+            menu.insertAction(self.actions[before], action)
+        else:
+            menu.addAction(action)
         if spec.group:
             self._groups.setdefault(spec.group, QActionGroup(self._window)).addAction(action)
         self.specs.append(spec)
