@@ -180,6 +180,9 @@ export class Picture {
     this.tints = new THREE.Scene();
     this.size = [4, 4];
     this.target = new THREE.WebGLRenderTarget(4, 4);
+    /** For moving pictures of a processor: half as wide and high. */
+    this.coarse = new THREE.WebGLRenderTarget(4, 4);
+    this.drawn = this.target;
     this.sum = new THREE.WebGLRenderTarget(4, 4);
     /** @type {{mesh: THREE.Mesh, camera: THREE.CubeCamera}[]} */
     this.mirrors = [];
@@ -216,9 +219,10 @@ export class Picture {
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     const w = Math.max(1, Math.round(width * ratio)), h = Math.max(1, Math.round(height * ratio));
-    for (const target of [this.target, this.sum]) target.dispose();
+    for (const target of [this.target, this.coarse, this.sum]) target.dispose();
     this.size = [w, h];
-    this.target = this.radianceTarget(w, h);
+    this.target = this.drawn = this.radianceTarget(w, h);
+    this.coarse = this.radianceTarget(Math.ceil(w / 2), Math.ceil(h / 2));
     this.sum = new THREE.WebGLRenderTarget(w, h, {
       type: THREE.FloatType, depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
     });
@@ -369,9 +373,10 @@ export class Picture {
     } else jitter.value.set(0, 0);
     [this.camera.near, this.camera.far] = this.depths;
     this.camera.updateProjectionMatrix();
-    this.drawRadiance(this.camera, this.target, count === 0);
+    this.drawn = this.soft && !refines ? this.coarse : this.target;
+    this.drawRadiance(this.camera, this.drawn, count === 0);
     const { renderer } = this;
-    let shown = this.target;
+    let shown = this.drawn;
     if (still) {
       const k = count - 1;
       const pass = k === 0 ? this.copy : this.add;
@@ -429,7 +434,7 @@ export class Picture {
 
   /** Sets the range of false colours by the picture's values. */
   meterValues() {
-    this.copy.material.uniforms.from.value = this.target.texture;
+    this.copy.material.uniforms.from.value = this.drawn.texture;
     this.copy.draw(this.renderer, this.meter);
     const texels = new Float32Array(4 * METER[0] * METER[1]);
     this.renderer.readRenderTargetPixels(this.meter, 0, 0, METER[0], METER[1], texels);
@@ -439,7 +444,7 @@ export class Picture {
     const low = Math.max(values[Math.floor(0.01 * (values.length - 1))] / LUX_SCALE, high / 1e3);
     const before = this.range;
     this.range = [low, Math.max(high, low * 1.01)];
-    if (before[0] !== this.range[0] || before[1] !== this.range[1]) this.display(this.target, 1);
+    if (before[0] !== this.range[0] || before[1] !== this.range[1]) this.display(this.drawn, 1);
   }
 
   /** @param {THREE.WebGLRenderTarget} target @param {number} count of the pictures in it
