@@ -75,7 +75,7 @@ def year_pages(
     """
     sensors, offset_h = work.sensors, opened.standard_offset_h
     hours = lit_hours(opened.place, offset_h)
-    light = year_light(opened, hours, offset_h, tracked(range(len(hours)), len(hours)))
+    light = year_light(opened, hours, offset_h, tracked)
     solved = solved_year(work.transport, light)
     year = year_of(year_matrices(work, light, solved), light)
     planes, rooms = range(len(sensors.names)), asked.rooms

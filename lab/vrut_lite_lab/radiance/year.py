@@ -109,7 +109,7 @@ def year_here(
         offset_h = opened.standard_offset_h
         hours = lit_hours(opened.place, offset_h)
         hours = hours[np.isin(hours % HOURS, CLOCKS)]
-        light = year_light(opened, hours, offset_h, range(len(hours)))
+        light = year_light(opened, hours, offset_h, lambda some, _count: some)
         year = year_of(year_matrices(work, light, solved_year(work.transport, light)), light)
         cpu_s = time.process_time() - began
         yield YearHere(opened, surfaces_of(opened.scene), work, light, year, cpu_s)
