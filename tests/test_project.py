@@ -15,6 +15,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.kernel.settings import describe
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.messages.scene import LoadScene
@@ -41,6 +42,7 @@ BY_MODULE = {"settings", "slots"}
 KEPT_IN_FILE = {
     "views": "names that the window has for cameras",
     "sensors": "points for `vrut-lite daylight`",
+    "bsdf": "measured glazing for `vrut-lite daylight`",
 }
 NO_UNDO = {
     Resize: "the window has the size that its user gives it",
@@ -72,6 +74,7 @@ NO_OPTION = {
     "glazing": "a table of materials",
     "views": "a table of cameras",
     "sensors": "an option of `vrut-lite daylight`",
+    "bsdf": "an option of `vrut-lite daylight`",
 }
 
 
@@ -105,6 +108,7 @@ def project(house, year_file):
         ground="grass,0.15",
         weather=str(year_file),
         sensors=str(house.with_name("desks.csv")),
+        bsdf={"pane": GlazingFile(str(house.with_name("blind.xml")), up=(0.0, 0.0, 1.0))},
         **{name: another(spec) for name, spec in OF_SCENE.items()},
     )
 

@@ -19,7 +19,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, Input, SetClock, SetSetting
 from vrut_lite.messages.camera import MoveCamera
-from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.glazing import Glazing, GlazingFile
 from vrut_lite.messages.ground import DEFAULT_GROUND, SCENE_BORDER, SetGround, parse_ground
 from vrut_lite.messages.haze import (
     DEFAULT_AEROSOL,
@@ -138,7 +138,8 @@ class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `views` are kept by name, for the window. `sensors` is a file of points at which light is
-    measured, `glazing` glass by names of materials.
+    measured, `glazing` glass by names of materials, `bsdf` measured glazing, which `vrut-lite
+    daylight` reads.
     """
 
     scene: str = ""
@@ -162,6 +163,7 @@ class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=
     weather: str = ""
     sensors: str = ""
     glazing: dict[str, Glazing] = {}
+    bsdf: dict[str, GlazingFile] = {}
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -299,7 +301,7 @@ _VIEW = (
     ),
 )  # fmt: skip
 # All fields of a project but those of the scene manager (`SceneSettings`), of modules (`settings`,
-# `slots`), and those that no input carries (`views`, `sensors`).
+# `slots`), and those that no input carries (`views`, `sensors`, `bsdf`).
 PROJECT_PARTS = {part.kind: part for part in (*_AIR, *_DAYLIGHT, *_VIEW)}
 
 
@@ -375,6 +377,10 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         msgspec.structs.replace(placed, scene=change(placed.scene)) for placed in project.beside
     )
     luminaires = {name: change(path) for name, path in project.luminaires.items()}
+    bsdf = {
+        name: msgspec.structs.replace(glazing, file=change(glazing.file))
+        for name, glazing in project.bsdf.items()
+    }
     return msgspec.structs.replace(
         project,
         scene=change(project.scene),
@@ -382,6 +388,7 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         luminaires=luminaires,
         weather=project.weather and change(project.weather),
         sensors=project.sensors and change(project.sensors),
+        bsdf=bsdf,
     )
 
 

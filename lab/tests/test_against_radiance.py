@@ -25,7 +25,8 @@ from vrut_lite_lab.radiance.irradiance import (
     run_in,
 )
 from vrut_lite_lab.radiance.overcast import GLAZED, PANES, compared
-from vrut_lite_lab.radiance.year import compared_year
+from vrut_lite_lab.radiance.three_phase import compared_panes
+from vrut_lite_lab.radiance.year import compared_year, rms
 
 SKY = "dynamic_skylight"
 SCENES = ("work/indoor.glb", "large/hall.toml", "courtyard")
@@ -180,3 +181,18 @@ def test_dgp_is_evalglare_s(name, tmp_path):
     ours = glare_of(view, vertical_of(view))
     print(name, theirs, ours.dgp)
     assert abs(ours.dgp - theirs) < 0.006
+
+
+@pytest.mark.long
+def test_measured_panes_have_radiance_s_illuminance():
+    """A diffuser, a venetian blind and clear glass by one file for both, 25 sensors, four lights.
+
+    Within 2 % rms of the mean and 1.5 % in the mean; 3 % rms by rtrace, whose noise through slats
+    is 2 %. The three phases blur clear glass over 13 degrees: it is compared by rtrace alone.
+    """
+    for case in compared_panes(16_384).cases:
+        error = case.error
+        if (case.glazing, case.method) == ("clear", "three phases"):
+            continue
+        assert rms(error) < (0.03 if case.method == "rtrace" else 0.02), case[:3]
+        assert abs(error.mean()) < 0.015, case[:3]

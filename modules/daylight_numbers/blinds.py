@@ -34,7 +34,7 @@ class Shaded:
     """A year of some sensors (P) with blinds.
 
     `total` (P, H) lux; `halves` by either half of the rays; `closed_h` hours from 8:00
-    to 18:00 by group's name, in which its blinds are closed.
+    to 18:00 by group's name, in which its blinds are closed; none behind measured panes.
     """
 
     sensors: BoolArray
@@ -55,15 +55,20 @@ def shaded_year(
 ) -> Shaded:
     """The year of one room, that of the work plane `plane`, with blinds.
 
+    In a room with measured panes none hang: their files say what blinds do.
+
     Raises:
         GivenUp: by `go_on`.
     """
     here = work.sensors.plane == plane
+    halves = year.halves[0][here], year.halves[1][here]
+    if any(half.through[0][here].nnz for half in work.operator.halves):
+        return Shaded(here, year.total[here], halves, {})
     sensors = work.sensors.some(here)
     box, openings = room
     part = DaylightWork(work.transport, work.glass, sensors, work.operator.some(here))
     sides = side_light(work.transport, part.operator, sensors, box, openings, solved)
-    own = Year(year.total[here], year.sun[here], (year.halves[0][here], year.halves[1][here]))
+    own = Year(year.total[here], year.sun[here], halves)
     sun_side = _sun_sides(box, sensors, own.sun, light)
     closed = np.stack([_is_closed(own.sun, sun_side == opening.side) for opening in openings])
     kept, whole = np.zeros((2, *own.total.shape), np.float32)
@@ -83,12 +88,12 @@ def shaded_year(
     def with_blinds(total: Float32Array) -> Float32Array:
         return np.asarray(sun + (total - own.sun) * share + let_in, np.float32)
 
-    halves = with_blinds(own.halves[0]), with_blinds(own.halves[1])
+    shaded_halves = with_blinds(own.halves[0]), with_blinds(own.halves[1])
     hours = {
         SIDES[opening.side]: int(hours[occupied(light)].sum())
         for opening, hours in zip(openings, closed, strict=True)
     }
-    return Shaded(here, with_blinds(own.total), halves, hours)
+    return Shaded(here, with_blinds(own.total), shaded_halves, hours)
 
 
 def _sun_sides(

@@ -6,11 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import click
+import msgspec
 
 from daylight_numbers.sensors import SensorGrid, read_sensors
+from daylight_numbers.window_xml import read_window_xml
 from vrut_lite.errors import UserError
 from vrut_lite.headless import (
     FiniteRange,
+    Project,
     daylight_options,
     project_of_path,
     scene_options,
@@ -22,7 +25,9 @@ from vrut_lite.headless import (
     workers_of,
 )
 from vrut_lite.lazy import lazy
+from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.plain_numbers import plain_float
 
 # scipy takes a third of a second to import, which --help need not wait for.
 _folder = lazy("daylight_numbers.folder")
@@ -96,6 +101,19 @@ _year_light = lazy("daylight_numbers.year_light")
     metavar="MM-DD",
     help="Of EN 17037's hours of sun in a year: 02-01 to 03-21.",
 )
+@click.option(
+    "--bsdf",
+    "bsdf",
+    multiple=True,
+    metavar="MATERIAL=FILE",
+    help="Measured glazing of a material: a Window XML of LBNL, in which front is outdoors. Repeat "
+    "it for several materials.",
+)
+@click.option(
+    "--bsdf-up",
+    metavar="X,Y,Z",
+    help="What is up in the files of --bsdf, in the scene's axes. Default: 0,1,0, or a project's.",
+)
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
 @click.option(
     "--standards",
@@ -115,6 +133,8 @@ def daylight(
     blinds: float,
     eyes: str | None,
     sun_day: datetime,
+    bsdf: tuple[str, ...],
+    bsdf_up: str | None,
     year: bool,
     standards: bool,
     jobs: int,
@@ -134,13 +154,22 @@ def daylight(
 
     Example: vrut-lite daylight room.glb -o room --year --weather prague.epw --standards
 
+    Example: vrut-lite daylight room.glb -o room --bsdf glass=blind.xml
+
     Example: vrut-lite daylight variants/*.glb -o variants --year --jobs 4
     """
     projects = [
         with_options(with_scene_options(project_of_path(scene), dict(options)), dict(options))
         for scene in scenes
     ]
+    projects = [with_bsdf(project, bsdf, bsdf_up) for project in projects]
+    for file in {glazing.file for project in projects for glazing in project.bsdf.values()}:
+        read_window_xml(file)
     looking = read_sensors(eyes) if eyes else None
+    if looking is not None and any(project.bsdf for project in projects):
+        raise UserError(
+            "glare through measured glazing is not computed: leave out --eyes, or the bsdf"
+        )
     day = sun_day.date().replace(year=_year_light.YEAR)
     if not (2, 1) <= (day.month, day.day) <= (3, 21):
         raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
@@ -175,6 +204,36 @@ def daylight(
             tell_notices(done.notices)
             _folder.write_files(folder, done)
             click.echo("\n".join([*done.lines, f"the page is {folder / 'report.html'}"]))
+
+
+def with_bsdf(project: Project, told: tuple[str, ...], up: str | None = None) -> Project:
+    """A project with measured glazing as options tell: MATERIAL=FILE, and what is up in them.
+
+    Raises:
+        UserError: one is not of this form.
+    """
+    if up is not None and not told:
+        raise UserError("--bsdf-up needs files of measured glazing: name some by --bsdf")
+    files = dict(project.bsdf)
+    for text in told:
+        name, _, file = text.partition("=")
+        if not name or not file:
+            raise UserError(f"--bsdf {text} is not MATERIAL=FILE, such as glass=blind.xml")
+        files[name] = msgspec.structs.replace(files.get(name, GlazingFile(file)), file=file)
+        if up is not None:
+            files[name] = GlazingFile(file, _vector(up))
+    return msgspec.structs.replace(project, bsdf=files)
+
+
+def _vector(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = map(plain_float, text.split(","))
+        GlazingFile("", (x, y, z))
+    except ValueError:
+        raise UserError(
+            f"--bsdf-up {text} is not X,Y,Z, three numbers that are not all 0, such as 0,1,0"
+        ) from None
+    return x, y, z
 
 
 def _folders(output: Path, scenes: tuple[str, ...]) -> list[Path]:

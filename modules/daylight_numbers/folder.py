@@ -76,7 +76,8 @@ def measured(folder: Path, asked: DaylightRequest) -> Measured:
     with busy_with(f"opening {asked.project.scene}"):
         opened = OpenedScene(asked.project)
     try:
-        return Measured(write_daylight(folder, opened, asked), opened.scene.notices, {})
+        lines, warnings = write_daylight(folder, opened, asked)
+        return Measured(lines, [*opened.scene.notices, *warnings], {})
     finally:
         opened.close()
 
@@ -100,13 +101,21 @@ def write_files(folder: Path, found: Measured) -> None:
             beside.write_bytes(content)
 
 
-def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) -> list[str]:
-    """Compute and write; returns a line for each plane.
+def write_daylight(
+    folder: Path, opened: OpenedScene, asked: DaylightRequest
+) -> tuple[list[str], list[str]]:
+    """Compute and write; returns a line for each plane, and warnings of measured glazing.
 
     Raises:
         UserError: there are no work planes, sensors lie in walls, or a file cannot be written.
     """
-    work = work_of(opened.scene, asked.sensors, asked.tolerance, glazing=asked.project.glazing)
+    work = work_of(
+        opened.scene,
+        asked.sensors,
+        asked.tolerance,
+        glazing=asked.project.glazing,
+        bsdf=asked.project.bsdf,
+    )
     # Hours of sun move the clock.
     hour = opened.hour()
     numbers = _now(work, opened, hour, asked)
@@ -160,7 +169,7 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
         said = standards_method(weather_of(opened))
         page = ReportPage(f"{title}: compliance", subtitle, held, {}, said)
         write_report(folder / "compliance.html", page)
-    return [
+    lines = [
         f"{table.heading}: "
         + "; ".join(
             f"{row[0]}: "
@@ -175,6 +184,13 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: DaylightRequest) ->
         for table in held
         for clause, subject, *_, verdict in table.rows
     ]
+    return lines, _warnings(work)
+
+
+def _warnings(work: DaylightWork) -> list[str]:
+    panes = work.operator.panes
+    glazings = () if panes is None else panes.materials.glazings
+    return [warning for glazing in glazings for warning in glazing.warnings()]
 
 
 def _now(
@@ -248,9 +264,27 @@ def _method(work: DaylightWork, asked: DaylightRequest, moved: float) -> list[st
         f"Patches twice as wide move daylight factors by {percent_text(moved, 1)} of their mean, "
         "rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
+        *_of_panes(work),
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
         "Lamps are off. Mirrors throw no sun.",
     ]
+
+
+def _of_panes(work: DaylightWork) -> list[str]:
+    """Sentences on measured glazing."""
+    panes = work.operator.panes
+    if panes is None:
+        return []
+    sentences = []
+    for name, glazing in zip(panes.materials.names, panes.materials.glazings, strict=True):
+        normal = glazing.hemispherical[0], glazing.straight[0]
+        sentences.append(
+            f"{name} is {glazing.name} ({glazing.incident.name}): it passes "
+            f"{percent_text(normal[0], 1)} of visible light at right angles, of all light "
+            f"{percent_text(normal[1], 1)} straight on; the rest is scattered, sunlight too, which "
+            "counts as light of surfaces."
+        )
+    return sentences
 
 
 def write_tables(folder: Path, sensors: Sensors, numbers: Mapping[str, FloatArray]) -> None:

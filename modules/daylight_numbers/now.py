@@ -11,11 +11,12 @@ import numpy as np
 from light_transport.public import NODES, CancelCheck, Illumination, SceneTransport, always
 
 from daylight_numbers.glass import Glass
+from daylight_numbers.measured_panes import MeasuredPanes
 from daylight_numbers.operator import Operator, operator_of
 from daylight_numbers.sensor_rays import SKY, ends_of, glazed
 from daylight_numbers.sensors import Sensors
 from daylight_numbers.sky_cells import CELL_SR, cell_directions, cell_radiances
-from daylight_numbers.work import RAYS_SHARE, DaylightWork, traced_transport
+from daylight_numbers.work import RAYS_SHARE, DaylightWork, bounces_of, traced_transport
 from vrut_lite.atmosphere.cie_skies import OVERCAST, general_sky
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
@@ -43,8 +44,9 @@ _MOST_SENSORS = 48
 
 @dataclass(frozen=True, eq=False)
 class HourAtSensors:
-    """Illuminance (P,) in lux of an hour: `sun` straight, `sky` and open ground straight, and what
-    `surfaces` of the scene send; `noise` is the standard error that rays leave in the last two."""
+    """Illuminance (P,) in lux of an hour: `sun` straight, `sky` and open ground, straight or by
+    measured panes, and what `surfaces` of the scene send, among them measured panes in the sun;
+    `noise` is the standard error that rays leave in the last two."""
 
     sun: FloatArray
     sky: FloatArray
@@ -67,12 +69,19 @@ def hour_at_sensors(
     """The light of an hour."""
     radiances = np.vstack([cell_radiances(hour.sky), np.asarray(hour.ground_radiance_rgb)])
     radiosity = np.asarray(transport.column_light(hour)[NODES:-1, :3], float)
+    towards = np.asarray(hour.key_direction, float)[None]
+    key = np.asarray(hour.key_irradiance_rgb, float)
+    of_sun = None
+    if operator.bounces is not None:
+        of_sun = operator.bounces.panes.of_sun(towards) * key
+        radiosity += operator.bounces.more_radiosity(
+            radiances, radiosity, of_sun, towards[0], key, hour.ground_albedo_rgb
+        )
     nothing = np.zeros_like(radiosity), np.zeros_like(radiances)
     sky, _ = operator.irradiance(radiances, nothing[0])
-    surfaces, _ = operator.irradiance(nothing[1], radiosity)
-    _, noise = operator.irradiance(radiances, radiosity)
-    towards = np.asarray(hour.key_direction, float)[None]
-    sun = sun_shares(transport, glass, sensors, towards)[:, 0] * np.asarray(hour.key_irradiance_rgb)
+    surfaces, _ = operator.irradiance(nothing[1], radiosity, of_sun)
+    _, noise = operator.irradiance(radiances, radiosity, of_sun)
+    sun = sun_shares(transport, glass, sensors, towards, operator.panes)[:, 0] * key
     return HourAtSensors(*(_lux(part) for part in (sun, sky, surfaces, noise)))
 
 
@@ -81,9 +90,16 @@ def _lux(irradiance_rgb: FloatArray) -> FloatArray:
 
 
 def sun_shares(
-    transport: SceneTransport, glass: Glass, sensors: Sensors, directions: FloatArray
+    transport: SceneTransport,
+    glass: Glass,
+    sensors: Sensors,
+    directions: FloatArray,
+    panes: MeasuredPanes | None = None,
 ) -> Float32Array:
-    """Share (P, H, 3) of light from unit vectors (H, 3) that gets to sensors, times its cosine."""
+    """Share (P, H, 3) of light from unit vectors (H, 3) that gets to sensors, times its cosine.
+
+    Of measured panes what passes straight.
+    """
     where = glazed(transport, glass)
     places = transport.in_radii(sensors.places_m) + _OFF * sensors.normals
     found = np.zeros((len(sensors), len(directions), 3), np.float32)
@@ -95,6 +111,12 @@ def sun_shares(
         s, d = sensor[some], towards[some]
         target, share = ends_of(where, places[s], np.asarray(directions)[d])
         got = share[:, 0] * (target[:, 0] == SKY)[:, None]
+        if panes is not None:
+            hits = panes.met_by(target[:, 0], np.asarray(directions)[d])
+            met = np.flatnonzero(hits.met)[hits.straight > 0.0]
+            beyond, through = ends_of(panes.opened, places[s[met]], np.asarray(directions)[d[met]])
+            passed = hits.straight[hits.straight > 0.0] * (beyond[:, 0] == SKY)
+            got[met] = passed[:, None] * through[:, 0]
         found[s, d] = got * cosine[s, d, None]
     return found
 
@@ -204,10 +226,12 @@ def patch_error(
     where it falls faster. Some evenly chosen sensors are asked; the noise of rays is in it.
     """
     chosen = np.arange(0, len(work.sensors), -(-len(work.sensors) // _MOST_SENSORS))
-    transport = traced_transport(scene, tolerance, _SHARE_OF_TEXELS, glazing=glazing)
-    sensors = work.sensors.some(chosen)
+    panes = None if work.operator.panes is None else work.operator.panes.materials
+    transport = traced_transport(scene, tolerance, _SHARE_OF_TEXELS, glazing=glazing, panes=panes)
+    bounces = None if panes is None else bounces_of(transport, work.glass, panes)
+    sensors, error = work.sensors.some(chosen), RAYS_SHARE * tolerance
     operator = operator_of(
-        transport, work.glass, sensors, RAYS_SHARE * tolerance, transport.threads
+        transport, work.glass, sensors, error, transport.threads, bounces=bounces
     )
     coarser, _ = daylight_factor(transport, work.glass, operator, sensors, light)
     moved = np.sqrt(np.mean((coarser - factor[chosen]) ** 2))

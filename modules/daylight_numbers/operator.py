@@ -9,20 +9,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from light_transport.public import NODES, CancelCheck, SceneTransport, always
+from light_transport.public import CancelCheck, SceneTransport, always
 from scipy.sparse import csr_matrix, vstack
 
 from daylight_numbers.glass import Glass
-from daylight_numbers.sensor_rays import (
-    BODY,
-    OPEN_GROUND,
-    SKY,
-    Ends,
-    glazed,
-    sampled_ends,
-)
+from daylight_numbers.measured_panes import Entries, MeasuredPanes, ends_in_columns, joined
+from daylight_numbers.pane_bounces import PaneBounces
+from daylight_numbers.sensor_rays import BODY, Ends, glazed, sampled_ends
 from daylight_numbers.sensors import Sensors
-from daylight_numbers.sky_cells import CELLS, cell_of
+from daylight_numbers.sky_cells import CELLS
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
@@ -44,45 +39,82 @@ class Half:
     """Shares by colour, of one half of the rays: three matrices, or one where all are alike.
 
     `seen`: (P, CELLS + 1), cosine-weighted solid angle in sr of cells of the sky and, last, of open
-    ground; `sent`: (P, M), share of the hemisphere that each patch fills.
+    ground; `sent`: (P, M), share of the hemisphere that each patch fills; `through`: (P, O),
+    cosine-weighted solid angle in sr of the exiting patches of measured panes.
     """
 
     seen: tuple[csr_matrix, ...]
     sent: tuple[csr_matrix, ...]
+    through: tuple[csr_matrix, ...]
 
-    def irradiance(self, radiances: FloatArray, radiosity: FloatArray) -> FloatArray:
-        """Irradiance (P, 3), W m^-2, by radiances (CELLS + 1, 3) and radiosities (M, 3)."""
+    def irradiance(
+        self, radiances: FloatArray, radiosity: FloatArray, of_panes: FloatArray | None = None
+    ) -> FloatArray:
+        """Irradiance (P, 3), W m^-2, by radiances (CELLS + 1, 3) and radiosities (M, 3), and by
+        radiances of panes (O, 3)."""
         count = len(self.seen)
-        return np.stack(
+        found = np.stack(
             [
                 self.seen[k % count] @ radiances[:, k] + self.sent[k % count] @ radiosity[:, k]
                 for k in range(3)
             ],
             axis=1,
         )
+        if of_panes is not None:
+            found += self.by_panes(of_panes)
+        return found
+
+    def by_panes(self, of_panes: FloatArray) -> FloatArray:
+        """Irradiance (P, 3) by radiances of panes (O, 3)."""
+        count = len(self.through)
+        return np.stack([self.through[k % count] @ of_panes[:, k] for k in range(3)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class Operator:
-    """Both halves, and the rays of each sensor on average."""
+    """Both halves, the rays of each sensor on average, and the light of measured panes."""
 
     halves: tuple[Half, Half]
     rays: float
+    bounces: PaneBounces | None = None
+
+    @property
+    def panes(self) -> MeasuredPanes | None:
+        """The scene's measured panes."""
+        return None if self.bounces is None else self.bounces.panes
 
     def irradiance(
-        self, radiances: FloatArray, radiosity: FloatArray
+        self, radiances: FloatArray, radiosity: FloatArray, of_suns: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Irradiance (P, 3) in W m^-2, and its standard error by the halves (P, 3)."""
-        one, other = (half.irradiance(radiances, radiosity) for half in self.halves)
+        """Irradiance (P, 3) in W m^-2, and its standard error by the halves (P, 3).
+
+        Args:
+            radiances: (CELLS + 1, 3), of the sky's cells and of open ground.
+            radiosity: (M, 3), of patches.
+            of_suns: (O, 3), radiance of measured panes by the sun.
+        """
+        one, other = (
+            half.irradiance(radiances, radiosity, self._of_panes(n, radiances, radiosity, of_suns))
+            for n, half in enumerate(self.halves)
+        )
         return 0.5 * (one + other), 0.5 * np.abs(one - other)
+
+    def _of_panes(
+        self, half: int, radiances: FloatArray, radiosity: FloatArray, of_suns: FloatArray | None
+    ) -> FloatArray | None:
+        """Radiance of panes (O, 3) by one half of their rays."""
+        if self.panes is None:
+            return None
+        found = self.panes.radiances(half, radiances, radiosity)
+        return found if of_suns is None else found + of_suns
 
     def some(self, chosen: BoolArray) -> "Operator":
         """That of some of its sensors."""
         one, other = (
-            Half(tuple(m[chosen] for m in half.seen), tuple(m[chosen] for m in half.sent))
+            Half(*(tuple(m[chosen] for m in part) for part in (half.seen, half.sent, half.through)))
             for half in self.halves
         )
-        return Operator((one, other), self.rays)
+        return Operator((one, other), self.rays, self.bounces)
 
 
 def operator_of(
@@ -92,6 +124,7 @@ def operator_of(
     tolerance: float,
     threads: int = 1,
     go_on: CancelCheck = always,
+    bounces: PaneBounces | None = None,
 ) -> Operator:
     """The matrix of sensors in a scene whose rays are traced.
 
@@ -102,36 +135,34 @@ def operator_of(
         tolerance: share of a sensor's light by which rays may err.
         threads: number of threads; the result does not depend on it.
         go_on: called between blocks.
+        bounces: light of measured panes.
 
     Raises:
         UserError: a sensor lies inside a wall or another body.
         GivenUp: by `go_on`.
     """
     assert transport.patches is not None
-    traced = glazed(transport, glass)
+    panes = None if bounces is None else bounces.panes
+    traced = glazed(transport, glass) if panes is None else panes.opened
     places = transport.in_radii(sensors.places_m) + _OFF * sensors.normals
     cells = int(np.clip(_CELLS * np.sqrt(0.01 / tolerance), _FEWEST_CELLS, _MOST_CELLS))
-    patches, column_of = len(transport.patches.area), transport.patches.column_of
+    patches = len(transport.patches.area)
+    exiting = 0 if panes is None else panes.exiting
 
-    def matrices(ends: Ends, count: int) -> _Block:
-        sensor, column, value = [], [], []
+    def matrices(ends: Ends, places: FloatArray) -> _Block:
+        parts: list[Entries] = []
+        if panes is not None:
+            # Rays were cast as if panes were openings, to find their edges.
+            ends, parts = panes.seen_along(ends, places)
         for which in range(2):
-            target = ends.target[:, which]
-            weight = ends.area[:, None] * ends.share[:, which]
-            where = np.full(len(target), -1, np.int64)
-            sky, below, met = target == SKY, target == OPEN_GROUND, target >= 0
-            where[sky], where[below] = cell_of(ends.direction[sky]), CELLS
-            weight[sky | below] *= np.pi
-            patch = column_of[NODES + target[met]] - NODES
-            where[met] = np.where(patch < patches, CELLS + 1 + patch, -1)
-            used = where >= 0
-            sensor.append(ends.sensor[used])
-            column.append(where[used])
-            value.append(weight[used])
-        rows, columns, values = (np.concatenate(a) for a in (sensor, column, value))
+            column, weight = ends_in_columns(transport, ends.target[:, which], ends.direction)
+            value = (ends.area * weight)[:, None] * ends.share[:, which]
+            parts.append(Entries(ends.sensor, column, value))
+        rows, columns, values = joined(parts)
+        count = len(places)
         free = np.bincount(ends.sensor, ends.area * (ends.target[:, 0] != BODY), count)
         values = np.asarray(values / np.maximum(free, 1e-9)[rows, None], np.float64)
-        shape = (count, CELLS + 1 + patches)
+        shape = (count, CELLS + 1 + patches + exiting)
         colours = tuple(csr_matrix((values[:, k], (rows, columns)), shape) for k in range(3))
         return _Block(colours, np.asarray(free, float), len(ends.sensor))
 
@@ -146,15 +177,14 @@ def operator_of(
             _EDGES_SHARE * tolerance,
             np.random.Generator(np.random.Philox(key=first)),
         )
-        count = here.stop - here.start
-        return matrices(one, count), matrices(other, count)
+        return matrices(one, places[here]), matrices(other, places[here])
 
     with ThreadPoolExecutor(threads) as pool:
         blocks = list(pool.map(block, range(0, len(sensors), _BLOCK)))
     _refuse_buried(sensors, np.concatenate([one.free for one, _ in blocks]))
     rays = sum(half.rays for pair in blocks for half in pair) / max(len(sensors), 1)
-    one, other = (_half([pair[which] for pair in blocks]) for which in range(2))
-    return Operator((one, other), rays)
+    one, other = (_half([pair[which] for pair in blocks], patches) for which in range(2))
+    return Operator((one, other), rays, bounces)
 
 
 class _Block(NamedTuple):
@@ -175,11 +205,13 @@ def _refuse_buried(sensors: Sensors, free: FloatArray) -> None:
         )
 
 
-def _half(blocks: list[_Block]) -> Half:
+def _half(blocks: list[_Block], patches: int) -> Half:
     colours = [vstack([block.colours[k] for block in blocks], format="csr") for k in range(3)]
     if all(np.array_equal(colours[0].data, colour.data) for colour in colours[1:]):
         colours = colours[:1]
+    first = CELLS + 1 + patches
     return Half(
         tuple(colour[:, : CELLS + 1].tocsr() for colour in colours),
-        tuple(colour[:, CELLS + 1 :].tocsr() for colour in colours),
+        tuple(colour[:, CELLS + 1 : first].tocsr() for colour in colours),
+        tuple(colour[:, first:].tocsr() for colour in colours),
     )

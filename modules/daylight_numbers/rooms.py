@@ -158,9 +158,11 @@ def openings_of(work: DaylightWork, box: RoomBox) -> tuple[Opening, ...]:
     looking = work.sensors.places_m[:: -(-count // _LOOKING)]
     place = np.repeat(looking, len(_SPHERE), axis=0)
     towards = np.tile(_SPHERE, (len(looking), 1))
-    tree = glazed(transport, work.glass).tree
+    panes = work.operator.panes
+    looked = glazed(transport, work.glass) if panes is None else panes.opened
+    tree, clear = looked.tree, looked.glass.clear
     hit, distance = first_hits(
-        tree._replace(opacity=np.where(work.glass.clear[tree.order], np.float32(0), tree.opacity)),
+        tree._replace(opacity=np.where(clear[tree.order], np.float32(0), tree.opacity)),
         (place - centre) / radius,
         towards,
     )

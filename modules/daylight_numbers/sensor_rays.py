@@ -234,7 +234,7 @@ class _Caster(NamedTuple):
         where, cells = leaves
         sensor = where[0]
         at = (where[1:] + self.random.random((2, where.shape[1]))) * (2.0 / cells) - 1.0
-        direction = _around(self.normals[sensor], *on_disc(*at))
+        direction = around(self.normals[sensor], *on_disc(*at))
         target, share = ends_of(self.traced, self.places[sensor], direction)
         area = np.full(len(sensor), 1.0 / cells**2)
         return Ends(sensor, area, direction, target, share)
@@ -266,7 +266,7 @@ def _refined(cells: NDArray) -> NDArray:
     return np.repeat(np.repeat(cells, _PARTS, axis=1), _PARTS, axis=2)
 
 
-def _around(normal: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+def around(normal: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
     """Unit vectors (R, 3) above points of the unit disc, around normals (R, 3).
 
     Duff et al. 2017, "Building an orthonormal basis, revisited".

@@ -31,9 +31,10 @@ def suns_of_day(opened: OpenedScene, midnight: datetime) -> FloatArray:
 def sun_hours(work: DaylightWork, sensors: Sensors, suns: FloatArray) -> FloatArray:
     """Hours (P,) in which the sun shines on the side that a sensor faces, by `suns_of_day`.
 
-    Sun through glass counts in full.
+    Sun through glass counts in full, through measured panes where a part of it passes straight.
     """
-    seen = sun_shares(work.transport, work.glass, sensors, suns).any(axis=2)
+    shares = sun_shares(work.transport, work.glass, sensors, suns, work.operator.panes)
+    seen = shares.any(axis=2)
     return np.asarray(seen.sum(axis=1) * (STEP_MINUTES / 60.0))
 
 

@@ -15,11 +15,14 @@ from light_transport.public import (
 )
 
 from daylight_numbers.glass import Glass, glass_of, with_glazing
+from daylight_numbers.measured_panes import measured_panes
 from daylight_numbers.operator import Operator, operator_of
+from daylight_numbers.pane_bounces import PaneBounces, pane_bounces
+from daylight_numbers.pane_materials import PaneMaterials, pane_materials
 from daylight_numbers.sensors import SensorGrid, Sensors
 from daylight_numbers.work_planes import work_planes
 from vrut_lite.errors import UserError
-from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.glazing import Glazing, GlazingFile
 from vrut_lite.messages.scene import SceneOpened
 
 # Share of the tolerance of radiance for rays of sensors: 1 % at its default.
@@ -42,8 +45,11 @@ def traced_transport(
     share_of_texels: float = 1.0,
     go_on: CancelCheck = always,
     glazing: Mapping[str, Glazing] | None = None,
+    panes: PaneMaterials | None = None,
 ) -> SceneTransport:
     """A scene's transport by all rays of a tolerance; rays are kept on disk.
+
+    Panes of measured glazing are opaque in it.
 
     Raises:
         UserError: the scene has no surfaces.
@@ -60,6 +66,8 @@ def traced_transport(
         is_named = [named[scene.geometry.mesh(mesh).material] for mesh in mesh_of_part.tolist()]
         glazed = (surfaces.part >= 0) & np.append(is_named, False)[surfaces.part]
         surfaces = with_glazing(surfaces, glass, glazed)
+    if panes is not None:
+        surfaces = panes.opaque(surfaces)
     texels = int(quality.texels * share_of_texels)
     sizes = TransportSizes(None, texels, quality.patch_texels, quality.bounces_left)
     found = SceneTransport.of_scene(scene, surfaces, sizes, go_on=go_on)
@@ -76,6 +84,7 @@ def work_of(
     go_on: CancelCheck = always,
     transport: SceneTransport | None = None,
     glazing: Mapping[str, Glazing] | None = None,
+    bsdf: Mapping[str, GlazingFile] | None = None,
 ) -> DaylightWork:
     """Bake a scene, find its work planes unless sensors are given, and trace their rays.
 
@@ -86,17 +95,38 @@ def work_of(
         go_on: called between steps.
         transport: one with rays, where there is one already.
         glazing: of materials by their names, see `Project`; a given transport must have it.
+        bsdf: measured glazing of materials by their names; likewise.
 
     Raises:
-        UserError: no work plane is found, or sensors lie inside bodies.
-        GivenUp: by `go_on`.
+        UserError: no work plane is found, sensors lie inside bodies, or measured glazing cannot be
+            read or used.
     """
-    transport = transport or traced_transport(scene, tolerance, go_on=go_on, glazing=glazing)
+    surfaces = surfaces_of(scene)
+    panes = pane_materials(scene, surfaces, bsdf or {})
+    transport = transport or traced_transport(
+        scene, tolerance, go_on=go_on, glazing=glazing, panes=panes
+    )
     if isinstance(sensors, SensorGrid):
         bounds = np.asarray(scene.lower_m), np.asarray(scene.upper_m)
         sensors = work_planes(transport, *bounds, sensors.height_m, sensors.step_m)
-    glass = glass_of(scene, surfaces_of(scene), glazing)
+    glass = glass_of(scene, surfaces, glazing)
+    bounces = None
+    if panes is not None:
+        glass = panes.without(glass)
+        bounces = bounces_of(transport, glass, panes, go_on)
     operator = operator_of(
-        transport, glass, sensors, RAYS_SHARE * tolerance, transport.threads, go_on
+        transport, glass, sensors, RAYS_SHARE * tolerance, transport.threads, go_on, bounces
     )
     return DaylightWork(transport, glass, sensors, operator)
+
+
+def bounces_of(
+    transport: SceneTransport, glass: Glass, panes: PaneMaterials, go_on: CancelCheck = always
+) -> PaneBounces:
+    """The light of measured panes in a scene where they are opaque.
+
+    Raises:
+        UserError: a pane does not stand between outdoors and indoors.
+        GivenUp: by `go_on`.
+    """
+    return pane_bounces(transport, measured_panes(transport, glass, panes, go_on), go_on)

@@ -20,8 +20,10 @@ from light_transport.public import (
 )
 from scipy.sparse import csr_matrix
 
+from daylight_numbers.measured_panes import MeasuredPanes
 from daylight_numbers.now import sun_shares
 from daylight_numbers.operator import Half
+from daylight_numbers.pane_bounces import PaneBounces
 from daylight_numbers.sky_cells import CELLS, node_of_cell
 from daylight_numbers.work import DaylightWork
 from daylight_numbers.year_light import HOURS, YearLight
@@ -31,7 +33,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray, IntArray
 # Suns are solved each so many days; the sun's height at an hour then changes by 3 degrees at most.
 DAYS_BETWEEN = 8
 LUMENS_RGB = np.asarray(luminance(np.eye(3)) * LUMENS_PER_WATT)
-_SENSORS_AT_ONCE = 64
+_SENSORS_AT_ONCE, _HOURS_AT_ONCE = 64, 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +74,7 @@ class YearMatrices:
 
     `sky`: of each half (3, P, GROUND_NODE + 1) by radiances; `suns`: of each half (3, P, S) by
     irradiances of solved suns; `near` and `share`: see `SolvedYear`; `direct` (P, H): lux straight
-    from the sun for each hour, for 1 W m^-2 of each colour.
+    from the sun for each hour; `scattered` (P, H): of each half, lux of the sun by measured panes.
     """
 
     sky: tuple[Float32Array, Float32Array]
@@ -80,6 +82,7 @@ class YearMatrices:
     near: IntArray
     share: FloatArray
     direct: Float32Array
+    scattered: tuple[Float32Array, Float32Array] | None = None
 
 
 def annual(work: DaylightWork, light: YearLight, go_on: CancelCheck = always) -> Year:
@@ -88,15 +91,17 @@ def annual(work: DaylightWork, light: YearLight, go_on: CancelCheck = always) ->
     Raises:
         GivenUp: by `go_on`.
     """
-    return year_of(
-        year_matrices(work, light, solved_year(work.transport, light, go_on), go_on), light
-    )
+    solved = solved_year(work.transport, light, go_on, work.operator.bounces)
+    return year_of(year_matrices(work, light, solved, go_on), light)
 
 
 def solved_year(
-    transport: SceneTransport, light: YearLight, go_on: CancelCheck = always
+    transport: SceneTransport,
+    light: YearLight,
+    go_on: CancelCheck = always,
+    bounces: PaneBounces | None = None,
 ) -> SolvedYear:
-    """Solve bounces of the sky's cells and of some suns.
+    """Solve bounces of the sky's cells and of some suns, with the light of measured panes.
 
     Raises:
         GivenUp: by `go_on`.
@@ -112,6 +117,13 @@ def solved_year(
     by_suns = _in_threads(transport, sunlit, reflectance, go_on)
     lit = np.array(sunlit, np.float32).reshape(len(chosen), len(reflectance))
     towards = light.sun_direction[chosen]
+    if bounces is not None:
+        by_sky += _by_panes(bounces, _on_nodes(), by_sky, None, None, reflectance, go_on)
+        with ThreadPoolExecutor(transport.threads) as pool:
+            beams = np.array(list(pool.map(bounces.straight_sun, towards)), np.float32)
+        glow = bounces.panes.of_sun(towards)
+        beams = beams.reshape(len(chosen), len(reflectance))
+        by_suns += _by_panes(bounces, None, by_suns, glow, beams.T, reflectance, go_on)
     return SolvedYear(straight, by_sky, lit, by_suns, towards, near, share)
 
 
@@ -124,16 +136,31 @@ def year_matrices(
         GivenUp: by `go_on`.
     """
     halves = work.operator.halves
-    sky = tuple(_sky_matrix(half, solved.by_sky) for half in halves)
-    suns = tuple(_brought(half, solved.by_suns) for half in halves)
+    panes = work.operator.panes
+    sky = [_sky_matrix(half, solved.by_sky) for half in halves]
+    suns = [_brought(half, solved.by_suns) for half in halves]
+    scattered = None
+    if panes is not None:
+        for n, half in enumerate(halves):
+            for k in range(3):
+                of_sky = panes.radiances(n, _on_nodes(), solved.by_sky[k])
+                of_suns = panes.radiances(n, None, solved.by_suns[k])
+                through = half.through[k % len(half.through)].astype(np.float32)
+                sky[n][k] += through @ of_sky.astype(np.float32)
+                suns[n][k] += through @ of_suns.astype(np.float32)
+        scattered = _scattered_suns(panes, halves, light, go_on)
     colour = light.sun_irradiance_rgb * LUMENS_RGB
     direct = np.zeros((len(work.sensors), len(light.hour)), np.float32)
     for first in range(0, len(work.sensors), _SENSORS_AT_ONCE):
         go_on()
         some = np.arange(first, min(first + _SENSORS_AT_ONCE, len(work.sensors)))
-        part = sun_shares(work.transport, work.glass, work.sensors.some(some), light.sun_direction)
+        part = sun_shares(
+            work.transport, work.glass, work.sensors.some(some), light.sun_direction, panes
+        )
         direct[some] = np.einsum("phc,hc->ph", part, colour)
-    return YearMatrices((sky[0], sky[1]), (suns[0], suns[1]), solved.near, solved.share, direct)
+    return YearMatrices(
+        (sky[0], sky[1]), (suns[0], suns[1]), solved.near, solved.share, direct, scattered
+    )
 
 
 def year_of(matrices: YearMatrices, light: YearLight) -> Year:
@@ -141,8 +168,10 @@ def year_of(matrices: YearMatrices, light: YearLight) -> Year:
     sky = np.ascontiguousarray(light.sky.transpose(2, 1, 0))
     sun = (light.sun_irradiance_rgb * LUMENS_RGB).astype(np.float32)
     halves = []
-    for of_sky, of_suns in zip(matrices.sky, matrices.suns, strict=True):
+    for n, (of_sky, of_suns) in enumerate(zip(matrices.sky, matrices.suns, strict=True)):
         total = matrices.direct.copy()
+        if matrices.scattered is not None:
+            total += matrices.scattered[n]
         for k in range(3):
             total += np.float32(LUMENS_RGB[k]) * (of_sky[k] @ sky[k])
             spread = suns_of_hours(matrices.near, matrices.share, sun[:, k], of_suns.shape[2])
@@ -186,13 +215,15 @@ def _in_threads(
     reflectance: Float32Array,
     go_on: CancelCheck,
 ) -> Float32Array:
-    """Radiosity (3, M, L) of patches by each of some direct irradiances (M,), alike in colour."""
+    """Radiosity (3, M, L) of patches by each of L direct irradiances: (M, 3), or (M,) where colours
+    are alike."""
     nothing = np.zeros_like(reflectance)
     out = np.zeros((3, len(reflectance), len(direct)), np.float32)
 
     def solve(n: int) -> None:
         go_on()
-        light = np.repeat(direct[n].astype(np.float32)[:, None], 3, axis=1)
+        light = direct[n].astype(np.float32)
+        light = np.repeat(light[:, None], 3, axis=1) if light.ndim == 1 else light
         out[:, :, n] = transport.radiosity(light, nothing, reflectance).T
 
     with ThreadPoolExecutor(transport.threads) as pool:
@@ -237,16 +268,69 @@ def _every(days: IntArray) -> IntArray:
     return np.array(kept, np.int64)
 
 
+def _by_panes(
+    bounces: PaneBounces,
+    cells: csr_matrix | None,
+    radiosity: Float32Array,
+    glow: Float32Array | None,
+    beams: Float32Array | None,
+    reflectance: Float32Array,
+    go_on: CancelCheck,
+) -> Float32Array:
+    """Radiosity (3, M, L) of patches by light of measured panes, with its bounces.
+
+    `cells` (CELLS + 1, L): radiances of the sky; `radiosity` (3, M, L) of patches without this
+    light; `glow` (O, L): radiances of panes by suns; `beams` (M, L): irradiances straight through.
+    """
+    lights = []
+    for k in range(3):
+        go_on()
+        of_panes = bounces.mean_radiances(cells, radiosity[k])
+        light = bounces.on_patches(of_panes if glow is None else of_panes + glow, radiosity[k])
+        if cells is not None:
+            light += (bounces.by_cells @ cells).toarray()
+        lights.append(light if beams is None else light + beams)
+    return _in_threads(
+        bounces.transport, list(np.moveaxis(np.array(lights), 0, -1).swapaxes(0, 1)), reflectance,
+        go_on,
+    )  # fmt: skip
+
+
+def _scattered_suns(
+    panes: MeasuredPanes, halves: tuple[Half, Half], light: YearLight, go_on: CancelCheck
+) -> tuple[Float32Array, Float32Array]:
+    """Lux (P, H) that measured panes scatter of each hour's sun, by either half of the rays."""
+    colour = (light.sun_irradiance_rgb * LUMENS_RGB).astype(np.float32)
+    shape = halves[0].through[0].shape[0], len(light.hour)
+    found = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
+    through = [[m.astype(np.float32) for m in half.through] for half in halves]
+    for first in range(0, len(light.hour), _HOURS_AT_ONCE):
+        go_on()
+        some = slice(first, first + _HOURS_AT_ONCE)
+        glow = panes.of_sun(light.sun_direction[some])
+        for out, colours in zip(found, through, strict=True):
+            for k, matrix in enumerate(colours):
+                # One matrix stands for all colours.
+                lux = colour[some, k] if len(colours) == 3 else colour[some].sum(axis=1)
+                out[:, some] += (matrix @ glow) * lux
+    return found
+
+
 def _sky_matrix(half: Half, by_sky: Float32Array) -> Float32Array:
     """Irradiance (3, P, GROUND_NODE + 1) by radiances, straight and by all bounces."""
-    nodes = np.append(node_of_cell(), GROUND_NODE)
-    summed = csr_matrix(
-        (np.ones(CELLS + 1), (np.arange(CELLS + 1), nodes)), (CELLS + 1, GROUND_NODE + 1)
-    )
-    count = len(half.seen)
+    summed, count = _on_nodes(), len(half.seen)
     straight = [np.asarray((seen @ summed).toarray(), np.float32) for seen in half.seen]
     brought = _brought(half, by_sky)
     return np.stack([straight[k % count] + brought[k] for k in range(3)])
+
+
+def _on_nodes() -> csr_matrix:
+    """Which cells (CELLS + 1) are parts of each of the table's nodes (GROUND_NODE + 1)."""
+    nodes = np.append(node_of_cell(), GROUND_NODE)
+    return csr_matrix(
+        (np.ones(CELLS + 1, np.float32), (np.arange(CELLS + 1), nodes)),
+        (CELLS + 1, GROUND_NODE + 1),
+    )
 
 
 def _brought(half: Half, sent: Float32Array) -> Float32Array:

@@ -76,7 +76,7 @@ def year_pages(
     sensors, offset_h = work.sensors, opened.standard_offset_h
     hours = lit_hours(opened.place, offset_h)
     light = year_light(opened, hours, offset_h, tracked)
-    solved = solved_year(work.transport, light)
+    solved = solved_year(work.transport, light, bounces=work.operator.bounces)
     year = year_of(year_matrices(work, light, solved), light)
     planes, rooms = range(len(sensors.names)), asked.rooms
     shaded = {
@@ -180,7 +180,7 @@ def _sda(shaded: Shaded, light: YearLight) -> tuple[str, str]:
         for total in (shaded.total, *shaded.halves)
     )
     hours = ", ".join(f"{side} {count:,} h" for side, count in shaded.closed_h.items())
-    return _within(share, _half(first, second)), hours
+    return _within(share, _half(first, second)), hours or "by measured panes"
 
 
 def year_table(rows: list[list[str]], sun_day: str) -> Table:
@@ -219,7 +219,8 @@ def method(source: str, hours: int, blinds: float) -> list[str]:
         "sDA 300/50 (IES LM-83): share of the plane that has 300 lx in half of the 3,650 hours "
         "from 8:00 to 18:00. Each side of a room has blinds, closed in hours in which more than "
         "2 % of its sensors get 1,000 lx of direct sun through that side; closed, they let "
-        f"{percent_text(blinds)} through, evenly. 'Unshaded' is the same without blinds. ASE "
+        f"{percent_text(blinds)} through, evenly; none hang where panes are measured. 'Unshaded' "
+        "is the same without blinds. ASE "
         "1000/250: share with more than 1,000 lx of direct sun alone in more than 250 of these "
         "hours.",
         "EN 17037: illuminance on 50 % and on 95 % of the plane, 0.5 m from walls, in half of the "

@@ -6,15 +6,21 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from boxes import box
 from click.testing import CliRunner
-from daylight_numbers.command import daylight
+from daylight_numbers.command import daylight, with_bsdf
 from daylight_numbers.glass import glass_of
+from daylight_numbers.pane_materials import pane_materials
+from light_transport.surfaces.surfaces import surfaces_of
+from window_xml_files import diffuser, window_xml
 
 from vrut_lite.errors import UserError
-from vrut_lite.messages.glazing import Glazing
+from vrut_lite.messages.glazing import Glazing, GlazingFile
 from vrut_lite.project import Project, load_project, save_project
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
+
+ROOM = Path(__file__).parents[2] / "scenes" / "work" / "indoor.glb"
 
 
 def run(*arguments):
@@ -36,11 +42,51 @@ def test_bad_sensors_are_refused_before_the_scene_is_opened(tmp_path):
         (["none.glb", "--sun-day", "05-01"], "05-01 is not from 02-01 to 03-21"),
         (["a/room.glb", "b/room.glb"], "two scenes have one name"),
         (["none.glb", "--eyes", "none.csv"], "cannot read the sensors none.csv"),
+        (["none.glb", "--bsdf", "glass"], "--bsdf glass is not MATERIAL=FILE"),
+        (["none.glb", "--bsdf-up", "0,1,0"], "--bsdf-up needs files of measured glazing"),
+        (["none.glb", "--bsdf", "a=b", "--bsdf-up", "0,0,0"], "--bsdf-up 0,0,0 is not X,Y,Z"),
+        (["none.glb", "--bsdf", "a=b", "--bsdf-up", "0,nan,0"], "--bsdf-up 0,nan,0 is not X,Y,Z"),
+        (["none.glb", "--bsdf", "a=b", "--bsdf-up", "0,1"], "--bsdf-up 0,1 is not X,Y,Z"),
+        (["none.glb", "--bsdf", "glass=none.xml"], "cannot read the Window XML none.xml"),
     ],
 )
 def test_what_cannot_be_measured_is_refused_before_a_scene_is_opened(tmp_path, arguments, sentence):
     with pytest.raises(UserError, match=sentence):
         run(*arguments, "-o", tmp_path / "out")
+
+
+def test_glare_through_measured_glazing_is_refused(tmp_path):
+    """An eye's view has no panes that scatter: its glare would be wrong."""
+    blind, eyes = tmp_path / "blind.xml", tmp_path / "eyes.csv"
+    blind.write_text(window_xml({"Transmission Front": diffuser(0.5)}))
+    eyes.write_text("0,1.2,0,-1,0,0\n")
+    with pytest.raises(UserError, match="glare through measured glazing is not computed"):
+        run("none.glb", "-o", tmp_path / "out", "--bsdf", f"pane={blind}", "--eyes", eyes)
+
+
+def test_options_come_before_a_projects_measured_glazing():
+    """A file for the same material takes the project's place and keeps its up unless told."""
+    project = Project(bsdf={"pane": GlazingFile("old.xml", up=(0.0, 0.0, 1.0))})
+    found = with_bsdf(project, ("pane=new.xml", "roof=flat.xml")).bsdf
+    assert found["pane"] == GlazingFile("new.xml", up=(0.0, 0.0, 1.0))
+    assert found["roof"] == GlazingFile("flat.xml")
+    turned = with_bsdf(project, ("pane=new.xml",), "1,0,0").bsdf
+    assert turned["pane"] == GlazingFile("new.xml", up=(1.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("up", ["[0.0, 0.0, 0.0]", "[nan, 0.0, 1.0]", "[1.0, 0.0]"])
+def test_a_project_with_an_impossible_up_is_refused(tmp_path, up):
+    path = tmp_path / "room.toml"
+    path.write_text(f'scene = "room.glb"\n[bsdf.glass]\nfile = "blind.xml"\nup = {up}\n')
+    with pytest.raises(UserError, match="bsdf"):
+        load_project(path)
+
+
+def test_measured_glazing_of_no_material_of_the_scene_is_refused():
+    """In one line, with the names that there are."""
+    scene = packed(load_scene(ROOM))
+    with pytest.raises(UserError, match="bsdf: the scene has no material 'glas'; it has "):
+        pane_materials(scene, surfaces_of(scene), {"glas": GlazingFile("none.xml")})
 
 
 def test_glazing_of_no_material_of_the_scene_is_refused():
@@ -54,8 +100,7 @@ def test_glazing_of_no_material_of_the_scene_is_refused():
 
 def test_glazing_of_a_project_is_glass_in_pictures():
     """Its material has KHR_materials_transmission's terms: 0.72 of light at right angles passes."""
-    path = Path(__file__).parents[2] / "scenes" / "work" / "indoor.glb"
-    scene = packed(load_scene(path, glazing={"brass": Glazing(0.72)}))
+    scene = packed(load_scene(ROOM, glazing={"brass": Glazing(0.72)}))
     brass = next(one for one in scene.materials.all() if one.name == "brass")
     assert brass.terms.transmits
     assert brass.terms.is_pane
@@ -89,3 +134,39 @@ def test_a_room_has_its_tables_plans_and_page(tmp_path):
     page = (tmp_path / "report.html").read_text()
     assert page.count("data:image/png;base64,") == 4
     assert "CIE sky type 16" in page
+
+
+def glazed_house(folder):
+    """A room of 4 x 3 x 4 m in an OBJ file, whose side +x is all pane."""
+    sides = box((-2.0, 0.0, -2.0), (2.0, 3.0, 2.0), inwards=True)
+    lines, count = ["mtllib house.mtl"], 0
+    for number, quad in enumerate(sides):
+        lines += [f"v {x} {y} {z}" for x, y, z in quad]
+        lines.append("usemtl glass" if number == 0 else "usemtl wall")
+        lines.append("f " + " ".join(str(count + k + 1) for k in range(4)))
+        count += 4
+    (folder / "house.mtl").write_text("newmtl glass\nKd 1 1 1\nnewmtl wall\nKd 0.5 0.5 0.5\n")
+    path = folder / "house.obj"
+    path.write_text("\n".join(lines))
+    return path
+
+
+@pytest.mark.long
+def test_a_room_behind_a_measured_pane_has_half_the_light_of_a_clearer_one(tmp_path):
+    """An hour and a year by the installed sky: diffusers of 0.6 and 0.3, sDA without other
+    blinds."""
+    house, lux = glazed_house(tmp_path), {}
+    for share in (0.6, 0.3):
+        path = tmp_path / f"{share}.xml"
+        path.write_text(window_xml({"Transmission Front": diffuser(share)}))
+        out = tmp_path / f"out{share}"
+        said = run(house, "-o", out, "--grid", 1, "--year", "--bsdf", f"glass={path}")
+        assert "blinds closed by measured panes" in said
+        arrays = np.load(out / "sensors.npz")
+        assert not arrays["of_sun_lx"].any()
+        lux[share] = arrays["illuminance_lx"], arrays["dose_klxh"]
+    for whole, half in zip(lux[0.6], lux[0.3], strict=True):
+        assert whole.min() > 0.0
+        np.testing.assert_allclose(half, 0.5 * whole, rtol=0.01)
+    page = (tmp_path / "out0.3" / "report.html").read_text()
+    assert "glass is sample (LBNL/Klems Full): it passes 30.0 % of visible light" in page

@@ -21,28 +21,14 @@ from daylight_numbers.work import DaylightWork
 from daylight_numbers.year import Year, solved_year, year_matrices, year_of
 from daylight_numbers.year_light import HOURS, YearLight, lit_hours
 from light_transport.giving_up import unless
-from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
+from light_transport.rays.sky_nodes import GROUND_NODE
 from light_transport.transport import SceneTransport
+from light_years import year_like
 
 from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.false_colours import scale_of
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.pictures.image_files import write_png
-
-
-def year_like(hours, lights):
-    """A year's light of hours with these lights."""
-    sky = [
-        node_radiances(light.sky, light.ground_radiance_rgb)[: GROUND_NODE + 1] for light in lights
-    ]
-    return YearLight(
-        np.asarray(hours),
-        np.array(sky, np.float32),
-        np.array([light.key_direction for light in lights]),
-        np.array([light.key_irradiance_rgb for light in lights]),
-        np.array(lights[0].ground_albedo_rgb),
-        "test",
-    )
 
 
 @pytest.fixture(scope="module")

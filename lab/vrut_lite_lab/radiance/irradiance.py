@@ -70,8 +70,8 @@ def both_by_radiance(
         folder = Path(name)
         scene, sky = write_scene(surfaces, hour, folder, glass), write_sky(hour, folder)
         sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
-        every = _traced(folder, (scene, sky, sun), rows, effort, "-I+")
-        return every, _traced(folder, (scene, sun), rows, RadianceEffort(effort.rays, 0), "-I+")
+        every = traced(folder, (scene, sky, sun), rows, effort, "-I+")
+        return every, traced(folder, (scene, sun), rows, RadianceEffort(effort.rays, 0), "-I+")
 
 
 def radiance_by_radiance(
@@ -92,10 +92,10 @@ def radiance_by_radiance(
         folder = Path(name)
         scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
         sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
-        return _traced(folder, (scene, sky, sun), rows, effort)
+        return traced(folder, (scene, sky, sun), rows, effort)
 
 
-def _traced(
+def traced(
     folder: Path, files: tuple[str, ...], rows: FloatArray, effort: RadianceEffort, *options: str
 ) -> FloatArray:
     """What `rtrace` finds (R, 3) along rays (R, 6): places and directions."""

@@ -31,7 +31,7 @@ _ROWS = 7 * _PARTS
 _IN_ROW = np.repeat((30, 30, 24, 24, 18, 12, 6), _PARTS) * _PARTS
 _PATCHES = int(_IN_ROW.sum()) + 1
 _HALF_RAD = np.pi / 2.0 / (_ROWS + 0.5)
-_RECEIVERS = f"""#@rfluxmtx h=u u=+Y
+RECEIVERS = f"""#@rfluxmtx h=u u=+Y
 void glow earth
 0
 0
@@ -79,7 +79,7 @@ def coefficients(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         scene = write_scene(surfaces, here.opened.hour(), folder)
-        (folder / "receivers.rad").write_text(_RECEIVERS)
+        (folder / "receivers.rad").write_text(RECEIVERS)
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         out = run_in(
             folder, "rfluxmtx", "-h", "-faa", "-I+", "-y", f"{len(rows)}", "-ab", f"{bounces}",

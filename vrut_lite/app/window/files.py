@@ -22,6 +22,7 @@ from vrut_lite.app.window.views import Views
 from vrut_lite.bundled.places import is_bundled
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, Input, SetSetting
+from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.weather import SetWeather
@@ -71,8 +72,9 @@ class Files:
         self.project: Path | None = None
         # The place that a scene's own file states, until that scene is open.
         self._place_of: tuple[str, SetPlace] | None = None
-        # The open project's file of sensors, which the window keeps for `vrut-lite daylight`.
+        # The open project's sensors and measured glazing, kept for `vrut-lite daylight`.
         self._sensors = ""
+        self._bsdf: dict[str, GlazingFile] = {}
         self.title_changed = title_changed
         self.pictures = user_pictures_path() / "vrut_lite"
         self._session.present_project = lambda: self.present_project
@@ -87,7 +89,7 @@ class Files:
     def open_path(self, path: str) -> None:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
-            self.project, self._sensors = None, ""
+            self.project, self._sensors, self._bsdf = None, "", {}
             place = place_of_ifc(path)
             self._place_of = None if place is None else (path, place)
             self._session.send(LoadScene(path=path))
@@ -123,7 +125,7 @@ class Files:
     def open_project(self, project: Project) -> None:
         """Show a project."""
         self.views.show(project.views)
-        self._sensors = project.sensors
+        self._sensors, self._bsdf = project.sensors, project.bsdf
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
             self._reading[SCENE] = Path(project.scene).name
@@ -209,9 +211,13 @@ class Files:
 
     @property
     def present_project(self) -> Project:
-        """The window's present state as a project, with its views and sensors."""
+        """The window's present state as a project, with its views, sensors and measured
+        glazing."""
         return msgspec.structs.replace(
-            project_of(self._session), views=self.views.kept, sensors=self._sensors
+            project_of(self._session),
+            views=self.views.kept,
+            sensors=self._sensors,
+            bsdf=self._bsdf,
         )
 
     def ask_to_keep_view(self) -> None:
