@@ -28,9 +28,10 @@ TABLES: Mapping[str, float] = MappingProxyType(
     {"coarse": 0.7, "usual": 1.0, "fine": 1.5, "finer": 2.0}
 )
 # Shares of the tolerance: errors seldom add up in one direction, so that solution and table get
-# nearly all of it. At the default tolerance the cube map's budget is less than its share.
+# nearly all of it. At the default tolerance the budgets of table and cube map are less than their
+# shares: the solution's error is smooth, theirs are edges that are seen.
 _SOLVER_SHARE, _TABLE_SHARE, _CUBE_SHARE = 0.6, 0.5, 0.1
-_USUAL_CUBE = 0.003
+_USUAL_TABLE, _USUAL_CUBE = 0.01, 0.003
 
 
 class BrunetonQuality(NamedTuple):
@@ -49,7 +50,7 @@ def quality_for(tolerance: float) -> BrunetonQuality:
     fronts = read_fronts(FRONTS).fronts
     return BrunetonQuality(
         solver=cast(SolverRung, cheapest(fronts["solver"], _SOLVER_SHARE * tolerance)),
-        table=str(cheapest(fronts["table"], _TABLE_SHARE * tolerance)),
+        table=str(cheapest(fronts["table"], budget(tolerance, _USUAL_TABLE, _TABLE_SHARE))),
         cube_size=int(cheapest(fronts["cube_size"], budget(tolerance, _USUAL_CUBE, _CUBE_SHARE))),
         sun_change=budget(tolerance, RADIANCE_TOLERANCE, 0.05),
         altitude_steps=budget(tolerance, 1.0, 20.0),
