@@ -28,6 +28,8 @@ def opened(qapp):
     panel.resize(330, 760)
     session.start()
     yield session, panel
+    # A window that stays would take the pointer from those of other tests.
+    panel.close()
     session.close()
     session.join(PATIENCE_MS / 1e3)
 
