@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from air_stage import air_of, volume_of
-from scene_stage import light, look
+from scene_stage import light, look, look_finished
 from stateful_backend import opened
 
 from vrut_lite.messages.camera import look_at
@@ -134,6 +134,23 @@ def test_what_hides_the_sun_shades_the_glow_before_it(backend, tmp_path):
     assert shafts[y, x][inside].max() < 0.2 * lit[inside].min()
     np.testing.assert_allclose(without[y, x][inside], shafts[y, x][inside], rtol=0.02)
     np.testing.assert_allclose(without[y, x][outside], lit[outside], rtol=2e-3)
+
+
+def test_a_finished_still_has_no_grain_at_the_edges_of_the_glows_shade(backend, tmp_path):
+    """Beside a hole in a wall before a low sun, a step along a ray is longer than the beam is wide:
+    the pictures of a still look at different places, so that their mean has less of the grain."""
+    sides = [((s * 54.0, 10.0, -40.0), (100.0, 80.0, 1.0)) for s in (-1, 1)]
+    above_below = [((0.0, y, -40.0), (8.0, 32.0, 1.0)) for y in (40.0, 0.0)]
+    show(backend, tmp_path, [*sides, *above_below], sun=np.array([0.1, 0.2, -0.974]))
+    view = (EYE, np.add(EYE, (-0.03, 0.05, -1.0)), 0.3)
+    few, finished = (shown(backend, *view).radiance[..., 1] for shown in (look, look_finished))
+    backend.change(light_shafts=True)
+    shafts = look_finished(backend, *view).radiance[..., 1]
+    # Neighbours' difference from their mean: the glow itself fades smoothly.
+    grain_of_few, grain = (
+        np.abs(np.diff(seen - shafts, 2, axis=1)).mean() for seen in (few, finished)
+    )
+    assert grain < 0.47 * grain_of_few
 
 
 def test_away_from_the_sun_no_glow_is_shaded(backend, tmp_path):

@@ -47,6 +47,9 @@ vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
     // Dither by pixel (Jimenez 2014, "interleaved gradient noise"): details thinner than a step
     // become grain instead of bands.
     float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+#ifdef PICTURE_SHARE
+    dither = fract(dither + PICTURE_SHARE);
+#endif
     float step_m = (range.y - range.x) / float(SHAFT_STEPS);
     bool lit = is_lit(start + along * range.x);
     float before_m = range.x;

@@ -51,6 +51,8 @@ uniform vec3 sun_direction;          // towards the sun
 uniform vec3 sun_irradiance;         // on a plane that faces it
 uniform int picture_number;          // of the pictures averaged into a still
 uniform int picture_count;
+// Share of a still's pictures drawn before this one: dithers move by it, and their grain averages out.
+#define PICTURE_SHARE (float(picture_number) / float(picture_count))
 
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
 #ifdef ONE_SAMPLE
