@@ -51,6 +51,9 @@ def test_file_has_an_entry_before_quit(driver):
 
 def test_what_cannot_be_written_is_said_before_the_work(driver, tmp_path, monkeypatch):
     """Another ending, a folder that is missing, a script that is not built: in the dialog."""
+    built = tmp_path / "page.js"
+    built.write_text("// built", encoding="utf-8")
+    monkeypatch.setattr(page_file, "SCRIPT", built)
     for answer, said in (
         (tmp_path / "page.png", "a page's name ends with .html"),
         (tmp_path / "missing" / "page.html", "missing"),
