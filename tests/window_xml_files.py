@@ -1,4 +1,4 @@
-"""Small files of LBNL's Window XML, written anew for each test."""
+"""Small files of LBNL's Window XML, written by each test."""
 
 import numpy as np
 from daylight_numbers.angle_basis import KLEMS_FULL
@@ -51,5 +51,5 @@ def diffuser(transmittance, basis=KLEMS_FULL):
 
 
 def opening(transmittance=1.0, basis=KLEMS_FULL):
-    """Transmission (N, N) of what lets beams straight on."""
+    """Transmission (N, N) of a pane that does not scatter."""
     return np.diag(transmittance / basis.projected_sr)

@@ -6,7 +6,7 @@ A panel is a QWidget of the group `vrut_lite.panels`, called with the window's `
   the engine's thread. `present_project()` is the window's state.
 * Widgets as the window has them: `Chooser`, `aligned_form`, `faint_label`, `panel_column`,
   `make_timer`.
-* Processes of their own for long work, by `spawn_context`.
+* Other processes for long work, by `spawn_context`.
 * Pictures: `FittedPicture` shows one, `Legend` its false colours; `display_picture` makes
   display values of radiance; `folder_of`, `file_title` and `write_picture` save it.
 """

@@ -1,4 +1,5 @@
-"""Compliance with EN 17037, BRE 209, LEED v4.1 and WELL: what each clause asks and what was found.
+"""Compliance with EN 17037, BRE 209, LEED v4.1 and WELL: a requirement, a finding and a verdict for
+each clause.
 
 A clause whose input is missing is not assessed, and says what it lacks.
 """
@@ -46,7 +47,7 @@ class PlaneYear(NamedTuple):
 
 
 class YearFound(NamedTuple):
-    """What a year's run has found: work planes by their number, and levels of glare of eyes."""
+    """Results of a year: work planes by their number, and glare levels of eyes."""
 
     planes: Mapping[int, PlaneYear]
     glare_levels: Sequence[str]
@@ -63,7 +64,7 @@ class _Clause(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """What clauses are held against, by the number of a room's work plane.
+    """Inputs of the clauses, by the number of a room's work plane.
 
     Attributes:
         names: of the rooms.

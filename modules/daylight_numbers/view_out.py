@@ -3,8 +3,8 @@
 Rays from an eye over each sensor, seated, 1.2 m above the floor, that leave the room by its
 openings: what they meet is the view. The width of the view is the angle around the eye in which
 some ray leaves; its distance is the median one, from the opening's inner surface, of level rays
-that leave. Sky, landscape and ground are the layers. Landscape is what stands outside, and the
-horizon; ground is what is level there.
+that leave. The layers are sky, landscape (upright things outside, and the horizon) and ground
+(level surfaces outside).
 """
 
 from typing import NamedTuple

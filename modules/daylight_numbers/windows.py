@@ -8,7 +8,7 @@ are measured on the outer face of the wall, in front of the window; here at plac
 openings of a room's side, whose mean is given.
 
 Sunny hours are those of a year of weather, in which the direct beam exceeds 120 W/m^2 (WMO-No. 8).
-Panes hide what is behind them: glass of other buildings is an obstruction.
+Panes are opaque here: glass of other buildings is an obstruction.
 """
 
 from typing import NamedTuple
@@ -95,7 +95,7 @@ def windows_of(
 
 
 class ShutScene(NamedTuple):
-    """A scene in which panes hide what is behind them."""
+    """A scene with opaque panes."""
 
     transport: RayScene
     tree: Tree

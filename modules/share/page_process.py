@@ -1,4 +1,4 @@
-"""A page made by a process of its own, which a panel follows and may end."""
+"""A page made in another process, whose progress a panel shows and which it can cancel."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

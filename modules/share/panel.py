@@ -1,4 +1,4 @@
-"""The panel of a shared page: the window's scene as one file, made by a process of its own.
+"""The panel of a shared page: the window's scene as one file, made in another process.
 
 The window imports it by the entry point `vrut_lite.panels`; File has its entry.
 """

@@ -49,7 +49,7 @@ def wall(x, height, half=2000.0):
 
 
 def overcast_share(hidden_deg):
-    """VSC (%) before an endless parallel wall that hides so much of the meridian ahead."""
+    """VSC (%) before an endless parallel wall that hides the meridian ahead up to an elevation."""
     turn = (np.arange(400) + 0.5) / 400 * np.pi - np.pi / 2
     rise = (np.arange(2000) + 0.5) / 2000 * np.pi / 2
     turn, rise = np.meshgrid(turn, rise, indexing="ij")

@@ -153,7 +153,7 @@ def test_triangles_stand_where_they_stood(scenes):
 
 
 def test_a_mesh_that_stands_in_many_places_is_written_once(tmp_path, files):
-    """Only the mirrored and the sheared place have meshes of their own."""
+    """Only the mirrored and the sheared instance get separate meshes."""
     assert len(document_of(files[1])["meshes"]) == 3
 
 

@@ -23,7 +23,7 @@ LANTERN_M = np.array([0.0, 2.1, -0.4])
 
 @pytest.fixture(scope="module")
 def walked(written, tmp_path_factory):
-    """What the walk has seen."""
+    """Pictures and state after each step of the walk."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     if not EMULATOR.is_file():
@@ -43,7 +43,7 @@ def walked(written, tmp_path_factory):
 
 
 def pictures(seen):
-    """What the left and the right eye see, (h, w) in 0..255."""
+    """Pictures of the left and the right eye (h, w), in 0..255."""
     content = base64.b64decode(seen["picture"].partition(",")[2])
     both = np.asarray(Image.open(io.BytesIO(content)).convert("L"), float)
     return np.split(both, 2, axis=1)

@@ -47,7 +47,7 @@ SLICES_A_FRAME = 2
 
 
 class EyeInputs(NamedTuple):
-    """What an eye of a frame has for itself: the state has its camera and size."""
+    """Inputs of one eye of a frame: the state has its camera and size."""
 
     view: View
     light: Light
@@ -56,7 +56,7 @@ class EyeInputs(NamedTuple):
 
 
 class _SharedLight(NamedTuple):
-    """What all views of a frame share: meshes that any may show, reflected sky, and shadows.
+    """Inputs that all views of a frame share: meshes visible in any, reflected sky, and shadows.
 
     `in_air`: whether shadows may be visible in the air; `shafts`: whether all of them are.
     """
