@@ -75,8 +75,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     turbidity: Annotated[
         float | None,
         setting(
-            "Haze of this sky alone, on Preetham's scale, 3 is AOD 0.20; none leaves it to the "
-            "preset",
+            "Haze of this sky alone, on Preetham's scale, 3 is AOD 0.20; unless set, the preset's",
             LEAST_TURBIDITY,
             MOST_TURBIDITY,
             source="Preetham, Shirley and Smits 1999, appendix A.1",
@@ -85,16 +84,16 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     aerosol: Annotated[
         AerosolType | None,
         setting(
-            "What the haze of this sky alone is made of; none follows the place's, and a preset "
-            "other than earth has its own",
+            "What the haze of this sky alone is made of; unless set, as at the place, or as a "
+            "preset other than earth has it",
             source="Hess, Koepke and Schult 1998",
         ),
     ] = None
     albedo: Annotated[
         float | None,
         setting(
-            "Part of the light that a grey ground of this sky alone reflects; none follows the "
-            "place's ground, and a preset other than earth has its own",
+            "Part of the light that a grey ground of this sky alone reflects; unless set, the "
+            "place's ground, or that of a preset other than earth",
             0,
             1,
         ),
@@ -169,7 +168,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     fog_visibility_m: Annotated[
         float | None,
         setting(
-            "How far one sees through fog on the ground; none is no fog",
+            "How far one sees through fog on the ground; unless set, there is no fog",
             50,
             20_000,
             unit="m",

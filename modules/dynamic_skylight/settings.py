@@ -34,7 +34,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
     turbidity: Annotated[
         float | None,
         setting(
-            "Haze of this sky alone, on Preetham's scale: 2 is clear, 6 is hazy; none follows the "
+            "Haze of this sky alone, on Preetham's scale: 2 is clear, 6 is hazy; unless set, the "
             "place's haze",
             LEAST_TURBIDITY,
             MOST_TURBIDITY,
@@ -44,7 +44,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
     albedo: Annotated[
         float | None,
         setting(
-            "Share of light that a grey ground of this sky alone reflects; none follows the "
+            "Share of light that a grey ground of this sky alone reflects; unless set, the "
             "place's ground",
             0.0,
             1.0,
