@@ -5,6 +5,7 @@
   such work.
 * The light of an hour, `Illumination`, by `hour_of` messages; `node_radiances` are its sky in the
   table's cells, `NODES`, `GROUND_NODE` and `EDGE`; `columns_and_rays` are the table's entries.
+* `MirrorRays` of `mirror_parts`: the surroundings of glossy parts, by `SceneTransport.add_mirrors`.
 * Where rays end: a `RayScene` and its `Tree`, `first_hits`, and for kernels (`hot`, `inlined`)
   `nearest_along`, `mixed`, `met_row`, `scratch`, `MISS`, `GROUND`; `edges_of` triangles of
   `Surfaces`.
@@ -15,6 +16,7 @@ from light_transport.hour.illumination import Illumination
 from light_transport.jobs import hour_of
 from light_transport.kernels import hot, inlined
 from light_transport.rays.map_texels import edges_of
+from light_transport.rays.mirror_rays import MirrorRays, mirror_parts
 from light_transport.rays.ray_scene import RayScene
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.ray_table import columns_and_rays, met_row
@@ -33,6 +35,7 @@ __all__ = [
     "NODES",
     "CancelCheck",
     "Illumination",
+    "MirrorRays",
     "RayScene",
     "SceneTransport",
     "Surfaces",
@@ -47,6 +50,7 @@ __all__ = [
     "hour_of",
     "inlined",
     "met_row",
+    "mirror_parts",
     "mixed",
     "nearest_along",
     "node_radiances",

@@ -13,6 +13,7 @@ import numpy as np
 
 from share.shared_scene import SunSky
 from share.sky_table import SkyTable, table_directions
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.sky.air_volume import look_up_air
 
@@ -27,8 +28,9 @@ class AirTable:
     """Light and extinction of air; linear sRGB.
 
     Attributes:
-        radiance: (H, BELOW + LOWER + UPPER, COLUMNS, 3) float16, mean radiance as a share of the
-            sky table's level, sr^-1.
+        radiance: (H, BELOW + LOWER + UPPER, COLUMNS, 4) float16, mean radiance as a share of the
+            sky table's level, sr^-1; last the share of its luminance that is sunlight scattered
+            once, which a scene may shade.
         optical_depth: (VIEWS, 3) float16, along `scene_m`, by the height of the view.
     """
 
@@ -45,12 +47,14 @@ def air_table(skies: list[SunSky], table: SkyTable, scene_m: float) -> AirTable:
     for sky, scale in zip(skies, table.level_rgb, strict=True):
         directions = _directions(max(sky.apparent_rad, 0.0), sky.azimuth_rad)
         if sky.air is None:
-            radiance.append(np.zeros(directions.shape))
+            radiance.append(np.zeros((*directions.shape[:-1], 4)))
             continue
         near_m = np.full(directions.shape[:-1], 0.5 * scene_m)
         found = look_up_air(sky.air, directions, near_m)
         taken = np.maximum(1.0 - found.transmittance, 1e-12)
-        radiance.append((found.shaded + found.sunlit) / taken / scale)
+        whole = found.shaded + found.sunlit
+        sunlit = luminance(found.sunlit) / np.maximum(luminance(whole), 1e-30)
+        radiance.append(np.concatenate([whole / taken / scale, sunlit[..., None]], axis=-1))
         # The air's matter is the same at all hours.
         left = look_up_air(sky.air, level, np.full(VIEWS, 0.5 * scene_m)).transmittance
         depth = -2.0 * np.log(left)

@@ -193,13 +193,14 @@ class _Writer:
             "material": material,
         }
         self._document["meshes"].append({"primitives": [primitive]})
-        self._document["nodes"].append(
-            {
-                "mesh": len(self._document["meshes"]) - 1,
-                "translation": lower.tolist(),
-                "scale": step.tolist(),
-            }
-        )
+        node: dict[str, Any] = {
+            "mesh": len(self._document["meshes"]) - 1,
+            "translation": lower.tolist(),
+            "scale": step.tolist(),
+        }
+        if group.mirror is not None:
+            node["extras"] = {"mirror": group.mirror}
+        self._document["nodes"].append(node)
         self._document["scenes"][0]["nodes"].append(len(self._document["nodes"]) - 1)
 
     def _accessor(

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from light_transport.public import (
     Illumination,
+    MirrorRays,
     SceneTransport,
     TransportSizes,
     first_rays,
+    mirror_parts,
     quality_for,
     surfaces_of,
 )
@@ -35,8 +37,12 @@ MOST_VALUES = 400_000
 _BLACK = (0.0, 0.0, 0.0)
 
 
-def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTransport:
-    """A scene's transport by all rays of a tolerance; rays are kept on disk.
+def traced(
+    scene: SceneOpened, tolerance: float, texels: int | None
+) -> tuple[SceneTransport, MirrorRays | None]:
+    """A scene's transport by all rays of a tolerance, and the surroundings of its glossy parts.
+
+    Rays are kept on disk. The transport has no such surroundings: the page draws them each hour.
 
     Raises:
         UserError: the scene has no surfaces, or its light map is too large for a page.
@@ -47,17 +53,20 @@ def traced(scene: SceneOpened, tolerance: float, texels: int | None) -> SceneTra
     sizes = TransportSizes(
         None, texels or quality.texels, quality.patch_texels, quality.bounces_left
     )
-    found = SceneTransport.of_scene(scene, surfaces_of(scene), sizes)
+    surfaces = surfaces_of(scene)
+    found = SceneTransport.of_scene(scene, surfaces, sizes)
     values = len(MapValues.of(found).where)
     if values > MOST_VALUES:
         raise UserError(
             f"the light map has {values:,} texels, more than the {MOST_VALUES:,} that fit into a "
             f"page: reduce them, as by --texels {max(quality.texels // 2, 1000)}"
         )
+    found.add_mirrors(mirror_parts(scene, surfaces))
+    mirrors, found.mirrors = found.mirrors, None
     # Patches follow from the first round, and so do kept rays: it is the module's own.
     for rays in (first_rays(found.rows), quality.rays):
         found.add_cached_rays(rays - found.rays)
-    return found
+    return found, mirrors
 
 
 @dataclass(frozen=True, eq=False)

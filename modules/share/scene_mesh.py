@@ -1,10 +1,12 @@
 """A scene's triangles as a page draws them: in world axes, a group for each material.
 
 Vertices are those of the light map's charts: a surface that the map cuts up has a vertex for each
-side of a cut. Parts without a chart take their light from probes.
+side of a cut. Parts without a chart take their light from probes. A part with an image of its
+surroundings is a group of its own.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +25,7 @@ class MeshGroup:
 
     `uv` and `second_uv` (V, 2), v upwards; `light_px` (V, 2), places in the light map in texels,
     or None for light from probes and for the ground; `colours` (V, 4), linear, or None. `material`
-    is a number, or `GROUND`.
+    is a number, or `GROUND`. `mirror` is the number of the cube map of its surroundings, or None.
     """
 
     material: int
@@ -34,15 +36,19 @@ class MeshGroup:
     light_px: Float32Array | None
     colours: Float32Array | None
     triangles: NDArray[np.uint32]
+    mirror: int | None = None
 
 
-def groups_of(scene: SceneOpened, laid: LightMapLaid) -> list[MeshGroup]:
-    """The groups of a scene, the ground's last."""
-    parts: dict[tuple[int, bool, bool, bool, bool], list[MeshGroup]] = {}
+def groups_of(
+    scene: SceneOpened, laid: LightMapLaid, mirror_of: Mapping[int, int]
+) -> list[MeshGroup]:
+    """The groups of a scene, the ground's last; `mirror_of` parts have cube maps."""
+    parts: dict[tuple[int, int | None, bool, bool, bool, bool], list[MeshGroup]] = {}
     for part, number in enumerate(laid.part_shape.values.tolist()):
-        made = _part(scene, laid, part, number)
+        made = replace(_part(scene, laid, part, number), mirror=mirror_of.get(part))
         key = (
             made.material,
+            made.mirror,
             made.uv is not None,
             made.second_uv is not None,
             made.light_px is not None,
@@ -118,4 +124,5 @@ def _joined(groups: list[MeshGroup]) -> MeshGroup:
                 for group, start in zip(groups, starts, strict=True)
             ]
         ),
+        first.mirror,
     )

@@ -8,7 +8,7 @@ from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
-from light_transport.public import Illumination, SceneTransport
+from light_transport.public import Illumination, MirrorRays, SceneTransport
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -23,6 +23,7 @@ from share.sky_shares import COMPONENTS, SkyShares, sky_shares
 from share.sky_table import LOWER, SkyTable, check_sky, sky_table
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
+from vrut_lite.frame_part import SUN_GLOW_RAD
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.encoding import decode_float16, encode_float16, float16_scale
 from vrut_lite.geometry.false_colours import colours_at
@@ -114,7 +115,7 @@ def _page(
     scene, place = opened.scene, opened.place
     tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
     left_out = opened.without_layers()
-    transport = traced(scene, tolerance, texels)
+    transport, mirrors = traced(scene, tolerance, texels)
     values = MapValues.of(transport)
     disc, key = opened.disc, opened.light.key_light
     skies = opened.sun_skies(np.radians(_HEIGHTS_DEG))
@@ -173,12 +174,14 @@ def _page(
         },
         "sky": about_sky(table),
         "moon": moon,
+        "glow_rad": SUN_GLOW_RAD,
         "glow_ground": list(glow_illumination(glow, table.albedo_rgb[-1]).ground_radiance_rgb),
         "disc": {
             "angular_radius_rad": disc.angular_radius_rad,
             "even_radius_rad": key.even_radius_rad,
             "limb_darkening_rgb": [list(terms) for terms in disc.limb_darkening_rgb],
         },
+        "mirrors": [],
         "tone": display_numbers(),
         "false_colours": _false_colours(),
         "facts": _facts(errors, values, basis),
@@ -198,8 +201,14 @@ def _page(
         "visible_sky": _visible_sky(transport, planes.shape[1:]),
         "reflectance": _reflectance(),
     }
+    mirror_of: dict[int, int] = {}
+    if mirrors is not None:
+        header["mirrors"] = _about_mirrors(transport, mirrors)
+        nearness = mirrors.nearness / transport.surfaces.radius_m
+        arrays["mirror_nearness"] = nearness.astype(np.float16).view(np.uint16)
+        mirror_of = {part: n for n, part in enumerate(mirrors.parts.part.tolist())}
     glb = glb_of(
-        groups_of(scene, transport.layout_message),
+        groups_of(scene, transport.layout_message, mirror_of),
         scene.materials.all(),
         table.albedo_rgb[-1].tolist(),
     )
@@ -399,6 +408,16 @@ def _about_map(transport: SceneTransport, scene: SceneOpened) -> dict[str, Any]:
             "row": laid.size_px[1],
         }
     return found
+
+
+def _about_mirrors(transport: SceneTransport, mirrors: MirrorRays) -> list[dict[str, Any]]:
+    """Where each glossy part is seen from, and whether it then sees itself."""
+    surfaces, parts = transport.surfaces, mirrors.parts
+    centres_m = parts.centre * surfaces.radius_m + surfaces.centre_m
+    return [
+        {"centre_m": centre.tolist(), "hollow": bool(hollow)}
+        for centre, hollow in zip(centres_m, parts.hollow, strict=True)
+    ]
 
 
 # --- words ----------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from share.air_table import BELOW, VIEWS, air_table
 from share.shared_scene import SharedScene
 from share.sky_table import COLUMNS, sky_table
 
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.project import project_of_path
 from vrut_lite.sky.air_volume import look_up_air
 
@@ -31,7 +32,8 @@ def test_air_is_that_of_the_sky_in_every_direction():
     skies = skies_of()
     table = sky_table(skies)
     air = air_table(skies, table, SIZE_M)
-    sky, layer = skies[1], air.radiance[1].astype(float) * table.level_rgb[1]
+    sky, shares = skies[1], air.radiance[1].astype(float)
+    layer, sunlit = shares[..., :3] * table.level_rgb[1], shares[..., 3]
     heights = {0: -0.5 * math.pi, BELOW - 1: 0.0, BELOW: 0.0, len(layer) - 1: 0.5 * math.pi}
     for row, height in heights.items():
         for column in (0, COLUMNS // 2, COLUMNS - 1):
@@ -41,6 +43,8 @@ def test_air_is_that_of_the_sky_in_every_direction():
             found = look_up_air(sky.air, d, 0.5 * SIZE_M)
             mean = (found.shaded + found.sunlit) / (1.0 - found.transmittance)
             assert layer[row, column] == pytest.approx(mean, rel=2e-3)
+            share = luminance(found.sunlit) / luminance(found.shaded + found.sunlit)
+            assert sunlit[row, column] == pytest.approx(share, rel=2e-3)
     left = look_up_air(sky.air, [0.0, 0.0, -1.0], SIZE_M).transmittance
     assert np.exp(-air.optical_depth[VIEWS // 2].astype(float)) == pytest.approx(left, rel=1e-4)
     # Beside the sun haze is brighter than away from it.

@@ -47,6 +47,7 @@ export class Picture {
     this.defines = {
       COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1),
       BELOW: header.sky.below.toFixed(1),
+      GLOW_BEGINS: Math.cos(header.glow_rad).toFixed(6), GLOW_WHOLE: Math.cos(0.5 * header.glow_rad).toFixed(6),
     };
     const tone = header.tone;
     const sky = data.array('visible_sky'), [mapHeight, mapWidth] = data.shape('visible_sky');
@@ -63,6 +64,7 @@ export class Picture {
       type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
       depthBuffer: false,
     });
+    this.near = nearnessOf(data);
     this.air = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
       type: THREE.HalfFloatType, depthBuffer: false,
     });
@@ -100,6 +102,7 @@ export class Picture {
       pre: { value: 1 },
       values_shown: { value: 0 },
       jitter: { value: new THREE.Vector2() },
+      picture_share: { value: 0 },
       light_map: { value: this.light.target.texture },
       visible_sky: { value: skyTexture },
       open_sky: { value: this.open.texture },
@@ -156,7 +159,7 @@ export class Picture {
       u.eye_height.value = new THREE.Vector3().setFromMatrixPosition(view).y - header.scene.ground_m;
       /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniformsNeedUpdate = true;
     };
-    const cube = { ...one, face: { value: 0 }, cube_scale: { value: 1 } };
+    const cube = { ...one, face: { value: 0 }, cube_scale: { value: 1 }, key_body: { value: 0 } };
     this.cubePass = fullScreen(CUBE_FRAGMENT, cube, this.defines);
     this.airPass = fullScreen(CUBE_FRAGMENT, cube, { ...this.defines, AIR: 1 });
     this.copy = fullScreen(COPY_FRAGMENT, { from: { value: null }, factor: { value: 1 } });
@@ -184,7 +187,7 @@ export class Picture {
     this.coarse = new THREE.WebGLRenderTarget(4, 4);
     this.drawn = this.target;
     this.sum = new THREE.WebGLRenderTarget(4, 4);
-    /** @type {{mesh: THREE.Mesh, camera: THREE.CubeCamera}[]} */
+    /** @type {{meshes: THREE.Mesh[], camera: THREE.CubeCamera, hollow: boolean}[]} */
     this.mirrors = [];
   }
 
@@ -196,19 +199,9 @@ export class Picture {
     const found = await sceneOf(glb, this.shared, defines, map);
     this.scene.add(this.skyPass, found.opaque, found.glass);
     found.glass.renderOrder = 1;
-    this.mirrors = found.mirrors.map((mesh) => {
-      const target = new THREE.WebGLCubeRenderTarget(this.soft ? 32 : 128, {
-        type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
-      });
-      const camera = new THREE.CubeCamera(0.01 * this.header.scene.size_m / 10, 150 * this.header.scene.size_m, target);
-      mesh.geometry.computeBoundingBox();
-      /** @type {THREE.Box3} */ (mesh.geometry.boundingBox).getCenter(camera.position).applyMatrix4(mesh.matrixWorld);
-      camera.updateMatrixWorld(true);
-      const { uniforms } = /** @type {THREE.RawShaderMaterial} */ (mesh.material);
-      uniforms.mirror.value = target.texture;
-      uniforms.mirror_levels_own.value = Math.log2(target.width);
-      return { mesh, camera };
-    });
+    this.mirrors = this.header.mirrors.map(
+      (/** @type {{centre_m: number[], hollow: boolean}} */ about, /** @type {number} */ n) => (
+        this.mirrorOf(about, n, found.mirrors.get(n) || [])));
     found.casters.forEach((mesh) => this.casters.add(mesh));
     found.tints.forEach((mesh) => this.tints.add(mesh));
     this.scene.updateMatrixWorld(true);
@@ -294,6 +287,7 @@ export class Picture {
     this.shared.mirror_scale.value = this.shared.air_scale.value = level;
     for (const [pass, target] of /** @type {const} */ ([[this.cubePass, this.mirror], [this.airPass, this.air]])) {
       pass.material.uniforms.cube_scale.value = 1 / level;
+      pass.material.uniforms.key_body.value = byDay ? 0 : 1;
       for (let face = 0; face < 6; ++face) {
         pass.material.uniforms.face.value = face;
         pass.material.uniformsNeedUpdate = true;
@@ -317,17 +311,61 @@ export class Picture {
     this.stillCount = 0;
   }
 
-  /** What glossy bodies see around them. */
+  /** The cube map of what meshes see around them.
+   * @param {{centre_m: number[], hollow: boolean}} about @param {number} n its number
+   * @param {THREE.Mesh[]} meshes */
+  mirrorOf({ centre_m: middle, hollow }, n, meshes) {
+    const size = this.header.scene.size_m, { mirrors } = this.header;
+    const edge = this.header.sections.mirror_nearness.shape[2], most = mirrors.length > 2 ? 32 : 64;
+    const target = new THREE.WebGLCubeRenderTarget(this.soft ? Math.min(edge, most) : edge, {
+      type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
+    });
+    const camera = new THREE.CubeCamera(1e-3 * size, 150 * size, target);
+    camera.position.set(middle[0], middle[1], middle[2]);
+    camera.updateMatrixWorld(true);
+    for (const mesh of meshes) {
+      const { uniforms } = /** @type {THREE.RawShaderMaterial} */ (mesh.material);
+      uniforms.mirror.value = target.texture;
+      uniforms.mirror_nearness.value = this.near[n];
+      uniforms.mirror_middle.value.copy(camera.position);
+    }
+    return { meshes, camera, hollow };
+  }
+
+  /** What glossy parts see around them: surfaces without the sky, which each adds itself. */
   drawMirrors() {
     const { pre, values_shown: shown, jitter } = this.shared;
     shown.value = 0;
     jitter.value.set(0, 0);
     pre.value = 1 / this.shared.mirror_scale.value;
-    for (const { mesh, camera } of this.mirrors) {
-      mesh.visible = false;
+    this.skyPass.visible = false;
+    const alpha = this.renderer.getClearAlpha();
+    this.renderer.setClearAlpha(0);
+    this.renderer.autoClear = true;
+    for (const { meshes, camera, hollow } of this.mirrors) {
+      const cube = camera.renderTarget.texture;
+      for (const mesh of meshes) {
+        mesh.visible = hollow;
+        // A cube that is drawn into cannot be read.
+        this.showMirror(mesh, this.mirror.texture, 0);
+      }
       camera.update(this.renderer, this.scene);
-      mesh.visible = true;
+      for (const mesh of meshes) {
+        mesh.visible = true;
+        this.showMirror(mesh, cube, 1);
+      }
     }
+    this.renderer.autoClear = false;
+    this.renderer.setClearAlpha(alpha);
+    this.skyPass.visible = true;
+  }
+
+  /** @param {THREE.Mesh} mesh @param {THREE.CubeTexture} cube @param {number} share */
+  showMirror(mesh, cube, share) {
+    const material = /** @type {THREE.RawShaderMaterial} */ (mesh.material);
+    material.uniforms.mirror.value = cube;
+    material.uniforms.mirror_shown.value = share;
+    material.uniformsNeedUpdate = true;
   }
 
   /** @param {THREE.Vector3} towards the key light */
@@ -370,7 +408,11 @@ export class Picture {
       const k = count - 1;
       jitter.value.set(2 * (halton(k + 1, 2) - 0.5) / w, 2 * (halton(k + 1, 3) - 0.5) / h);
       if (this.shared.key_irradiance.value.y > 0) this.drawShadow(this.inDisc(k));
-    } else jitter.value.set(0, 0);
+      this.shared.picture_share.value = (k * 0.6180339887) % 1;
+    } else {
+      jitter.value.set(0, 0);
+      this.shared.picture_share.value = 0;
+    }
     [this.camera.near, this.camera.far] = this.depths;
     this.camera.updateProjectionMatrix();
     this.drawn = this.soft && !refines ? this.coarse : this.target;
@@ -482,6 +524,26 @@ export class Picture {
     this.shared.values_shown.value = this.values ? LUX_SCALE : 0;
     return texel[0] < 0 ? NaN : texel[0];
   }
+}
+
+/** Cubes of one over the distance (1/m) around glossy parts. @param {import('./data.js').PageData} data */
+function nearnessOf(data) {
+  const { mirrors } = data.header;
+  if (!mirrors.length) return [];
+  const bits = data.array('mirror_nearness'), edge = data.shape('mirror_nearness')[2], face = edge * edge;
+  return mirrors.map((/** @type {any} */ _, /** @type {number} */ n) => {
+    const faces = [0, 1, 2, 3, 4, 5].map((k) => {
+      const first = (6 * n + k) * face;
+      const texture = new THREE.DataTexture(bits.subarray(first, first + face), edge, edge, THREE.RedFormat, THREE.HalfFloatType);
+      texture.needsUpdate = true;
+      return texture;
+    });
+    const cube = new THREE.CubeTexture(/** @type {any} */ (faces), undefined, undefined, undefined,
+      THREE.LinearFilter, THREE.LinearFilter, THREE.RedFormat, THREE.HalfFloatType);
+    cube.generateMipmaps = false;
+    cube.needsUpdate = true;
+    return cube;
+  });
 }
 
 /** @param {number} i @param {number} base */

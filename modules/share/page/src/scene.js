@@ -7,9 +7,6 @@ import {
   DEPTH_FRAGMENT, DEPTH_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TINT_FRAGMENT, program,
 } from './shaders.js';
 
-// Roughness below which metals have an image of their surroundings.
-const MIRRORED_BELOW = 0.5;
-
 /** @param {number[]} values */
 const vec3 = (values) => new THREE.Vector3(values[0], values[1], values[2]);
 export const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
@@ -32,8 +29,8 @@ export async function sceneOf(glb, shared, defines, map) {
   const casters = [];
   /** @type {THREE.Mesh[]} */
   const tints = [];
-  /** @type {THREE.Mesh[]} */
-  const glossy = [];
+  /** @type {Map<number, THREE.Mesh[]>} */
+  const glossy = new Map();
   found.scene.updateMatrixWorld(true);
   /** @type {THREE.Mesh[]} */
   const meshes = [];
@@ -43,6 +40,8 @@ export async function sceneOf(glb, shared, defines, map) {
   for (const mesh of meshes) {
     const material = /** @type {THREE.MeshStandardMaterial} */ (mesh.material);
     const more = material.userData || {}, geometry = prepared(mesh.geometry);
+    /** @type {number | undefined} */
+    const mirror = mesh.userData.mirror;
     const ground = more.ground === 1, clear = (more.transmission || 0) > 0 || material.transparent;
     const mapped = geometry.userData.mapped;
     const textures = {
@@ -67,7 +66,9 @@ export async function sceneOf(glb, shared, defines, map) {
       occlusion_map: { value: textures.occlusion || white },
       emission_map: { value: textures.emission || white },
       mirror: { value: null },
-      mirror_levels_own: { value: 5 },
+      mirror_nearness: { value: null },
+      mirror_middle: { value: new THREE.Vector3() },
+      mirror_shown: { value: 1 },
       layers: { value: [layer(textures.base), layer(textures.rough), layer(textures.normal), layer(textures.occlusion)] },
       map_strength: { value: new THREE.Vector2(material.normalScale?.x ?? 1, material.aoMapIntensity ?? 1) },
     };
@@ -83,9 +84,7 @@ export async function sceneOf(glb, shared, defines, map) {
     if (!ground && mapped) own.LIGHT_MAP = 1;
     if (!ground && map.probes) own.PROBES = 1;
     if (clear) own.GLASS = 1;
-    const mirrors = !ground && !clear && !textures.rough && material.roughness < MIRRORED_BELOW
-      && material.metalness > 0.5;
-    if (mirrors) own.MIRROR = 1;
+    if (mirror !== undefined) own.MIRROR = 1;
     if (ground) uniforms.base_factor.value = shared.ground_albedo.value;
     const blend = clear ? {
       transparent: true, depthWrite: false, blending: THREE.CustomBlending, blendSrc: THREE.OneFactor,
@@ -103,7 +102,7 @@ export async function sceneOf(glb, shared, defines, map) {
     placed.frustumCulled = false;
     if (!clear) placed.layers.enable(SURFACES);
     (clear ? glass : opaque).add(placed);
-    if (mirrors) glossy.push(placed);
+    if (mirror !== undefined) glossy.set(mirror, [...(glossy.get(mirror) || []), placed]);
     if (ground) continue;
     const cut = material.alphaTest > 0;
     const tint = [0, 1, 2].map((c) => (clear

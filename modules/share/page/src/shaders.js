@@ -4,6 +4,9 @@ import * as THREE from 'three';
 
 const VERSION = { glslVersion: THREE.GLSL3 };
 
+// Of linear sRGB's luminance.
+const WEIGHTS = 'const vec3 WEIGHTS = vec3(0.2126390058715104, 0.7151686787677559, 0.07219231536073371);\n';
+
 export const FULL_SCREEN = `
 in vec3 position;
 out vec2 at;
@@ -41,7 +44,7 @@ void main() {
 // The sky of two bodies and of the night; share/sky_table.py has the table's layout.
 export const SKY = `
 const float PI = 3.141592653589793;
-struct Body { vec3 light; vec2 azimuth; float height; float layer; float share; };
+${WEIGHTS}struct Body { vec3 light; vec2 azimuth; float height; float layer; float share; };
 uniform Body bodies[2];
 uniform sampler2DArray sky_table;
 uniform sampler2D glow_map;
@@ -77,17 +80,18 @@ vec3 sky_radiance(vec3 d) {
     }
     return sum;
 }
-// Mean radiance of the air before near surfaces, by share/air_table.py's layout.
+// Mean radiance of the air before near surfaces and its share of sunlight scattered once, by
+// share/air_table.py's layout.
 uniform sampler2DArray air_table;
-vec3 air_of(Body body, vec3 d) {
+vec4 air_of(Body body, vec3 d) {
     vec2 node = table_node(body, d);
     node.y = d.y < 0.0 ? (BELOW - 1.0) * (1.0 - sqrt(asin(min(-d.y, 1.0)) / (0.5 * PI))) : BELOW + node.y;
     vec2 uv = (node + 0.5) / vec2(COLUMNS, BELOW + ROWS);
-    vec3 low = textureLod(air_table, vec3(uv, body.layer), 0.0).rgb;
-    vec3 high = textureLod(air_table, vec3(uv, body.layer + 1.0), 0.0).rgb;
-    return body.light * mix(low, high, body.share);
+    vec4 low = textureLod(air_table, vec3(uv, body.layer), 0.0);
+    vec4 high = textureLod(air_table, vec3(uv, body.layer + 1.0), 0.0);
+    return vec4(body.light, 1.0) * mix(low, high, body.share);
 }
-uniform samplerCube near_air;     // that of the hour
+uniform samplerCube near_air;     // that of the hour, and the share of the key light's own
 uniform sampler2D optical_depth;  // along the scene's size, by the height of the view
 uniform float scene_m, air_scale;
 // Towards the sky a little above the horizon, in the same azimuth: air that no surface ends is as
@@ -97,11 +101,13 @@ vec3 horizon(vec3 d) {
     return level > 1e-4 ? vec3(d.x, 0.05 * level, d.z) / level : vec3(0.0, 0.05, -1.0);
 }
 vec3 far_air(vec3 d);
-vec3 through_air(vec3 radiance, vec3 d, float metres, float lit) {
+// The air's light arrives by this share; this share of the key light's own is shaded.
+vec3 through_air(vec3 radiance, vec3 d, float metres, float lit, float shaded) {
     float height = asin(clamp(d.y, -1.0, 1.0)) / (0.5 * PI), views = float(textureSize(optical_depth, 0).x);
     float at = 0.5 + 0.5 * sign(height) * sqrt(abs(height));
     vec3 depth = textureLod(optical_depth, vec2((at * (views - 1.0) + 0.5) / views, 0.5), 0.0).rgb;
-    vec3 left = exp(-depth * (metres / scene_m)), near = textureLod(near_air, d, 0.0).rgb * air_scale;
+    vec4 about = textureLod(near_air, d, 0.0);
+    vec3 left = exp(-depth * (metres / scene_m)), near = about.rgb * (air_scale * (1.0 - about.a * shaded));
     vec3 air = mix(near, far_air(d), smoothstep(2.0, 8.0, metres / scene_m));
     return radiance * left + air * (lit * (1.0 - left));
 }`;
@@ -119,7 +125,6 @@ uniform mat3 xyz_from_srgb;
 uniform vec3 rods_grey;
 uniform vec3 rods_blue;
 uniform vec2 rods_range;          // alone, and cones alone, W m^-2 sr^-1
-const vec3 WEIGHTS = vec3(0.2126390058715104, 0.7151686787677559, 0.07219231536073371);
 float dither(vec2 p) {
     float a = fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));
     float b = fract(52.9829189 * fract(dot(p + 47.0, vec2(0.00583715, 0.06711056))));
@@ -187,7 +192,7 @@ void main() {
     float above = clamp(d.y / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
     vec3 upper = sky_radiance(d) + disc(d), lower = upper;
     if (above < 1.0)
-        lower = through_air(below_horizon, d, max(eye_height, 0.1) / max(-d.y, 1e-5), 1.0);
+        lower = through_air(below_horizon, d, max(eye_height, 0.1) / max(-d.y, 1e-5), 1.0, 0.0);
     colour = finished(mix(lower, upper, above), 1.0);
 }`;
 
@@ -197,7 +202,7 @@ ${SKY}
 vec3 far_air(vec3 d) { return vec3(0.0); }
 in vec2 at;
 out vec4 colour;
-uniform int face;
+uniform int face, key_body;
 uniform float cube_scale;
 void main() {
     vec2 c = 2.0 * at - 1.0;
@@ -207,12 +212,19 @@ void main() {
     d = normalize(d);
 #ifdef AIR
     vec3 radiance = vec3(0.0);
-    for (int k = 0; k < 2; ++k)
-        if (bodies[k].light.g > 0.0) radiance += air_of(bodies[k], d);
+    float sunlit = 0.0;
+    for (int k = 0; k < 2; ++k) {
+        if (!(bodies[k].light.g > 0.0)) continue;
+        vec4 air = air_of(bodies[k], d);
+        radiance += air.rgb;
+        if (k == key_body) sunlit = dot(air.rgb, WEIGHTS) * air.a;
+    }
+    float share = sunlit / max(dot(radiance, WEIGHTS), 1e-30);
 #else
     vec3 radiance = d.y > 0.0 ? sky_radiance(d) : below_horizon;
+    const float share = 1.0;
 #endif
-    colour = vec4(min(radiance * cube_scale, 6e4), 1.0);
+    colour = vec4(min(radiance * cube_scale, 6e4), share);
 }`;
 
 // Where surfaces are, and the height of the normal of the side that is seen, plus 2.
@@ -441,11 +453,54 @@ vec3 reflected_sky(vec3 d, float roughness) {
     return textureLod(mirrored_sky, d, level).rgb * mirror_scale;
 }
 #ifdef MIRROR
-uniform samplerCube mirror;       // the surroundings, from the body's middle
-uniform float mirror_levels_own;
-vec3 mirrored(vec3 d, float roughness) {
-    float level = mirror_levels_own + log2(max(roughness * roughness, 1e-4)) + 0.3;
-    return textureLod(mirror, d, clamp(level, 0.0, mirror_levels_own - 1.0)).rgb * mirror_scale;
+// --- images of the surroundings, as light_transport/drawing/shaders/mirror.glsl ---
+uniform samplerCube mirror;          // radiance, and the share of surfaces
+uniform samplerCube mirror_nearness; // one over distances, 1/m
+uniform vec3 mirror_middle;
+uniform float mirror_shown;
+const int MIRROR_STEPS = 4;
+const float MIRROR_FARTHEST = 4.0, MIRROR_NARROWEST = 0.35;
+const float MIRROR_ASIDE[4] = float[4](-2.27, -0.52, 0.52, 2.27);
+const vec2 MIRROR_FADES = vec2(0.4, 0.6);
+vec4 mirrored_place(vec3 p, vec3 d) {
+    float before = 0.0, behind = MIRROR_FARTHEST * scene_m;
+    vec3 far = p + behind * d;
+    float inside = length(p) * textureLod(mirror_nearness, p, 0.0).r - 1.0;
+    float outside = length(far) * textureLod(mirror_nearness, far, 0.0).r - 1.0;
+    if (outside <= 0.0) return vec4(d, 1.0);
+    inside = min(inside, -1e-3);
+    float t = 0.0;
+    for (int i = 0; i <= MIRROR_STEPS; ++i) {
+        t = mix(before, behind, clamp(inside / (inside - outside), 0.05, 0.95));
+        if (i == MIRROR_STEPS) break;
+        vec3 at = p + t * d;
+        float past = length(at) * textureLod(mirror_nearness, at, 0.0).r - 1.0;
+        if (past > 0.0) {
+            behind = t; outside = past; inside *= 0.5;
+        } else {
+            before = t; inside = past; outside *= 0.5;
+        }
+    }
+    return vec4(p + t * d, t);
+}
+vec4 mirror_image(vec3 d, vec3 n, float nv, float alpha) {
+    vec4 place = mirrored_place(world - mirror_middle, d);
+    float edge = float(textureSize(mirror, 0).x), away = place.w / length(place.xyz);
+    vec3 right = dFdx(d), down = dFdy(d);
+    float pixel = 0.25 * edge * sqrt(max(dot(right, right), dot(down, down)));
+    float lobe = sqrt(6.0) * edge * alpha * away;
+    vec3 along = n - dot(n, d) * d;
+    along *= inversesqrt(max(dot(along, along), 1e-8)) * place.w * alpha;
+    float level = log2(max(max(lobe * max(nv, MIRROR_NARROWEST), pixel), 1.0));
+    vec4 seen = vec4(0.0);
+    float all = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        float there = dot(n, d) + MIRROR_ASIDE[i] * alpha > 0.0 ? 1.0 : 0.0;
+        seen += there * textureLod(mirror, place.xyz + MIRROR_ASIDE[i] * along, level);
+        all += there;
+    }
+    seen /= max(all, 1.0);
+    return vec4(seen.rgb * mirror_scale, seen.a);
 }
 #endif
 vec3 far_air(vec3 d) { return textureLod(mirrored_sky, horizon(d), 0.0).rgb * mirror_scale; }
@@ -460,6 +515,24 @@ float sun_lit(vec3 face) {
         sum += texture(shadow_map, vec3(p.xy + off, p.z));
     }
     return 0.25 * sum;
+}
+// Share of a ray's sunlight that the scene shades, in the glow around the key light, where what
+// hides it shades most of a ray: the mean of a few places, as modules/air/shaders/light_shafts.glsl.
+uniform float picture_share;      // of the pictures of a still, for places of its own in each
+const int SHAFT_STEPS = 8;
+float shaded_glow(vec3 d, float metres) {
+    float glow = smoothstep(GLOW_BEGINS, GLOW_WHOLE, dot(d, key_direction));
+    if (!(glow > 0.0 && key_irradiance.g > 0.0)) return 0.0;
+    vec3 eye = (shadow_from_world * vec4(cameraPosition, 1.0)).xyz;
+    vec3 end = (shadow_from_world * vec4(world, 1.0)).xyz;
+    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))) + picture_share);
+    float dark = 0.0;
+    for (int k = 0; k < SHAFT_STEPS; ++k) {
+        vec3 p = mix(eye, end, min((float(k) + dither) / float(SHAFT_STEPS), 0.99));
+        if (any(greaterThan(abs(p.xy), vec2(1.0)))) continue;
+        dark += 1.0 - textureLod(shadow_map, vec3(p.xy, min(p.z, 1.0)) * 0.5 + 0.5, 0.0);
+    }
+    return glow * dark / float(SHAFT_STEPS);
 }
 #ifdef GLASS_SHADOW
 vec3 through_glass() {
@@ -562,7 +635,7 @@ void main() {
 #endif
     if (unlit > 0.5) {
         vec3 on_ground = open_irradiance(vec3(0.0, 1.0, 0.0)) + key_irradiance * max(key_direction.y, 0.0);
-        colour = finished(through_air(base.rgb * on_ground / PI, -view, metres, 1.0), 1.0);
+        colour = finished(through_air(base.rgb * on_ground / PI, -view, metres, 1.0, 0.0), 1.0);
         return;
     }
     roughness = clamp(roughness, 0.0, 1.0);
@@ -594,9 +667,6 @@ void main() {
         vec3 about = normalize(mix(to_image, n, roughness * roughness));
         float narrower = roughness * (0.8 - 0.36 * roughness);
         vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
-#ifdef MIRROR
-        radiance += more * (once * mirrored(about, roughness) + at_grazing * mirrored(cut, narrower));
-#else
         vec3 direct = reflected_sky(about, roughness), low = reflected_sky(cut, narrower);
         vec3 around = max(reached - arrives * open_irradiance(n), 0.0) / PI;
         float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
@@ -610,12 +680,18 @@ void main() {
         // The visible part of the sky may be brighter than the lobe's image of the whole sky.
         float brighter = mix(1.0, min(arrives / sky_in_all, 4.0), r2);
         vec2 things = (1.0 - seen + FEWEST) / (1.0 - min(sky_in_all, 1.0) + FEWEST);
-        radiance += more * (once * (brighter * seen.x * direct + things.x * around)
-                            + at_grazing * (brighter * seen.y * low + things.y * around));
+        vec3 coats = once * (brighter * seen.x * direct + things.x * around)
+            + at_grazing * (brighter * seen.y * low + things.y * around);
+#ifdef MIRROR
+        vec4 image = mirror_image(to_image, n, nv, alpha);
+        vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * (once * direct + at_grazing * low);
+        float unseen = smoothstep(MIRROR_FADES.x, MIRROR_FADES.y, roughness);
+        coats = mix(imaged, coats, max(unseen, 1.0 - mirror_shown));
 #endif
+        radiance += more * coats;
     }
     float lit = mix(smoothstep(0.0, 0.5, arrives), 1.0, smoothstep(1.0, 2.0, metres / scene_m));
-    radiance = through_air(radiance, -view, metres, lit);
+    radiance = through_air(radiance, -view, metres, lit, shaded_glow(-view, metres));
 #ifdef GLASS
     // The tint of what is behind is one number here: the page blends by alpha.
     float left = dot(base.rgb, WEIGHTS) * transmission * through;
@@ -626,7 +702,7 @@ void main() {
 #endif
 }`;
 
-export const TONE_FRAGMENT = `${HEAD}${TONE}
+export const TONE_FRAGMENT = `${HEAD}${WEIGHTS}${TONE}
 uniform sampler2D radiance;
 uniform float pre;
 uniform float values_shown;

@@ -39,7 +39,7 @@ export class SkyTable {
     this.layers = layers; this.rows = rows; this.columns = columns;
     this.lower = this.about.lower;
     this.texture = layered(this.bits, layers, rows, columns);
-    this.air = layered(data.array('air'), layers, rows + this.about.below, columns);
+    this.air = layered(data.array('air'), layers, rows + this.about.below, columns, 4);
     const [views] = data.shape('optical_depth');
     this.opticalDepth = halves(data.array('optical_depth'), 1, views);
     const [glowRows, glowColumns] = data.shape('glow');
@@ -106,9 +106,11 @@ export class SkyTable {
   }
 }
 
-/** @param {Uint16Array} bits @param {number} layers @param {number} rows @param {number} columns */
-function layered(bits, layers, rows, columns) {
-  const found = new THREE.DataArrayTexture(fours(bits, layers * rows * columns), columns, rows, layers);
+/** @param {Uint16Array} bits @param {number} layers @param {number} rows @param {number} columns
+ * @param {number} [channels] */
+function layered(bits, layers, rows, columns, channels = 3) {
+  const texels = channels === 4 ? bits : fours(bits, layers * rows * columns);
+  const found = new THREE.DataArrayTexture(texels, columns, rows, layers);
   found.type = THREE.HalfFloatType;
   found.magFilter = found.minFilter = THREE.LinearFilter;
   found.needsUpdate = true;
