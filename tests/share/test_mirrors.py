@@ -70,7 +70,7 @@ def test_a_mirror_is_a_group_of_its_own_that_names_its_cube_map(scene):
 
 @pytest.mark.long
 def test_a_mirror_shows_the_red_wall_that_it_faces(scene, tmp_path):
-    """As the program's frame does: where the sky alone were mirrored, it would be blue."""
+    """As the program's frame does; without its image it is grey by the sky and a mean of things."""
     if chromium() is None or not SCRIPT.is_file():
         pytest.skip("needs a browser (Debian: chromium) and the page's script")
     page = tmp_path / "mirror.html"
@@ -98,9 +98,8 @@ def test_a_mirror_shows_the_red_wall_that_it_faces(scene, tmp_path):
             png = base64.b64decode(browser.value(script).partition(",")[2])
             pixels = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), float)
             height, width = pixels.shape[:2]
-            red, green, blue = pixels[height // 2, width // 2]
+            red, green, _ = pixels[height // 2, width // 2]
             assert bool(red > 1.5 * green) is shown
-            assert bool(blue > red) is not shown
         assert browser.errors == []
     finally:
         browser.close()

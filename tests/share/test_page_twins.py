@@ -167,6 +167,44 @@ def test_the_skys_table_is_read_alike(node):
     assert found == pytest.approx(table.sky(directions, 0.17, 2.0), rel=1e-3)
 
 
+def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
+    """Random codes, weights and coefficients, some texels unused: to a half's precision."""
+    random = np.random.default_rng(3)
+    terms, components, clusters, height, width = 5, 3, 4, 6, 7
+    area = height * width
+    planes = random.integers(0, 256, (3 + components + terms, area), dtype=np.uint8)
+    planes[0, ::5] = 0
+    planes[1] = random.integers(0, clusters, area)
+    coefficients = random.normal(size=(clusters, terms, 3))
+    weights = random.normal(size=components) * 0.3
+    about = {
+        "terms": terms, "share_components": components, "power": 1.7, "codes_per_stop": 16.0,
+    }  # fmt: skip
+    given = {
+        "about": about,
+        "size": [width, height],
+        "values": np.pad(coefficients, ((0, 0), (0, 0), (0, 1))).ravel().tolist(),
+        "weights": weights.tolist(),
+    }
+    script = """
+        import { MapSum } from './src/light.js';
+        import { halfValue } from './src/data.js';
+        const sum = new MapSum(given.about, readFileSync('content.bin'), ...given.size);
+        sum.update(Float32Array.from(given.values), Float32Array.from(given.weights));
+        console.log(JSON.stringify(Array.from(sum.halves, halfValue)));
+    """
+    found = np.array(node(script, given, planes.tobytes())).reshape(area, 4)
+    share = (planes[3:].astype(float) - 128.0) / 127.0
+    decoded = np.sign(share) * np.abs(share) ** 1.7
+    light = np.einsum("ka,akc->ac", decoded[components:], coefficients[planes[1]])
+    light *= 2.0 ** ((planes[0] - 255.0) / 16.0)[:, None]
+    seen = (planes[2] / 255.0) ** 2 * np.maximum(1.0 + weights @ decoded[:components], 0.0)
+    expected = np.column_stack([np.maximum(light, 0.0), seen])
+    expected[planes[0] == 0] = 0.0
+    assert found == pytest.approx(expected, rel=2e-3, abs=1e-6)
+    assert (found[:, :3].max(axis=1) > 0.0).any()
+
+
 def test_the_scripts_types_hold(node):
     """By TypeScript, from the comments; only where `tools/bootstrap.sh long` has installed it."""
     compiler = PACKAGES / ".bin" / "tsc"

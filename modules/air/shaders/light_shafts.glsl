@@ -38,18 +38,24 @@ float edge_between(vec3 start, vec3 along, float before_m, float after_m, bool l
     return 0.5 * (before_m + after_m);
 }
 
+// Share of a step by which a ray's samples move, by pixel (Jimenez 2014, "interleaved gradient
+// noise") and from picture to picture of a still: details thinner than a step become grain instead of
+// bands.
+float ray_dither() {
+    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+#ifdef PICTURE_SHARE
+    dither = fract(dither + PICTURE_SHARE);
+#endif
+    return dither;
+}
+
 vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
     vec3 start = air.shadow_from_eye[3].xyz;
     vec3 along = mat3(air.shadow_from_eye) * d;
     float last_m = min(metres, ray.entry_m + ray.span_m);
     vec2 range = shaded_range(start, along, ray.entry_m, last_m);
     if (!(range.y > range.x)) return vec3(0.0);
-    // Dither by pixel (Jimenez 2014, "interleaved gradient noise"): details thinner than a step
-    // become grain instead of bands.
-    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-#ifdef PICTURE_SHARE
-    dither = fract(dither + PICTURE_SHARE);
-#endif
+    float dither = ray_dither();
     float step_m = (range.y - range.x) / float(SHAFT_STEPS);
     bool lit = is_lit(start + along * range.x);
     float before_m = range.x;

@@ -7,7 +7,7 @@ vec3 shaded_by_part(AirRay ray, vec3 d, float metres) {
     float last_m = sun_factor_end_m(d, min(metres, ray.entry_m + ray.span_m));
     float reach_m = last_m - ray.entry_m;
     if (!(reach_m > 0.0)) return vec3(0.0);
-    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    float dither = ray_dither();
     vec3 missing = vec3(0.0), before = vec3(0.0);
     for (int i = 0; i < PART_SHAFT_STEPS; ++i) {
         // Steps grow with the distance.

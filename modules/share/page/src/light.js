@@ -5,8 +5,10 @@ import { placeWeights } from './places.js';
 import { fullScreen, LIGHT_FRAGMENT } from './shaders.js';
 
 export class LightMap {
-  /** @param {import('./data.js').PageData} data @param {import('./sky.js').SkyTable} table */
-  constructor(data, table) {
+  /** @param {import('./data.js').PageData} data @param {import('./sky.js').SkyTable} table
+   * @param {boolean} soft whether a processor draws: it then sums the maps here, in a third of the
+   *   time that it takes by a shader */
+  constructor(data, table, soft) {
     const about = data.header.basis;
     this.about = about;
     this.places = data.header.places;
@@ -23,26 +25,11 @@ export class LightMap {
     this.lamps = extra.subarray(this.count);
     const [planes, height, width] = data.shape('planes');
     this.size = [width, height];
-    const layers = Math.ceil(planes / 4), area = width * height, from = data.array('planes');
-    const texels = new Uint8Array(4 * area * layers);
-    for (let p = 0; p < planes; ++p) {
-      const base = 4 * area * (p >> 2) + (p & 3), at = p * area;
-      for (let i = 0; i < area; ++i) texels[base + 4 * i] = from[at + i];
-    }
-    this.basis = new THREE.DataArrayTexture(texels, width, height, layers);
-    this.basis.magFilter = this.basis.minFilter = THREE.NearestFilter;
-    this.basis.needsUpdate = true;
+    const from = data.array('planes');
     this.values = new Float32Array(4 * about.clusters * about.terms);
-    this.coefficients = new THREE.DataTexture(this.values, about.terms, about.clusters,
-      THREE.RGBAFormat, THREE.FloatType);
-    this.target = new THREE.WebGLRenderTarget(width, height, {
-      type: THREE.HalfFloatType, depthBuffer: false,
-      magFilter: THREE.LinearFilter, minFilter: THREE.LinearFilter,
-    });
-    this.pass = fullScreen(LIGHT_FRAGMENT, {
-      basis: { value: this.basis }, coefficients: { value: this.coefficients },
-      share_weights: { value: this.shareWeights },
-    }, { TERMS: about.terms, COMPONENTS: about.share_components, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
+    /** What sums the basis maps up. */
+    this.map = soft ? new MapSum(about, from, width, height) : new MapPass(about, from, planes, width, height);
+    this.texture = this.map.texture;
     /** Factor from the map's values to W m^-2. */
     this.scale = 1;
   }
@@ -85,7 +72,98 @@ export class LightMap {
     for (let i = 0; i < this.count / 3; ++i) {
       for (let c = 0; c < 3; ++c) this.values[4 * i + c] = coefficients[3 * i + c] / bright;
     }
+    this.map.update(this.values, this.shareWeights, renderer);
+  }
+}
+
+/** The sum of the basis maps by a shader. */
+class MapPass {
+  /** @param {any} about the header's basis @param {Uint8Array} from planes one after the other
+   * @param {number} planes @param {number} width @param {number} height */
+  constructor(about, from, planes, width, height) {
+    const layers = Math.ceil(planes / 4), area = width * height;
+    const texels = new Uint8Array(4 * area * layers);
+    for (let p = 0; p < planes; ++p) {
+      const base = 4 * area * (p >> 2) + (p & 3), at = p * area;
+      for (let i = 0; i < area; ++i) texels[base + 4 * i] = from[at + i];
+    }
+    const basis = new THREE.DataArrayTexture(texels, width, height, layers);
+    basis.magFilter = basis.minFilter = THREE.NearestFilter;
+    basis.needsUpdate = true;
+    this.values = new Float32Array(4 * about.clusters * about.terms);
+    this.coefficients = new THREE.DataTexture(this.values, about.terms, about.clusters,
+      THREE.RGBAFormat, THREE.FloatType);
+    this.target = new THREE.WebGLRenderTarget(width, height, {
+      type: THREE.HalfFloatType, depthBuffer: false,
+      magFilter: THREE.LinearFilter, minFilter: THREE.LinearFilter,
+    });
+    this.texture = this.target.texture;
+    this.pass = fullScreen(LIGHT_FRAGMENT, {
+      basis: { value: basis }, coefficients: { value: this.coefficients }, share_weights: { value: null },
+    }, { TERMS: about.terms, COMPONENTS: about.share_components, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
+  }
+
+  /** @param {Float32Array} values coefficients, four a term, a row a cluster
+   * @param {Float32Array} weights of the share's components @param {THREE.WebGLRenderer} renderer */
+  update(values, weights, renderer) {
+    this.values.set(values);
     this.coefficients.needsUpdate = true;
+    this.pass.material.uniforms.share_weights.value = weights;
     this.pass.draw(renderer, this.target);
+  }
+}
+
+/** The sum of the basis maps on the processor: the twin of LIGHT_FRAGMENT. */
+export class MapSum {
+  /** @param {any} about the header's basis @param {Uint8Array} planes one after the other
+   * @param {number} width @param {number} height */
+  constructor(about, planes, width, height) {
+    const area = width * height, components = about.share_components;
+    this.terms = about.terms;
+    this.components = components;
+    const used = [];
+    for (let i = 0; i < area; ++i) if (planes[i]) used.push(i);
+    /** Places of used texels in the map. */
+    this.places = Uint32Array.from(used);
+    this.clusters = this.places.map((i) => planes[area + i]);
+    this.factors = Float32Array.from(used, (i) => 2 ** ((planes[i] - 255) / about.codes_per_stop));
+    this.shares = Float32Array.from(used, (i) => (planes[2 * area + i] / 255) ** 2);
+    const count = about.terms + components;
+    /** Codes of components and terms, texel by texel. */
+    this.codes = new Uint8Array(used.length * count);
+    for (let k = 0; k < count; ++k) {
+      const plane = (3 + k) * area;
+      for (let t = 0; t < used.length; ++t) this.codes[t * count + k] = planes[plane + used[t]];
+    }
+    this.decoded = Float32Array.from({ length: 256 }, (_, code) => {
+      const share = (code - 128) / 127;
+      return Math.sign(share) * Math.abs(share) ** about.power;
+    });
+    this.halves = new Uint16Array(4 * area);
+    this.texture = new THREE.DataTexture(this.halves, width, height, THREE.RGBAFormat, THREE.HalfFloatType);
+    this.texture.magFilter = this.texture.minFilter = THREE.LinearFilter;
+  }
+
+  /** @param {Float32Array} values coefficients, four a term, a row a cluster
+   * @param {Float32Array} weights of the share's components */
+  update(values, weights) {
+    const { places, clusters, factors, shares, codes, decoded, halves, terms, components } = this;
+    const half = THREE.DataUtils.toHalfFloat;
+    for (let t = 0, at = 0; t < places.length; ++t) {
+      let ratio = 1, r = 0, g = 0, b = 0, c = 4 * terms * clusters[t];
+      for (let k = 0; k < components; ++k) ratio += decoded[codes[at++]] * weights[k];
+      for (let k = 0; k < terms; ++k, c += 4) {
+        const share = decoded[codes[at++]];
+        r += share * values[c];
+        g += share * values[c + 1];
+        b += share * values[c + 2];
+      }
+      const factor = factors[t], into = 4 * places[t];
+      halves[into] = half(Math.min(Math.max(r * factor, 0), 65504));
+      halves[into + 1] = half(Math.min(Math.max(g * factor, 0), 65504));
+      halves[into + 2] = half(Math.min(Math.max(b * factor, 0), 65504));
+      halves[into + 3] = half(shares[t] * Math.max(ratio, 0));
+    }
+    this.texture.needsUpdate = true;
   }
 }

@@ -46,6 +46,7 @@ export class Page {
     this.hourChanged = true;
     this.dirty = true;
     this.dragging = false;
+    this.moved = false;
     this.drafted = false;
     this.fixed = 12;
     this.barDay = -1;
@@ -151,13 +152,23 @@ export class Page {
     if (this.headset.session) return;
     if (this.plays) this.setHour(this.day, this.minute + seconds * MINUTES_A_SECOND);
     this.controls.advance(seconds);
-    if (!this.dirty) return;
+    if (!this.dirty) {
+      this.moved = false;
+      return;
+    }
+    // Where the last picture moved too, its time is that since then.
+    if (this.moved) this.view.keepPace(seconds);
+    this.moved = this.moves;
     this.step();
   }
 
+  /** Whether hour or view go on moving. */
+  get moves() {
+    return this.plays || this.dragging || this.controls.fingers.size > 0 || this.controls.keys.size > 0;
+  }
+
   step() {
-    const { view } = this;
-    const moves = this.plays || this.dragging || this.controls.fingers.size > 0 || this.controls.keys.size > 0;
+    const { view, moves } = this;
     this.lightHour(moves);
     const first = view.stillCount === 0, before = view.ev;
     this.dirty = view.draw(!moves) && !moves;
@@ -327,7 +338,11 @@ async function start() {
   page.readLink();
   part('headset').hidden = !await Headset.isThere();
   page.layOut();
+  // The first picture is one of those that move, so that it is soon there.
+  page.dragging = true;
   page.step();
+  page.dragging = false;
+  page.change();
   part('wait').hidden = true;
   document.body.classList.add('ready');
   requestAnimationFrame((now) => page.frame(now));

@@ -11,6 +11,9 @@ import { Ephemeris, nightShare, sunShare, visible } from './sun.js';
 
 // Factor on lux in half floats: sunlight has more than these hold.
 const LUX_SCALE = 1 / 8;
+// Least and most that moving pictures of a processor are coarser, and seconds of a picture below and
+// above which that changes: twenty a second.
+const COARSER = [2, 4], PACE_S = [0.025, 0.05];
 const MIRROR_EDGE = 64, METER = [128, 72], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
 const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
@@ -33,7 +36,7 @@ export class Picture {
     this.soft = /swiftshader|llvmpipe|software|basic render/i.test(name);
     this.table = new SkyTable(data);
     this.open = new OpenIrradiance(this.table);
-    this.light = new LightMap(data, this.table);
+    this.light = new LightMap(data, this.table, this.soft);
     this.ephemeris = new Ephemeris(header.place, header.moon);
     this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 1e5);
     this.exposure = { automatic: true, ev: 12, compensation: 0 };
@@ -68,12 +71,11 @@ export class Picture {
     this.air = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
       type: THREE.HalfFloatType, depthBuffer: false,
     });
-    const edge = this.soft ? 2048 : 4096;
-    this.shadow = new THREE.WebGLRenderTarget(edge, edge, { depthBuffer: true });
-    const depth = new THREE.DepthTexture(edge, edge, THREE.FloatType);
-    depth.compareFunction = THREE.LessEqualCompare;
-    depth.magFilter = depth.minFilter = THREE.LinearFilter;
-    this.shadow.depthTexture = depth;
+    this.fineShadow = shadowTarget(this.soft ? 2048 : 4096);
+    /** For an hour that moves: a processor takes a third of the time. */
+    this.draftShadow = this.soft ? shadowTarget(1024) : this.fineShadow;
+    this.shadow = this.fineShadow;
+    const edge = this.fineShadow.width;
     this.tinted = new THREE.WebGLRenderTarget(edge / 2, edge / 2, { depthBuffer: false });
     const body = () => ({ light: new THREE.Vector3(), azimuth: new THREE.Vector2(), height: 0, layer: 0, share: 0 });
     /** @type {Record<string, THREE.IUniform>} */
@@ -103,7 +105,7 @@ export class Picture {
       values_shown: { value: 0 },
       jitter: { value: new THREE.Vector2() },
       picture_share: { value: 0 },
-      light_map: { value: this.light.target.texture },
+      light_map: { value: this.light.texture },
       visible_sky: { value: skyTexture },
       open_sky: { value: this.open.texture },
       reflectance: { value: reflectance },
@@ -115,7 +117,7 @@ export class Picture {
       light_size: { value: new THREE.Vector2(...this.light.size) },
       key_direction: { value: new THREE.Vector3(0, 1, 0) },
       key_irradiance: { value: new THREE.Vector3() },
-      shadow_map: { value: depth },
+      shadow_map: { value: this.shadow.depthTexture },
       glass_map: { value: this.tinted.texture },
       shadow_from_world: { value: new THREE.Matrix4() },
       shadow_texel_m: { value: 0.01 },
@@ -143,11 +145,12 @@ export class Picture {
       disc_radius: { value: 0.005 },
       limb: { value: Array.from({ length: 6 }, () => new THREE.Vector3()) },
       eye_height: { value: 1.7 },
-    }, this.defines, { depthTest: false, depthWrite: false }));
+    }, this.defines, { depthFunc: THREE.LessEqualDepth, depthWrite: false }));
     this.skyPass.geometry.setAttribute('position', new THREE.BufferAttribute(
       new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
     this.skyPass.frustumCulled = false;
-    this.skyPass.renderOrder = -1;
+    // After opaque surfaces, as far away as the target is deep: no sky is computed behind them.
+    this.skyPass.renderOrder = 1;
     this.skyPass.onBeforeRender = (_renderer, _scene, camera) => {
       const u = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms;
       const view = camera.matrixWorld.clone();
@@ -183,8 +186,10 @@ export class Picture {
     this.tints = new THREE.Scene();
     this.size = [4, 4];
     this.target = new THREE.WebGLRenderTarget(4, 4);
-    /** For moving pictures of a processor: half as wide and high. */
+    /** For moving pictures of a processor, whose width and height are divided by `coarser`. */
     this.coarse = new THREE.WebGLRenderTarget(4, 4);
+    this.coarseDisplay = new THREE.WebGLRenderTarget(4, 4, { depthBuffer: false });
+    this.coarser = COARSER[0];
     this.drawn = this.target;
     this.sum = new THREE.WebGLRenderTarget(4, 4);
     /** @type {{meshes: THREE.Mesh[], camera: THREE.CubeCamera, hollow: boolean}[]} */
@@ -198,7 +203,7 @@ export class Picture {
     if (this.header.scene.glass) Object.assign(defines, { GLASS_SHADOW: 1 });
     const found = await sceneOf(glb, this.shared, defines, map);
     this.scene.add(this.skyPass, found.opaque, found.glass);
-    found.glass.renderOrder = 1;
+    found.glass.renderOrder = 2;
     this.mirrors = this.header.mirrors.map(
       (/** @type {{centre_m: number[], hollow: boolean}} */ about, /** @type {number} */ n) => (
         this.mirrorOf(about, n, found.mirrors.get(n) || [])));
@@ -215,13 +220,31 @@ export class Picture {
     for (const target of [this.target, this.coarse, this.sum]) target.dispose();
     this.size = [w, h];
     this.target = this.drawn = this.radianceTarget(w, h);
-    this.coarse = this.radianceTarget(Math.ceil(w / 2), Math.ceil(h / 2));
+    this.coarse = this.radianceTarget(w, h);
+    this.sizeCoarse();
     this.sum = new THREE.WebGLRenderTarget(w, h, {
       type: THREE.FloatType, depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
     });
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
     this.stillCount = 0;
+  }
+
+  /** Makes a processor's moving pictures coarser where the last took long, finer where it did not.
+   * @param {number} seconds that it took */
+  keepPace(seconds) {
+    if (!this.soft) return;
+    const step = seconds > PACE_S[1] ? 1 : seconds < PACE_S[0] ? -1 : 0;
+    const coarser = Math.min(Math.max(this.coarser + step, COARSER[0]), COARSER[1]);
+    if (coarser === this.coarser) return;
+    this.coarser = coarser;
+    this.sizeCoarse();
+  }
+
+  sizeCoarse() {
+    const [w, h] = this.size.map((v) => Math.ceil(v / this.coarser));
+    this.coarse.setSize(w, h);
+    this.coarseDisplay.setSize(w, h);
   }
 
   /** A target for a picture's radiance. @param {number} width @param {number} height */
@@ -239,7 +262,7 @@ export class Picture {
   }
 
   /** Lights the scene at an instant. @param {Date} date
-   * @param {boolean} [draft] without new images of what glossy bodies see */
+   * @param {boolean} [draft] with a coarse shadow map, without new images of what glossy parts see */
   setHour(date, draft = false) {
     const sun = this.ephemeris.sun(date), moon = this.ephemeris.moon(date);
     this.sun = sun;
@@ -306,6 +329,8 @@ export class Picture {
     }
     this.white = (luminance(this.open.up) + luminance(strength)) / Math.PI;
     this.softRadius = byDay ? disc.even_radius_rad : 0.0045;
+    this.shadow = draft ? this.draftShadow : this.fineShadow;
+    this.shared.shadow_map.value = this.shadow.depthTexture;
     this.drawShadow(this.keyDirection);
     if (!draft) this.drawMirrors();
     this.stillCount = 0;
@@ -429,7 +454,12 @@ export class Picture {
     const factor = still ? 1 / count : 1;
     if (this.exposure.automatic && !this.values && (count === 0 || count === STILLS - 1)) this.meterPicture(shown, factor * 1 / pre.value);
     if (!this.exposure.automatic) this.ev = this.exposure.ev;
-    this.display(shown, still ? count : 1);
+    if (shown === this.coarse) {
+      // The tone curve costs more than to enlarge what it makes.
+      this.display(shown, 1, this.coarseDisplay);
+      this.copy.material.uniforms.from.value = this.coarseDisplay.texture;
+      this.copy.draw(renderer, null);
+    } else this.display(shown, still ? count : 1);
     this.stillCount = refines || count === 0 ? count + 1 : 1;
     return this.stillCount < STILLS;
   }
@@ -524,6 +554,16 @@ export class Picture {
     this.shared.values_shown.value = this.values ? LUX_SCALE : 0;
     return texel[0] < 0 ? NaN : texel[0];
   }
+}
+
+/** A depth map of what key light meets. @param {number} edge */
+function shadowTarget(edge) {
+  const target = new THREE.WebGLRenderTarget(edge, edge, { depthBuffer: true });
+  const depth = new THREE.DepthTexture(edge, edge, THREE.FloatType);
+  depth.compareFunction = THREE.LessEqualCompare;
+  depth.magFilter = depth.minFilter = THREE.LinearFilter;
+  target.depthTexture = depth;
+  return target;
 }
 
 /** Cubes of one over the distance (1/m) around glossy parts. @param {import('./data.js').PageData} data */

@@ -7,6 +7,9 @@ import {
   DEPTH_FRAGMENT, DEPTH_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TINT_FRAGMENT, program,
 } from './shaders.js';
 
+// Roughness above which no lobe of a coat is narrower than the texels of the sky's cube map.
+const SMOOTH = 0.21;
+
 /** @param {number[]} values */
 const vec3 = (values) => new THREE.Vector3(values[0], values[1], values[2]);
 export const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
@@ -84,6 +87,7 @@ export async function sceneOf(glb, shared, defines, map) {
     if (!ground && mapped) own.LIGHT_MAP = 1;
     if (!ground && map.probes) own.PROBES = 1;
     if (clear) own.GLASS = 1;
+    if (textures.rough || material.roughness < SMOOTH) own.SMOOTH = 1;
     if (mirror !== undefined) own.MIRROR = 1;
     if (ground) uniforms.base_factor.value = shared.ground_albedo.value;
     const blend = clear ? {

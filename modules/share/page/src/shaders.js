@@ -449,7 +449,9 @@ float before_terminator(float nl, float cos_face, float between) {
 // The cube's levels halve its edge: a lobe of alpha spans about as many texels as its level's.
 vec3 reflected_sky(vec3 d, float roughness) {
     float level = clamp(mirror_levels + log2(max(roughness * roughness, 1e-4)) + 0.3, 0.0, mirror_levels - 1.0);
+#ifdef SMOOTH
     if (roughness < 0.15 && d.y > 0.0) return sky_radiance(d);
+#endif
     return textureLod(mirrored_sky, d, level).rgb * mirror_scale;
 }
 #ifdef MIRROR
