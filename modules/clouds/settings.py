@@ -11,7 +11,7 @@ from vrut_lite.sky.effective_defaults import Preset
 
 SHAPE_SOURCE = "Schneider 2015"
 GENUS_SOURCE = "WMO 2017, International Cloud Atlas"
-_OPEN = "none leaves it to the genus"
+_OPEN = "unless set, the genus's"
 # The genera as people read them.
 _NAMES: dict[str, str] = {
     "none": "None, or the weather's",

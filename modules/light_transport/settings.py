@@ -22,7 +22,7 @@ class LightTransportSettings(msgspec.Struct, frozen=True):
     texel_m: Annotated[
         float | None,
         setting(
-            "Edge of the light map's texels; none: as many texels as the tolerance asks for",
+            "Edge of the light map's texels; unless set, as many texels as the tolerance asks for",
             1e-4,
             1e4,
             unit="m",
@@ -31,5 +31,5 @@ class LightTransportSettings(msgspec.Struct, frozen=True):
     ] = None
     quality: Annotated[
         Rung | None,
-        setting("Texels, rays, patches and bounces together; none: each by the tolerance"),
+        setting("Texels, rays, patches and bounces together; unless set, each by the tolerance"),
     ] = None

@@ -19,7 +19,7 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
     max_bounces: Annotated[
         int | None,
         setting(
-            "How many surfaces light may meet, 1 for direct light alone; none: any",
+            "How many surfaces light may meet, 1 for direct light alone; unless set, any",
             1,
             1000,
             choice_labels={"none": "any"},
