@@ -47,8 +47,19 @@ _LARGE_BYTES = 15_000_000
     default=True,
     help="Put pictures of four hours inside, for browsers without WebGL2 (default).",
 )
+@click.option(
+    "--numbers",
+    metavar="FOLDER",
+    help="Show the numbers that `vrut-lite daylight` has written there: a daylight factor, a year.",
+)
 def share(
-    scene: str, output: str, texels: int | None, terms: int, stills: bool, **options: Any
+    scene: str,
+    output: str,
+    texels: int | None,
+    terms: int,
+    stills: bool,
+    numbers: str | None,
+    **options: Any,
 ) -> None:
     """Write SCENE into one HTML file that anybody opens: its daylight at any hour of the year.
 
@@ -65,7 +76,8 @@ def share(
     with busy_with(f"sharing {project.scene}"):
         pictures = _stills.stills_of(project) if stills else []
         title = Path(project.scene).stem
-        page = _shared_page.shared_page(project, title, texels, terms, pictures)
+        folder = None if numbers is None else Path(numbers)
+        page = _shared_page.shared_page(project, title, texels, terms, pictures, folder)
     with atomic_output(path) as target:
         target.write_text(page.text, encoding="utf-8")
     size = path.stat().st_size

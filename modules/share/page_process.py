@@ -51,7 +51,7 @@ def make_page(pipe: Connection, project: Project, title: str) -> None:
         pipe.send(PageProgress("pictures of four hours"))
         stills = stills_of(project)
         pipe.send(PageProgress("rays of the light map, and skies"))
-        page = shared_page(project, title, None, TERMS, stills, tracked)
+        page = shared_page(project, title, None, TERMS, stills, follow=tracked)
         pipe.send(PageMade(page.text, page.left_out))
     except UserError as error:
         pipe.send(PageRefused(str(error)))

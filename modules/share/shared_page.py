@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from share.air_table import BELOW, air_table
 from share.glb import glb_of
 from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light_basis
 from share.light_maps import MapValues, glow_illumination, light_maps, traced
+from share.numbers import Numbers, numbers_of
 from share.page_file import page_text
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
@@ -89,16 +91,21 @@ def shared_page(
     texels: int | None,
     terms: int,
     stills: list[tuple[str, bytes]],
+    numbers: Path | None = None,
     follow: Follow = tracked,
 ) -> SharedPage:
     """The page of a project; `follow` shows the progress of the steps that it passes on.
 
+    `numbers` is a folder of `vrut-lite daylight`.
+
     Raises:
-        UserError: the scene cannot be read, has no surfaces or too many texels.
+        UserError: the scene cannot be read, has no surfaces or too many texels, or the numbers are
+            not of it.
     """
     opened = SharedScene(project)
     try:
-        return _page(opened, project, title, texels, terms, stills, follow)
+        found = None if numbers is None else numbers_of(numbers, opened.scene)
+        return _page(opened, project, title, texels, terms, stills, found, follow)
     finally:
         opened.close()
 
@@ -110,6 +117,7 @@ def _page(
     texels: int | None,
     terms: int,
     stills: list[tuple[str, bytes]],
+    numbers: Numbers | None,
     follow: Follow,
 ) -> SharedPage:
     scene, place = opened.scene, opened.place
@@ -182,6 +190,7 @@ def _page(
             "limb_darkening_rgb": [list(terms) for terms in disc.limb_darkening_rgb],
         },
         "mirrors": [],
+        "numbers": None,
         "tone": display_numbers(),
         "false_colours": _false_colours(),
         "facts": _facts(errors, values, basis),
@@ -207,6 +216,14 @@ def _page(
         nearness = mirrors.nearness / transport.surfaces.radius_m
         arrays["mirror_nearness"] = nearness.astype(np.float16).view(np.uint16)
         mirror_of = {part: n for n, part in enumerate(mirrors.parts.part.tolist())}
+    if numbers is not None:
+        header["numbers"] = {
+            "names": numbers.names,
+            "units": numbers.units,
+            "spacing_m": numbers.spacing_m,
+        }
+        arrays["numbers"] = numbers.values
+        arrays["number_places"] = np.concatenate([numbers.place_m, numbers.direction], axis=1)
     glb = glb_of(
         groups_of(scene, transport.layout_message, mirror_of),
         scene.materials.all(),

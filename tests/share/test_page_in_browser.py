@@ -1,10 +1,13 @@
 """A page of a room, written by the command and opened by Chromium from disk."""
 
+import base64
+import io
 import re
 
 import numpy as np
 import pytest
 from browser import Browser, chromium
+from PIL import Image
 
 
 @pytest.mark.long
@@ -39,6 +42,45 @@ def test_a_browser_opens_a_page_at_the_hour_of_its_link(written, tmp_path):
         assert browser.value("document.getElementById('message').hidden")
         # No headset is there.
         assert browser.value("document.getElementById('headset').hidden")
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
+def test_numbers_stand_in_the_scene_in_the_colours_of_their_legend(written, tmp_path):
+    """A daylight factor is chosen: its scale, tiles, and the number under the pointer."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T12:30")
+        options = "document.getElementById('numbers').options"
+        names = browser.value(f"Array.from({options}, (option) => option.text)")
+        assert names == ["numbers", "daylight factor, %", "sun, h"]
+        assert browser.value("document.getElementById('legend').hidden")
+        script = """(() => {
+            const page = window.daylight, { view, canvas } = page;
+            page.showNumber(0);
+            page.frame = () => {};
+            const { camera } = view, box = canvas.getBoundingClientRect();
+            camera.position.set(1, 1.6, 0);
+            camera.lookAt(1, 0.85, -0.001);
+            camera.updateMatrixWorld(true);
+            page.change();
+            view.draw(false);
+            page.pointer = { x: box.width / 2, y: box.height / 2 };
+            page.tellLux();
+            return [canvas.toDataURL(), document.getElementById('high').textContent,
+                document.getElementById('lux').textContent];
+        })()"""
+        url, high, under = browser.value(script)
+        assert high == "8 %"
+        assert under == "8 %"
+        pixels = np.asarray(Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2]))))
+        height, width = pixels.shape[:2]
+        # The scale's upper end.
+        assert pixels[height // 2, width // 2, :3] == pytest.approx([253, 231, 37], abs=6)
         assert browser.errors == []
     finally:
         browser.close()

@@ -204,6 +204,12 @@ export class Page {
 
   tellLux() {
     if (!this.pointer) return;
+    const { numbers } = this.view;
+    if (numbers && numbers.shown >= 0) {
+      const { width, height } = this.canvas.getBoundingClientRect();
+      part('lux').textContent = numbers.at(this.view.camera, this.pointer.x, this.pointer.y, width, height);
+      return;
+    }
     const lux = this.view.luxAt(this.pointer.x, this.pointer.y);
     part('lux').textContent = Number.isFinite(lux) ? `${lux >= 100 ? Math.round(lux).toLocaleString('en') : lux.toPrecision(3)} lx` : '';
   }
@@ -236,6 +242,7 @@ export class Page {
       this.change();
     });
     part('views').addEventListener('change', () => this.showView(part('views').value));
+    part('numbers').addEventListener('change', () => this.showNumber(Number(part('numbers').value)));
     part('headset').addEventListener('click', () => this.wear());
     part('about-open').addEventListener('click', () => part('about').showModal());
     canvas.addEventListener('pointermove', (/** @type {PointerEvent} */ event) => {
@@ -279,8 +286,28 @@ export class Page {
 
   showValues() {
     this.view.values = !this.view.values;
+    if (this.view.values) this.showNumber(-1);
     part('values').setAttribute('aria-pressed', String(this.view.values));
     part('legend').hidden = !this.view.values;
+    part('quantity').textContent = 'illuminance';
+    this.change();
+  }
+
+  /** Shows a quantity of the numbers, or none. @param {number} number */
+  showNumber(number) {
+    const { numbers } = this.view;
+    if (!numbers) return;
+    if (number >= 0 && this.view.values) this.showValues();
+    numbers.show(number);
+    part('numbers').value = String(number);
+    part('legend').hidden = number < 0;
+    if (number >= 0) {
+      const [low, high] = numbers.range;
+      part('quantity').textContent = numbers.about.names[number];
+      part('low').textContent = numbers.text(low);
+      part('middle').textContent = numbers.text(0.5 * (low + high));
+      part('high').textContent = numbers.text(high);
+    }
     this.change();
   }
 
@@ -330,6 +357,13 @@ async function start() {
   const { header } = data;
   for (const name of Object.keys(header.views)) part('views').add(new Option(name, name));
   part('views').hidden = Object.keys(header.views).length < 2;
+  const { numbers } = page.view;
+  if (numbers) {
+    part('numbers').hidden = false;
+    part('numbers').add(new Option('numbers', '-1'));
+    numbers.about.names.forEach((/** @type {string} */ name, /** @type {number} */ n) => (
+      part('numbers').add(new Option([name, numbers.about.units[n]].filter(Boolean).join(', '), String(n)))));
+  }
   part('where').textContent = header.place.text;
   part('facts').textContent = header.facts.join('\n');
   part('day').max = String(header.year_days - 1);

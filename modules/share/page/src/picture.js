@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { adaptedCd, automaticEv, scaleOf } from './exposure.js';
 import { LightMap } from './light.js';
+import { Numbers } from './numbers.js';
 import { sceneOf } from './scene.js';
 import {
   COPY_FRAGMENT, CUBE_FRAGMENT, SKY_FRAGMENT, SKY_VERTEX, TONE_FRAGMENT, fullScreen, program,
@@ -14,6 +15,8 @@ const LUX_SCALE = 1 / 8;
 // Least and most that moving pictures of a processor are coarser, and seconds of a picture below and
 // above which that changes: twenty a second.
 const COARSER = [2, 4], PACE_S = [0.025, 0.05];
+// Linear value, 1 being white, that the meter sees of tiles with numbers.
+const GREY = 0.18;
 const MIRROR_EDGE = 64, METER = [128, 72], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
 const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
@@ -174,7 +177,7 @@ export class Picture {
     ramp.magFilter = ramp.minFilter = THREE.LinearFilter;
     ramp.needsUpdate = true;
     this.tone = fullScreen(TONE_FRAGMENT, {
-      ...one, radiance: { value: null }, range: { value: new THREE.Vector2(0, 1) }, colours: { value: ramp },
+      ...one, radiance: { value: null }, pictures: { value: 1 }, range: { value: new THREE.Vector2(0, 1) }, colours: { value: ramp },
     });
     this.range = [10, 10000];
     this.meter = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.FloatType, depthBuffer: false });
@@ -182,6 +185,9 @@ export class Picture {
     this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
+    this.neutral = { value: 0 };
+    this.numbers = header.numbers ? new Numbers(data, { pre: one.pre, neutral: this.neutral, jitter: one.jitter }) : null;
+    if (this.numbers) this.scene.add(this.numbers.mesh);
     this.casters = new THREE.Scene();
     this.tints = new THREE.Scene();
     this.size = [4, 4];
@@ -364,6 +370,8 @@ export class Picture {
     jitter.value.set(0, 0);
     pre.value = 1 / this.shared.mirror_scale.value;
     this.skyPass.visible = false;
+    const tiles = this.numbers?.mesh.visible;
+    if (this.numbers) this.numbers.mesh.visible = false;
     const alpha = this.renderer.getClearAlpha();
     this.renderer.setClearAlpha(0);
     this.renderer.autoClear = true;
@@ -383,6 +391,7 @@ export class Picture {
     this.renderer.autoClear = false;
     this.renderer.setClearAlpha(alpha);
     this.skyPass.visible = true;
+    if (this.numbers) this.numbers.mesh.visible = Boolean(tiles);
   }
 
   /** @param {THREE.Mesh} mesh @param {THREE.CubeTexture} cube @param {number} share */
@@ -470,6 +479,7 @@ export class Picture {
     const { renderer, shared } = this;
     shared.values_shown.value = this.values ? LUX_SCALE : 0;
     if (scales) shared.pre.value = 0.3 * scaleOf(this.ev);
+    this.neutral.value = GREY / scaleOf(this.ev);
     renderer.setRenderTarget(target);
     renderer.clear();
     renderer.render(this.scene, camera);
@@ -525,6 +535,7 @@ export class Picture {
     this.setTone();
     const u = this.tone.material.uniforms;
     u.radiance.value = target.texture;
+    u.pictures.value = count;
     u.range.value.set(Math.log(this.range[0]), Math.log(this.range[1]));
     const kept = this.shared.pre.value;
     this.shared.pre.value = count * (this.values ? 1 : kept);

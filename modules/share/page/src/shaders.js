@@ -266,6 +266,26 @@ out vec4 colour;
 const float SHOWN_WHITE = 2.0;
 void main() { colour = vec4(pow(texture(picture, at).rgb * tint, vec3(2.2)) * SHOWN_WHITE, 1.0); }`;
 
+// Tiles with a number: alpha above 3.5 tells the tone pass of a share of the scale instead of radiance.
+export const NUMBER_VERTEX = `
+in vec3 position;
+in float share;
+uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
+uniform vec2 jitter;
+out float at;
+void main() {
+    at = share;
+    gl_Position = projectionMatrix * viewMatrix * modelMatrix * vec4(position, 1.0);
+    gl_Position.xy += jitter * gl_Position.w;
+    if (share < 0.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+}`;
+
+export const NUMBER_FRAGMENT = `${HEAD}
+uniform float pre, neutral;
+in float at;
+out vec4 colour;
+void main() { colour = vec4(vec3(neutral * pre), 4.0 + at); }`;
+
 export const DEPTH_VERTEX = `
 in vec3 position;
 in vec2 uv;
@@ -708,12 +728,19 @@ export const TONE_FRAGMENT = `${HEAD}${WEIGHTS}${TONE}
 uniform sampler2D radiance;
 uniform float pre;
 uniform float values_shown;
+uniform float pictures;           // that are summed in the target
 uniform vec2 range;               // log of lux at the ends of the scale
 uniform sampler2D colours;
 in vec2 at;
 out vec4 display;
 void main() {
-    vec3 found = texelFetch(radiance, ivec2(at * vec2(textureSize(radiance, 0))), 0).rgb;
+    vec4 texel = texelFetch(radiance, ivec2(at * vec2(textureSize(radiance, 0))), 0);
+    vec3 found = texel.rgb;
+    float number = texel.a / pictures - 4.0;
+    if (number > -0.5) {
+        display = vec4(texture(colours, vec2(clamp(number, 0.0, 1.0), 0.5)).rgb, 1.0);
+        return;
+    }
     if (values_shown > 0.0) {
         if (found.r < 0.0) { display = vec4(0.08, 0.08, 0.08, 1.0); return; }
         float share = (log(max(found.r / (pre * values_shown), 1e-6)) - range.x) / (range.y - range.x);
@@ -728,7 +755,7 @@ uniform sampler2D from;
 uniform float factor;
 in vec2 at;
 out vec4 colour;
-void main() { colour = vec4(texture(from, at).rgb * factor, 1.0); }`;
+void main() { colour = texture(from, at) * factor; }`;
 
 /** A pass over all texels of a target.
  * @param {string} fragment @param {Record<string, THREE.IUniform>} uniforms
