@@ -19,6 +19,7 @@ from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light
 from share.light_maps import MapValues, glow_illumination, light_maps, traced
 from share.numbers import Numbers, numbers_of
 from share.page_file import page_text
+from share.page_stars import TURNS_A_DAY, fixed_stars
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
 from share.sky_shares import COMPONENTS, SkyShares, sky_shares
@@ -149,6 +150,9 @@ def _page(
     sun_bits = (basis.sun / np.float32(sun_scale)).astype(np.float16)
     sun = decode_float16(sun_bits, sun_scale)
     moon = _moon_table(opened)
+    stars = fixed_stars(
+        opened.star_sightings(), places.latitude_rad, place.north_offset_rad, pressure_pa
+    )
     errors = [
         _error(opened, transport, values, table, places, basis, sun, instant)
         for instant in _hours_of(project.instant(), _ERROR_HOURS)
@@ -191,6 +195,7 @@ def _page(
         },
         "mirrors": [],
         "numbers": None,
+        "stars": None,
         "tone": display_numbers(),
         "false_colours": _false_colours(),
         "facts": _facts(errors, values, basis),
@@ -216,6 +221,15 @@ def _page(
         nearness = mirrors.nearness / transport.surfaces.radius_m
         arrays["mirror_nearness"] = nearness.astype(np.float16).view(np.uint16)
         mirror_of = {part: n for n, part in enumerate(mirrors.parts.part.tolist())}
+    if stars is not None:
+        header["stars"] = {
+            "seconds": stars.seconds,
+            "turns_a_day": TURNS_A_DAY,
+            "extinction": stars.extinction.tolist(),
+        }
+        arrays["stars"] = np.concatenate([stars.direction, stars.irradiance_rgb], axis=1).astype(
+            np.float32
+        )
     if numbers is not None:
         header["numbers"] = {
             "names": numbers.names,

@@ -10,12 +10,13 @@ import numpy as np
 from light_transport.public import Illumination, hour_of
 from numpy.typing import ArrayLike
 
+from share.page_stars import Sighting
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.headless import Project, SceneKernel, require_sun
-from vrut_lite.kernel.messages import EnableModule, SetSetting
+from vrut_lite.kernel.messages import Demand, EnableModule, SetSetting
 from vrut_lite.messages.air import AirChanged, AirVolume
-from vrut_lite.messages.night import MoonLight, NightLightChanged
+from vrut_lite.messages.night import MoonLight, NightLightChanged, StarsChanged
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.night_glow import glow_cube
@@ -30,6 +31,8 @@ SUN_GONE_RAD = float(np.radians(-19.0))
 # Geometric elevation of the sun below which no twilight is left.
 _DARK_RAD = float(np.radians(-18.0))
 _NEW_MOONS = 12
+# Number of nights in which stars are looked at, and elevation of the sun below which they are.
+_SIGHTINGS, _STARS_RAD = 12, float(np.radians(-10.0))
 # Number of days that are searched for a sky without moonlight.
 _TRIES = 13
 _BLACK = (0.0, 0.0, 0.0)
@@ -253,6 +256,20 @@ class SharedScene(SceneKernel):
             seconds = day + _HOUR_S * np.arange(-12.0, 12.0, 0.5)
             height = suns_at(seconds, place.latitude_deg, place.longitude_deg).elevation_rad
             yield float(height.min()), float(seconds[np.argmin(height)])
+
+    def star_sightings(self) -> Iterator[Sighting]:
+        """Stars in the darkest hour of each twelfth of the year."""
+        self.kernel.inject(Demand(consumer=_CONSUMER, message=StarsChanged.__name__, size=None))
+        seconds, heights = self._suns_of_year()
+        for part in np.array_split(np.arange(len(seconds)), _SIGHTINGS):
+            darkest = part[np.argmin(heights[part])]
+            self.go_to(datetime.fromtimestamp(float(seconds[darkest]), UTC))
+            stars = self.kernel.last(StarsChanged)
+            if stars is not None and heights[darkest] < _STARS_RAD:
+                yield Sighting(
+                    float(seconds[darkest]), stars.direction.values, stars.irradiance_rgb.values
+                )
+        self.kernel.inject(Demand(consumer=_CONSUMER, message=StarsChanged.__name__, size=0))
 
     def moons(self) -> list[MoonLight]:
         """The moon's light through a month, where it is up by night."""

@@ -14,6 +14,7 @@ import pytest
 from dynamic_skylight import sun_position
 from share.air_table import BELOW, VIEWS
 from share.page_file import packed
+from share.page_stars import world_from_sky
 from share.shared_page import about_places, about_sky
 from share.shared_scene import SunSky
 from share.sky_table import COLUMNS, LOWER, UPPER, sky_table
@@ -203,6 +204,17 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
     expected[planes[0] == 0] = 0.0
     assert found == pytest.approx(expected, rel=2e-3, abs=1e-6)
     assert (found[:, :3].max(axis=1) > 0.0).any()
+
+
+def test_the_sky_of_stars_turns_as_the_programs(node):
+    """North and south, with the scene turned from north, at any hour of a star's day."""
+    cases = [(1.3, 0.87, 0.0), (4.0, -0.6, 0.7), (0.0, 1.5, -2.0)]
+    script = """
+        import { worldFromSky } from './src/stars.js';
+        console.log(JSON.stringify(given.map((one) => worldFromSky(...one))));
+    """
+    for found, case in zip(node(script, cases), cases, strict=True):
+        assert np.reshape(found, (3, 3)) == pytest.approx(world_from_sky(*case), abs=1e-12)
 
 
 def test_the_scripts_types_hold(node):

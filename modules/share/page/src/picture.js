@@ -8,6 +8,7 @@ import {
   COPY_FRAGMENT, CUBE_FRAGMENT, SKY_FRAGMENT, SKY_VERTEX, TONE_FRAGMENT, fullScreen, program,
 } from './shaders.js';
 import { OpenIrradiance, SkyTable, directionOf, placed } from './sky.js';
+import { Stars } from './stars.js';
 import { Ephemeris, nightShare, sunShare, visible } from './sun.js';
 
 // Factor on lux in half floats: sunlight has more than these hold.
@@ -146,6 +147,8 @@ export class Picture {
       disc_direction: { value: new THREE.Vector3() },
       disc_radiance: { value: new THREE.Vector3() },
       disc_radius: { value: 0.005 },
+      to_sun: { value: new THREE.Vector3() },
+      moon_level: { value: 1 },
       limb: { value: Array.from({ length: 6 }, () => new THREE.Vector3()) },
       eye_height: { value: 1.7 },
     }, this.defines, { depthFunc: THREE.LessEqualDepth, depthWrite: false }));
@@ -185,6 +188,12 @@ export class Picture {
     this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
+    this.stars = header.stars
+      ? new Stars(data, this.ephemeris.air, { pre: one.pre, values_shown: one.values_shown, jitter: one.jitter }) : null;
+    if (this.stars) {
+      this.stars.points.renderOrder = 1.5;
+      this.scene.add(this.stars.points);
+    }
     this.neutral = { value: 0 };
     this.numbers = header.numbers ? new Numbers(data, { pre: one.pre, neutral: this.neutral, jitter: one.jitter }) : null;
     if (this.numbers) this.scene.add(this.numbers.mesh);
@@ -330,6 +339,10 @@ export class Picture {
     const covered = byDay ? Math.max(visible(sun.apparentRad), 1e-3) : 1;
     u.disc_radiance.value.set(...strength.map((v) => v / solid / covered));
     u.disc_radius.value = radius;
+    const towards = directionOf(sun.azimuthRad, sun.trueRad);
+    u.to_sun.value.copy(byDay ? new THREE.Vector3() : towards);
+    if (!byDay) u.moon_level.value = 1 / meanShade(this.keyDirection, towards);
+    this.stars?.setHour(date, night);
     for (let k = 0; k < 6; ++k) {
       u.limb.value[k].set(...[0, 1, 2].map((c) => (byDay ? disc.limb_darkening_rgb[c][k] || 0 : k === 0 ? 1 : 0)));
     }
@@ -370,8 +383,8 @@ export class Picture {
     jitter.value.set(0, 0);
     pre.value = 1 / this.shared.mirror_scale.value;
     this.skyPass.visible = false;
-    const tiles = this.numbers?.mesh.visible;
-    if (this.numbers) this.numbers.mesh.visible = false;
+    const apart = [this.numbers?.mesh, this.stars?.points].filter((thing) => thing?.visible);
+    apart.forEach((thing) => { if (thing) thing.visible = false; });
     const alpha = this.renderer.getClearAlpha();
     this.renderer.setClearAlpha(0);
     this.renderer.autoClear = true;
@@ -391,7 +404,7 @@ export class Picture {
     this.renderer.autoClear = false;
     this.renderer.setClearAlpha(alpha);
     this.skyPass.visible = true;
-    if (this.numbers) this.numbers.mesh.visible = Boolean(tiles);
+    apart.forEach((thing) => { if (thing) thing.visible = true; });
   }
 
   /** @param {THREE.Mesh} mesh @param {THREE.CubeTexture} cube @param {number} share */
@@ -479,6 +492,7 @@ export class Picture {
     const { renderer, shared } = this;
     shared.values_shown.value = this.values ? LUX_SCALE : 0;
     if (scales) shared.pre.value = 0.3 * scaleOf(this.ev);
+    if (this.stars) this.stars.size.value.set(target.width, target.height);
     this.neutral.value = GREY / scaleOf(this.ev);
     renderer.setRenderTarget(target);
     renderer.clear();
@@ -565,6 +579,24 @@ export class Picture {
     this.shared.values_shown.value = this.values ? LUX_SCALE : 0;
     return texel[0] < 0 ? NaN : texel[0];
   }
+}
+
+/** Mean of the shade (Lommel and Seeliger) over a disc that is seen towards `seen` and lit from
+ * `towards`. @param {THREE.Vector3} seen @param {THREE.Vector3} towards */
+export function meanShade(seen, towards) {
+  // In the plane of both, the shade depends on the angle between alone.
+  const cosine = Math.min(Math.max(-seen.dot(towards), -1), 1), sine = Math.sqrt(1 - cosine * cosine);
+  let sum = 0, count = 0;
+  for (let i = 0; i < 40; ++i) {
+    for (let j = 0; j < 40; ++j) {
+      const x = (i + 0.5) / 20 - 1, y = (j + 0.5) / 20 - 1, beside = x * x + y * y;
+      if (beside >= 1) continue;
+      const mu = Math.sqrt(1 - beside), lit = Math.max(x * sine + mu * cosine, 0);
+      sum += lit / Math.max(lit + mu, 1e-4);
+      ++count;
+    }
+  }
+  return Math.max(sum / count, 1e-4);
 }
 
 /** A depth map of what key light meets. @param {number} edge */

@@ -176,6 +176,17 @@ uniform float disc_radius;
 uniform vec3 limb[6];
 uniform float eye_height;
 uniform float values_shown;
+uniform vec3 to_sun;              // from the moon; 0: the disc is the sun's
+uniform float moon_level;         // one over the mean of shade on the disc
+// Light on the moon's disc, over its mean, by Lommel and Seeliger, as night_sky/shaders/moon.frag.
+float phase_of(vec3 d) {
+    vec3 right = normalize(cross(disc_direction, vec3(0.0, 1.0, 0.0)) + vec3(1e-6, 0.0, 0.0));
+    vec3 upper = cross(right, disc_direction);
+    vec2 p = vec2(dot(d, right), dot(d, upper)) / sin(disc_radius);
+    float mu = sqrt(max(1.0 - dot(p, p), 0.0));
+    float mu_sun = max(dot(p.x * right + p.y * upper - mu * disc_direction, to_sun), 0.0);
+    return moon_level * mu_sun / max(mu_sun + mu, 1e-4);
+}
 vec3 disc(vec3 d) {
     float angle = asin(min(length(cross(d, disc_direction)), 1.0));
     if (dot(d, disc_direction) <= 0.0) return vec3(0.0);
@@ -184,7 +195,8 @@ vec3 disc(vec3 d) {
     float c = sqrt(max(0.0, 1.0 - pow(min(angle / disc_radius, 1.0), 2.0)));
     vec3 dark = limb[5];
     for (int k = 4; k >= 0; --k) dark = dark * c + limb[k];
-    return disc_radiance * max(dark, 0.0) * covered;
+    float lit = dot(to_sun, to_sun) > 0.0 ? phase_of(d) : 1.0;
+    return disc_radiance * max(dark, 0.0) * (covered * lit);
 }
 void main() {
     vec3 d = normalize(ray);
@@ -265,6 +277,50 @@ out vec4 colour;
 // Radiance in the target of what the tone curve shows as white.
 const float SHOWN_WHITE = 2.0;
 void main() { colour = vec4(pow(texture(picture, at).rgb * tint, vec3(2.2)) * SHOWN_WHITE, 1.0); }`;
+
+// A star's light is spread over the pixels around it, none lost; night_sky/shaders/star.vert.
+export const STAR_VERTEX = `precision highp float;
+in vec3 position;                 // fixed on the sky
+in vec3 light;                    // irradiance above the air
+uniform mat3 world_from_sky;
+uniform mat4 viewMatrix, projectionMatrix;
+uniform vec2 jitter, size_px;
+uniform vec3 extinction;
+uniform float night, refraction;
+flat out vec3 radiance;           // of all its light in one pixel
+flat out vec2 at_px;
+const float DEGREE = 0.017453292519943295, EDGE_PX = 7.0;
+void main() {
+    vec3 d = world_from_sky * position;
+    float height = asin(clamp(d.y, -1.0, 1.0)), degrees = height / DEGREE, held = max(degrees, -1.0);
+    // Refraction and air mass: sun.js and share/page_stars.py.
+    float raised = max(1.02 / tan((held + 10.3 / (held + 5.11)) * DEGREE), 0.0) * refraction / 60.0
+        * smoothstep(-6.0, -1.0, degrees);
+    float apparent = degrees + raised, sine = sin(apparent * DEGREE);
+    d = vec3(d.xz * (cos(apparent * DEGREE) / max(cos(height), 1e-6)), sine).xzy;
+    vec3 left = exp(-extinction / (sine + 0.50572 * pow(max(apparent, 0.0) + 6.07995, -1.6364)));
+    vec4 clip = projectionMatrix * mat4(mat3(viewMatrix)) * vec4(d, 0.0);
+    float cosine = max(clip.w, 1e-3);
+    float per_sr = 0.25 * size_px.x * size_px.y * projectionMatrix[0][0] * projectionMatrix[1][1];
+    radiance = light * left * (night * per_sr / (cosine * cosine * cosine));
+    gl_Position = apparent > 0.0 && clip.w > 0.0
+        ? vec4(clip.xy + jitter * clip.w, clip.w, clip.w) : vec4(2.0, 2.0, 2.0, 1.0);
+    at_px = (gl_Position.xy / gl_Position.w * 0.5 + 0.5) * size_px;
+    gl_PointSize = EDGE_PX;
+}`;
+
+export const STAR_FRAGMENT = `${HEAD}
+uniform float pre, values_shown;
+flat in vec3 radiance;
+flat in vec2 at_px;
+out vec4 colour;
+const float VARIANCE = 0.49;      // px^2
+void main() {
+    if (values_shown > 0.0) discard;
+    vec2 away = gl_FragCoord.xy - at_px;
+    float share = exp(-0.5 * dot(away, away) / VARIANCE) / (2.0 * 3.141592653589793 * VARIANCE);
+    colour = vec4(min(radiance * (share * pre), 6e4), 0.0);
+}`;
 
 // Tiles with a number: alpha above 3.5 tells the tone pass of a share of the scale instead of radiance.
 export const NUMBER_VERTEX = `
