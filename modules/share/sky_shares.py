@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from share.light_basis import coded, decoded, principal
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-COMPONENTS = 12
+COMPONENTS = 24
 # Shares above which errors count no more, and below which there is no ratio.
 _FULL, _LEAST = 0.3, 1e-4
 
@@ -41,8 +41,10 @@ def sky_shares(by_sun: NDArray[np.floating], is_day: NDArray[np.bool_]) -> SkySh
     """The components of shares (S, T); `is_day` (S,) are the mean's places."""
     shares = by_sun.astype(np.float32)
     mean = shares[is_day].mean(axis=0) if is_day.any() else shares.mean(axis=0)
+    # Components make up for the rounding of the mean.
+    mean = np.rint(255.0 * np.sqrt(np.clip(mean, 0.0, 1.0))) ** 2 / np.float32(65025.0)
     has_ratio = mean > _LEAST
-    weight = np.sqrt(np.minimum(mean, np.float32(_FULL)))
+    weight = np.minimum(mean, np.float32(_FULL))
     rows = np.where(has_ratio, shares / np.maximum(mean, _LEAST) - 1.0, 0.0) * weight
     along = principal(rows @ rows.T, COMPONENTS)
     values = np.where(has_ratio, (along.T @ rows) / np.maximum(weight, 1e-9), 0.0)
