@@ -161,7 +161,7 @@ TILT=NONE
 def test_lamps_of_types_a_and_b_shine_where_they_are_aimed(kind: int) -> None:
     """Type A turns around the vertical axis, so that 60 degrees aside and 45 up keep its angles;
     type B turns around the horizontal one."""
-    candela, table = read_ies(FLOODLIGHT.format(kind=kind).encode())
+    candela, table = read_ies(FLOODLIGHT.format(kind=kind).encode()).photometry()
     assert candela == pytest.approx(30.0)
     assert table[0] == pytest.approx(1.0)
     assert table[91:].max() == 0.0
@@ -220,7 +220,7 @@ def test_symmetry_of_a_luminaire_is_its_files(
     columns = len(angles.split())
     rows = "\n".join(["20 10 0", "20 2 0"][:columns])
     text = f"TILT\nTILT=NONE\n1 1 1 3 {columns} 1 2 0 0 0 1 1 1\n0 45 90\n{angles}\n{rows}\n"
-    table = read_ies(text.encode()).table
+    table = read_ies(text.encode()).photometry().table
     row = np.interp([first, *same], np.linspace(0.0, 360.0, 73), table[45])
     assert row[1:] == pytest.approx([row[0]] * len(same), abs=2e-3)
 

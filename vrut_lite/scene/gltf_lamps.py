@@ -88,7 +88,7 @@ class GltfLamps:
                 data = bytes(self._file.view_bytes(profile.buffer_view))
             else:
                 raise SceneFileError("a light profile of it has no data; export it again")
-            self._photometries[number] = read_ies(data)
+            self._photometries[number] = read_ies(data).photometry()
         return self._photometries[number]
 
 

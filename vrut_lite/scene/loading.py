@@ -157,7 +157,7 @@ class OpenScene:
         for name, path in self._luminaires.items():
             try:
                 folder = SceneFolder(Path(path).parent, self._files.budget)
-                read[name] = read_luminaire(folder.read(Path(path)))
+                read[name] = read_luminaire(folder.read(Path(path))).photometry()
             except SceneFileError as fault:
                 raise UserError(f"cannot read the luminaire {path}: {fault}") from fault
         return read

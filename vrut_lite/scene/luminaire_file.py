@@ -6,31 +6,61 @@ its sets of lamps, ten direct ratios, the angles of the C-planes and in each pla
 1000 lm of the lamps.
 """
 
+from pathlib import Path
+
 import numpy as np
 
+from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.scene.ies_file import is_ies, read_ies
-from vrut_lite.scene.photometry import (
-    MOST_ANGLES,
-    NEARLY_DEG,
-    Photometry,
+from vrut_lite.scene.luminaire import (
+    Luminaire,
+    LuminousOpening,
+    Word,
+    around_by_symmetry,
     check_candela,
+    check_rising,
     cut_short,
     finite_numbers,
-    table_of_planes,
+    words_of,
 )
+from vrut_lite.scene.photometry import MOST_ANGLES, NEARLY_DEG
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.text_files import decoded, plain_text
 
-_KIND = "an EULUMDAT file"
+_KIND = "the EULUMDAT file"
 # Numbers of lines, counted from 0.
 _SYMMETRY, _PLANES, _ANGLES, _FACTOR, _SETS = 2, 3, 5, 23, 25
-_HEAD_LINES, _LINES_A_SET, _FLUX_OF_SET, _MOST_SETS = 26, 6, 2, 20
+_LENGTH, _WIDTH, _HEIGHTS = 15, 16, slice(17, 21)
+_HEAD_LINES, _LINES_A_SET, _MOST_SETS = 26, 6, 20
+_LAMPS_OF_SET, _FLUX_OF_SET, _WATTS_OF_SET = 0, 2, 5
 _DIRECT_RATIOS = 10
+# The plane along a luminaire's length, which is an IES file's angle 0 (IESNA LM-63-95); C0 is
+# across it (CIE 121-1996; EN 13032-1). Both count in one sense.
+_ALONG_DEG = 90.0
+_MOST_BYTES = 16 << 20
 
 
-def read_luminaire(data: bytes) -> Photometry:
-    """The photometry of an IES or EULUMDAT file.
+def read_luminaire_file(path: str | Path) -> Luminaire:
+    """The luminaire of an IES or EULUMDAT file.
+
+    Raises:
+        UserError: the file cannot be read, or is damaged.
+    """
+    file = Path(path)
+    try:
+        if file.stat().st_size > _MOST_BYTES:
+            raise UserError(f"the luminaire {file} is more than {_MOST_BYTES >> 20} MB")
+        return read_luminaire(file.read_bytes())
+    except OSError as error:
+        reason = error.strerror or error
+        raise UserError(f"cannot read the luminaire {file}: {reason}") from None
+    except SceneFileError as fault:
+        raise UserError(f"cannot read the luminaire {file}: {fault}") from None
+
+
+def read_luminaire(data: bytes) -> Luminaire:
+    """The luminaire of an IES or EULUMDAT file.
 
     Of an EULUMDAT file's sets of lamps, which are alternatives, the first one shines; plane C90
     is the angle 0 of an IES file.
@@ -48,52 +78,58 @@ def read_luminaire(data: bytes) -> Photometry:
             "lines and more; choose another file"
         )
     head = (_SYMMETRY, _PLANES, _ANGLES, _FACTOR, _SETS)
-    symmetry, planes, angles, factor, sets = (_number(lines[number]) for number in head)
+    symmetry, planes, angles, factor, sets = (_number(lines, number) for number in head)
     if not (symmetry in range(5) and planes in range(1, MOST_ANGLES) and sets in range(_MOST_SETS)):
         raise SceneFileError(
-            f"an EULUMDAT file of it has symmetry {symmetry:g}, {planes:g} planes and {sets:g} "
-            "sets of lamps in lines 3, 4 and 26; mend that file"
+            f"{_KIND} has symmetry {symmetry:g}, {planes:g} planes and {sets:g} sets of lamps in "
+            "lines 3, 4 and 26; mend that file"
         )
     if angles not in range(1, MOST_ANGLES):
-        raise SceneFileError(f"an EULUMDAT file of it has {angles:g} angles; mend that file")
+        raise SceneFileError(f"{_KIND} has {angles:g} angles in line 6; mend that file")
     body = _HEAD_LINES + _LINES_A_SET * int(sets)
-    lamps = lines[_HEAD_LINES:body]
-    flux_lm = _number(lamps[_FLUX_OF_SET]) if len(lamps) > _FLUX_OF_SET else 0.0
+    has_lamps = sets > 0 and len(lines) >= body
+    flux_lm = _number(lines, _HEAD_LINES + _FLUX_OF_SET) if has_lamps else 0.0
     if not (flux_lm > 0.0 and factor > 0.0):
         raise SceneFileError(
-            "an EULUMDAT file of it has no conversion factor or no luminous flux of lamps, in "
-            "lines 24 and 29; mend that file"
+            f"{_KIND} has no conversion factor or no luminous flux of lamps, in lines 24 and 29; "
+            "mend that file"
         )
-    gamma, c, intensity = _parts(lines[body:], int(symmetry), int(planes), int(angles))
-    candela = intensity * factor * flux_lm / 1000.0
-    check_candela(candela, _KIND)
-    return Photometry.of(_turned(table_of_planes(gamma, c, candela)))
+    gamma, c, candela = _parts(
+        words_of("\n".join(lines[body:]), body + 1),
+        int(symmetry), int(planes), int(angles), factor * flux_lm / 1000.0,
+    )  # fmt: skip
+    around, candela = around_by_symmetry(c, candela, _ALONG_DEG)
+    # A negative number of lamps is absolute photometry: the flux is the luminaire's own.
+    is_absolute = _number(lines, _HEAD_LINES + _LAMPS_OF_SET) < 0.0
+    watts = max(_number(lines, _HEAD_LINES + _WATTS_OF_SET), 0.0)
+    lamp_lm = None if is_absolute else float(flux_lm)
+    return Luminaire(gamma, around, candela, lamp_lm, float(watts), _opening(lines))
 
 
-def _turned(table: FloatArray) -> FloatArray:
-    """Candela (V, H) counted from C90, which lies along a luminaire's length, as an IES's angle 0.
-
-    C0 is across the lamps' axis (CIE 121-1996; EN 13032-1), the plane of 0 and 180 degrees along it
-    (IESNA LM-63-95); both count in one sense.
-    """
-    once = np.roll(table[:, :-1], -(table.shape[1] - 1) // 4, axis=1)
-    return np.append(once, once[:, :1], axis=1)
-
-
-def _number(line: str) -> float:
-    """The number with which a line begins; 0 of an empty one."""
-    return _numbers(line.split()[:1] or ["0"])[0]
+def _opening(lines: list[str]) -> LuminousOpening:
+    """The luminous area, in mm in the file; a width of 0 makes its length the diameter."""
+    length_m, width_m = (max(_number(lines, n), 0.0) / 1000.0 for n in (_LENGTH, _WIDTH))
+    heights = [_number(lines, n) for n in range(*_HEIGHTS.indices(_HEAD_LINES))]
+    is_round = width_m == 0.0 and length_m > 0.0
+    height_m = max(*heights, 0.0) / 1000.0
+    return LuminousOpening(length_m if is_round else width_m, length_m, height_m, is_round)
 
 
-def _numbers(words: list[str]) -> list[float]:
+def _number(lines: list[str], number: int) -> float:
+    """The number with which a line begins, lines counted from 0; 0 of an empty one."""
+    words = lines[number].split()[:1]
+    return _numbers([Word(word, number + 1) for word in words] or [Word("0", number + 1)])[0]
+
+
+def _numbers(words: list[Word]) -> FloatArray:
     """Numbers with a point, or the decimal comma of Germany's programs."""
-    return finite_numbers([word.replace(",", ".") for word in words], _KIND)
+    return finite_numbers([Word(text.replace(",", "."), line) for text, line in words], _KIND)
 
 
 def _parts(
-    lines: list[str], symmetry: int, planes: int, angles: int
+    words: list[Word], symmetry: int, planes: int, angles: int, factor: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Angles (G,) from the nadir, of stored planes (C,), and intensities (G, C).
+    """Angles (G,) from the nadir, of stored planes (C,), and candela (G, C).
 
     Symmetry 3 is that of C90 and C270: planes from C270 by C0 to C90 are those from 90 to 270
     degrees, mirrored and in the other order.
@@ -103,21 +139,24 @@ def _parts(
         0: range(planes), 1: range(1), 2: range(planes // 2 + 1),
         3: range(3 * quarter, 3 * quarter + planes // 2 + 1), 4: range(quarter + 1),
     }[symmetry]  # fmt: skip
-    values = _numbers(" ".join(lines).split())[_DIRECT_RATIOS:]
-    needed = planes + angles + len(stored) * angles
-    if len(values) < needed:
+    needed = _DIRECT_RATIOS + planes + angles + len(stored) * angles
+    if len(words) < needed:
         raise cut_short(_KIND)
-    c = np.array(values[:planes])[np.array(stored) % planes]
-    gamma = np.array(values[planes : planes + angles])
-    intensity = np.array(values[planes + angles : needed]).reshape(len(stored), angles).T
+    values, words = _numbers(words[:needed])[_DIRECT_RATIOS:], words[_DIRECT_RATIOS:]
+    c = values[:planes][np.array(stored) % planes]
+    gamma = values[planes : planes + angles]
+    check_rising(gamma, words[planes : planes + angles], _KIND)
+    candela = factor * values[planes + angles :]
+    check_candela(candela, words[planes + angles :], _KIND)
+    candela = candela.reshape(len(stored), angles).T
     if symmetry == 3:
-        c, intensity = (180.0 - c[::-1]) % 360.0, intensity[:, ::-1]
+        c, candela = (180.0 - c[::-1]) % 360.0, candela[:, ::-1]
     ends = {2: (0.0, 180.0), 3: (90.0, 270.0), 4: (0.0, 90.0)}.get(symmetry, (c[0], c[-1]))
-    rising = np.all(np.diff(gamma) > 0.0) and np.all(np.diff(c) > 0.0)
     inside = min(gamma[0], c[0]) >= 0.0 and gamma[-1] <= 180.0 and c[-1] <= 360.0
-    if not (rising and inside and np.allclose((c[0], c[-1]), ends, atol=NEARLY_DEG)):
+    fits = np.allclose((c[0], c[-1]), ends, atol=NEARLY_DEG)
+    if not (np.all(np.diff(c) > 0.0) and inside and fits):
         raise SceneFileError(
-            "angles in an EULUMDAT file of it do not rise, or do not fit its symmetry; mend that "
-            "file"
+            f"angles of {_KIND} do not rise, or do not fit its symmetry, from line {words[0].line} "
+            "on; mend that file"
         )
-    return gamma, c, intensity
+    return gamma, c, candela
