@@ -16,6 +16,7 @@ from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.kernel.settings import describe
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.glazing import GlazingFile
+from vrut_lite.messages.lighting import LampPlacement, LightingControl
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.placement import PlacedFile, Placement
 from vrut_lite.messages.scene import LoadScene
@@ -43,6 +44,8 @@ KEPT_IN_FILE = {
     "views": "names that the window has for cameras",
     "sensors": "points for `vrut-lite daylight`",
     "bsdf": "measured glazing for `vrut-lite daylight`",
+    "lamp": "luminaires for `vrut-lite daylight`",
+    "lighting": "controls of lamps for `vrut-lite daylight`",
 }
 NO_UNDO = {
     Resize: "the window has the size that its user gives it",
@@ -75,6 +78,8 @@ NO_OPTION = {
     "views": "a table of cameras",
     "sensors": "an option of `vrut-lite daylight`",
     "bsdf": "an option of `vrut-lite daylight`",
+    "lamp": "an option of `vrut-lite daylight`",
+    "lighting": "a table of controls",
 }
 
 
@@ -108,6 +113,11 @@ def project(house, year_file):
         ground="grass,0.15",
         weather=str(year_file),
         sensors=str(house.with_name("desks.csv")),
+        lamp={
+            "desk": LampPlacement(str(house.with_name("panel.ies")), [1.0, 2.0, 3.0], group="row"),
+            "rows": LampPlacement(str(house.with_name("spot.ldt")), [(1.0, 2.0, 3.0)], watts=7.0),
+        },
+        lighting={"row": LightingControl("open_loop", dark_at_lx=800.0)},
         bsdf={"pane": GlazingFile(str(house.with_name("blind.xml")), up=(0.0, 0.0, 1.0))},
         **{name: another(spec) for name, spec in OF_SCENE.items()},
     )

@@ -7,6 +7,7 @@ A command is a `click.Command` of the group `vrut_lite.commands`.
   `worker_options` and `workers_of` for many scenes; `FiniteRange` is a type of numbers.
 * `SceneKernel` is a kernel with all installed modules that has opened a project's scene, hour by
   hour; `require_sun` asks it for a sun.
+* `Luminaire` with its `LuminousOpening`, read by `read_luminaire_file` from IES and EULUMDAT.
 * The terminal: `busy_with`, `tracked` and `tell_notices`; `write_png` for pictures.
 * Stills of a project by `ScenePlan.open`, drawn as `render` draws them; `display_numbers` are those
   of the tone map.
@@ -17,6 +18,8 @@ from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.pictures.display import display_numbers
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import Project, project_of_path
+from vrut_lite.scene.luminaire import Luminaire, LuminousOpening
+from vrut_lite.scene.luminaire_file import read_luminaire_file
 from vrut_lite.studio.number_types import FiniteRange
 from vrut_lite.studio.open_kernel import require_sun
 from vrut_lite.studio.pictures import tell_notices
@@ -27,6 +30,8 @@ from vrut_lite.studio.workers import worker_options, workers_of
 
 __all__ = [
     "FiniteRange",
+    "Luminaire",
+    "LuminousOpening",
     "Project",
     "SceneKernel",
     "ScenePlan",
@@ -34,6 +39,7 @@ __all__ = [
     "daylight_options",
     "display_numbers",
     "project_of_path",
+    "read_luminaire_file",
     "require_sun",
     "scene_options",
     "tell_notices",

@@ -32,6 +32,7 @@ from vrut_lite.messages.haze import (
     AerosolType,
     SetHaze,
 )
+from vrut_lite.messages.lighting import LampPlacement, LightingControl
 from vrut_lite.messages.picture import LARGEST_PICTURE_PX, NightLook, Resize, SetExposure, ToneMap
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.placement import PlacedFile, Placement
@@ -138,7 +139,8 @@ class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `views` are kept by name, for the window. `sensors` is a file of points at which light is
-    measured, `glazing` glass by names of materials, `bsdf` measured glazing, which `vrut-lite
+    measured, `glazing` glass by names of materials, `bsdf` measured glazing, `lamp`
+    placed luminaires by names and `lighting` the control of their groups, which `vrut-lite
     daylight` reads.
     """
 
@@ -164,6 +166,8 @@ class Project(SceneSettings, msgspec.Struct, frozen=True, forbid_unknown_fields=
     sensors: str = ""
     glazing: dict[str, Glazing] = {}
     bsdf: dict[str, GlazingFile] = {}
+    lamp: dict[str, LampPlacement] = {}
+    lighting: dict[str, LightingControl] = {}
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -301,7 +305,7 @@ _VIEW = (
     ),
 )  # fmt: skip
 # All fields of a project but those of the scene manager (`SceneSettings`), of modules (`settings`,
-# `slots`), and those that no input carries (`views`, `sensors`, `bsdf`).
+# `slots`), and those that no input carries (`views`, `sensors`, `bsdf`, `lamp`, `lighting`).
 PROJECT_PARTS = {part.kind: part for part in (*_AIR, *_DAYLIGHT, *_VIEW)}
 
 
@@ -381,6 +385,10 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         name: msgspec.structs.replace(glazing, file=change(glazing.file))
         for name, glazing in project.bsdf.items()
     }
+    lamp = {
+        name: msgspec.structs.replace(placed, file=placed.file and change(placed.file))
+        for name, placed in project.lamp.items()
+    }
     return msgspec.structs.replace(
         project,
         scene=change(project.scene),
@@ -389,6 +397,7 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         weather=project.weather and change(project.weather),
         sensors=project.sensors and change(project.sensors),
         bsdf=bsdf,
+        lamp=lamp,
     )
 
 
@@ -458,6 +467,8 @@ def project_text(project: Project) -> str:
     if values["haze"] is not None:
         values["haze"] = _without_empty(values["haze"])
     values["beside"] = [_without_empty(placed) for placed in values["beside"]]
+    for table in ("lamp", "lighting"):
+        values[table] = {name: _without_empty(one) for name, one in values[table].items()}
     return tomli_w.dumps(_without_empty(values))
 
 

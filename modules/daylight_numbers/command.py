@@ -8,6 +8,7 @@ from typing import Any
 import click
 import msgspec
 
+from daylight_numbers.lamp_places import read_lamps
 from daylight_numbers.sensors import SensorGrid, read_sensors
 from daylight_numbers.window_xml import read_window_xml
 from vrut_lite.errors import UserError
@@ -16,6 +17,7 @@ from vrut_lite.headless import (
     Project,
     daylight_options,
     project_of_path,
+    read_luminaire_file,
     scene_options,
     tell_notices,
     tracked,
@@ -114,6 +116,12 @@ _year_light = lazy("daylight_numbers.year_light")
     metavar="X,Y,Z",
     help="What is up in the files of --bsdf, in the scene's axes. Default: 0,1,0, or a project's.",
 )
+@click.option(
+    "--lamps",
+    metavar="FILE",
+    help="A .csv of luminaires file,x,y,z[,dx,dy,dz,rotation_deg,group], in place of a project's "
+    "[lamp] tables; files are IES or EULUMDAT. Adds their light, and their energy in a year.",
+)
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
 @click.option(
     "--standards",
@@ -135,6 +143,7 @@ def daylight(
     sun_day: datetime,
     bsdf: tuple[str, ...],
     bsdf_up: str | None,
+    lamps: str | None,
     year: bool,
     standards: bool,
     jobs: int,
@@ -156,6 +165,8 @@ def daylight(
 
     Example: vrut-lite daylight room.glb -o room --bsdf glass=blind.xml
 
+    Example: vrut-lite daylight room.glb -o room --year --lamps lamps.csv
+
     Example: vrut-lite daylight variants/*.glb -o variants --year --jobs 4
     """
     projects = [
@@ -165,6 +176,10 @@ def daylight(
     projects = [with_bsdf(project, bsdf, bsdf_up) for project in projects]
     for file in {glazing.file for project in projects for glazing in project.bsdf.values()}:
         read_window_xml(file)
+    placed = None if lamps is None else read_lamps(lamps)
+    told_lamps = [project.lamp if placed is None else placed for project in projects]
+    for file in {one.file for told in told_lamps for one in told.values() if one.file}:
+        read_luminaire_file(file)
     looking = read_sensors(eyes) if eyes else None
     if looking is not None and any(project.bsdf for project in projects):
         raise UserError(
@@ -175,7 +190,7 @@ def daylight(
         raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
     folders = _folders(Path(output), scenes)
     wanted = []
-    for project in projects:
+    for project, of_lamps in zip(projects, told_lamps, strict=True):
         told = project.sensors if sensors is None else sensors
         chosen = read_sensors(told) if told else SensorGrid(height_m, step_m)
         tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
@@ -191,6 +206,7 @@ def daylight(
                 blinds,
                 looking,
                 day,
+                of_lamps,
             )
         )
     with workers_of(jobs, dask, len(wanted)) as workers:

@@ -18,6 +18,8 @@ from daylight_numbers.eyes import (
     hour_table,
     write_views,
 )
+from daylight_numbers.lamp_pages import lamp_pages
+from daylight_numbers.lighting import lighting_of
 from daylight_numbers.now import TITLES, CieSky, cie_hour, numbers_now, patch_error
 from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, plan_picture
@@ -30,6 +32,7 @@ from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
 from daylight_numbers.work import DaylightWork, work_of
 from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
 from vrut_lite.headless import Project, busy_with, tracked, write_png
+from vrut_lite.messages.lighting import LampPlacement
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.quantities import percent_text
 from vrut_lite.write_atomic import atomic_output
@@ -56,6 +59,7 @@ class DaylightRequest:
     blinds: float
     eyes: Sensors | None
     sun_day: date
+    lamps: Mapping[str, LampPlacement]
 
 
 class Measured(NamedTuple):
@@ -132,6 +136,17 @@ def write_daylight(
         opened.scene, work, asked.project.glazing, asked.tolerance, overcast, factor
     )
     method = _method(work, asked, moved)
+    lighting = None
+    if asked.lamps:
+        with busy_with("lamps"):
+            lighting = lighting_of(
+                work, opened.scene, asked.lamps, asked.project.lighting, hour.ground_albedo_rgb
+            )
+        of_lamps = lamp_pages(folder, work.sensors, lighting)
+        numbers |= of_lamps.columns
+        tables += of_lamps.tables
+        pictures |= of_lamps.pictures
+        method += of_lamps.method
     eyes = None
     if asked.eyes is not None:
         eyes = eyes_of(opened.scene, work, asked.eyes, asked.tolerance)
@@ -184,7 +199,7 @@ def write_daylight(
         for table in held
         for clause, subject, *_, verdict in table.rows
     ]
-    return lines, _warnings(work)
+    return lines, [*_warnings(work), *(() if lighting is None else lighting.warnings())]
 
 
 def _warnings(work: DaylightWork) -> list[str]:
@@ -266,7 +281,7 @@ def _method(work: DaylightWork, asked: DaylightRequest, moved: float) -> list[st
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         *_of_panes(work),
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
-        "Lamps are off. Mirrors throw no sun.",
+        f"{'Lamps count apart' if asked.lamps else 'Lamps are off'}. Mirrors throw no sun.",
     ]
 
 

@@ -284,3 +284,54 @@ def around(normal: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
         ],
         axis=1,
     )
+
+
+# The share of the way to a lamp at which its own glass or the ceiling around it may begin.
+_REACHED = 1.0 - 1e-4
+
+
+def shares_between(where: GlazedScene, origin: FloatArray, end: FloatArray) -> Float32Array:
+    """Share (R, 3) of light by colour that passes from `end` (R, 3) to `origin` (R, 3), in radii.
+
+    Glass passes it by the angle at which the way meets it, anything else nothing.
+    """
+    share = np.zeros((len(origin), 3), np.float32)
+    _shares_between(
+        where.tree, where.scene.receivers.geometry.faces, where.glass, np.asarray(origin, float),
+        np.asarray(end, float), scratch(), share,
+    )  # fmt: skip
+    return share
+
+
+@hot
+def _shares_between(tree, faces, glass, origin, end, scratch, share):  # type: ignore[no-untyped-def]
+    stack, far_stack, left, _, place, _, _, ray = scratch
+    for i in range(len(origin)):
+        squared = 0.0
+        for k in range(3):
+            place[k], ray[k], left[k] = origin[i, k], end[i, k] - origin[i, k], 1.0
+            squared += ray[k] * ray[k]
+        length = math.sqrt(squared)
+        ahead = _REACHED * length
+        for k in range(3):
+            ray[k] /= max(length, 1e-12)
+        for panes in range(_MOST_PANES + 1):
+            distance, hit, _, _ = nearest_along(tree, place, ray, mixed(i, panes), stack, far_stack)
+            if hit == MISS or distance >= ahead:
+                for k in range(3):
+                    share[i, k] = left[k]
+                break
+            t = tree.order[hit]
+            cosine = abs(faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2])
+            passing = 0.0
+            for k in range(3):
+                tint = float(glass.tint[t, k])
+                if tint > 0.0:
+                    left[k] *= _passes(max(cosine, 1e-6), glass.ior[t], glass.panes[t], tint)
+                else:
+                    left[k] = 0.0
+                passing += left[k]
+                place[k] += (distance + _BEHIND) * ray[k]
+            ahead -= distance + _BEHIND
+            if passing == 0.0:
+                break

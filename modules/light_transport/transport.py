@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from light_transport.giving_up import CancelCheck, always
 from light_transport.hour.halves import halves, largest
 from light_transport.hour.illumination import HourLight, Illumination
+from light_transport.hour.lamp_light import patch_lamp_light
 from light_transport.hour.patch_transfer import radiosity
 from light_transport.hour.relighting import (
     TransportCache,
     cache_of,
     column_light_of,
     hour_light,
+    lamp_light,
     row_light,
     sunlit_patches,
 )
@@ -40,6 +42,7 @@ from vrut_lite.array import Array
 from vrut_lite.array_cache import Arrays
 from vrut_lite.geometry.encoding import float16_scale
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.messages.light_map import LightMapLaid, ReflectionProbes
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -267,6 +270,11 @@ class SceneTransport(RayScene):
     def sunlit_patches(self, direction: FloatArray) -> Float32Array:
         """Direct irradiance (M,) of patches by a key light of 1 W m^-2 from a unit vector (3,)."""
         return sunlit_patches(self, self.cache, direction)
+
+    def lamplit_patches(self, lamps: SceneLamps) -> Float32Array:
+        """Direct irradiance (M, 3) of patches, W m^-2, by lamps that need not be the scene's."""
+        assert self.patches is not None
+        return patch_lamp_light(self.patches, self.table.free, lamp_light(self, lamps))
 
     def radiosity(
         self, direct: Float32Array, emitted: Float32Array, reflectance: Float32Array

@@ -57,6 +57,7 @@ from light_transport.rays.sky_nodes import NODES, node_radiances
 from light_transport.surfaces.surfaces import GROUND
 from vrut_lite.array import Array
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Orientations that the open sky hardly lights are lit by surfaces around: this share of the
@@ -109,7 +110,7 @@ def cache_of(scene: RayScene) -> TransportCache:
     source = takes_light_of(scene.beside, good, valid.astype(np.float32))
     shown = np.append(source, -1)[scene.texels.row_of]
     exchange = patch_transfer_of(scene.table, scene.patches)
-    lamps = _lamp_light(scene)
+    lamps = None if scene.lamps is None else lamp_light(scene, scene.lamps)
     mirrored = _mirrored_texels(scene, texels)
     moments = _sky_moments(scene)
     by_room = smoothing_of(scene.texels, scene.links, scene.seams, good[:texels], room)
@@ -130,15 +131,14 @@ def cache_of(scene: RayScene) -> TransportCache:
     )
 
 
-def _lamp_light(scene: RayScene) -> LampLight | None:
-    if scene.lamps is None:
-        return None
+def lamp_light(scene: RayScene, lamps: SceneLamps) -> LampLight:
+    """Direct irradiance of all rows by lamps, which need not be the scene's own."""
     light = LampLight(*np.empty((2, scene.rows, 3), np.float32))
-    lamps = lamps_in_radii(scene.lamps, scene.surfaces)
+    arrays = lamps_in_radii(lamps, scene.surfaces)
     scene.over_rows(
         scene.rows,
         lambda a, b: lamp_irradiance(
-            scene.tree, scene.receivers, scene.table.free, lamps, scratch(), a, b, *light
+            scene.tree, scene.receivers, scene.table.free, arrays, scratch(), a, b, *light
         ),
     )
     return light

@@ -22,7 +22,6 @@ from vrut_lite.app.window.views import Views
 from vrut_lite.bundled.places import is_bundled
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, Input, SetSetting
-from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene, SceneOpened
 from vrut_lite.messages.weather import SetWeather
@@ -72,9 +71,8 @@ class Files:
         self.project: Path | None = None
         # The place that a scene's own file states, until that scene is open.
         self._place_of: tuple[str, SetPlace] | None = None
-        # The open project's sensors and measured glazing, kept for `vrut-lite daylight`.
-        self._sensors = ""
-        self._bsdf: dict[str, GlazingFile] = {}
+        # The open project, whose inputs of `vrut-lite daylight` are kept.
+        self._opened = Project()
         self.title_changed = title_changed
         self.pictures = user_pictures_path() / "vrut_lite"
         self._session.present_project = lambda: self.present_project
@@ -89,7 +87,7 @@ class Files:
     def open_path(self, path: str) -> None:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
-            self.project, self._sensors, self._bsdf = None, "", {}
+            self.project, self._opened = None, Project()
             place = place_of_ifc(path)
             self._place_of = None if place is None else (path, place)
             self._session.send(LoadScene(path=path))
@@ -125,7 +123,7 @@ class Files:
     def open_project(self, project: Project) -> None:
         """Show a project."""
         self.views.show(project.views)
-        self._sensors, self._bsdf = project.sensors, project.bsdf
+        self._opened = project
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
             self._reading[SCENE] = Path(project.scene).name
@@ -216,8 +214,10 @@ class Files:
         return msgspec.structs.replace(
             project_of(self._session),
             views=self.views.kept,
-            sensors=self._sensors,
-            bsdf=self._bsdf,
+            sensors=self._opened.sensors,
+            bsdf=self._opened.bsdf,
+            lamp=self._opened.lamp,
+            lighting=self._opened.lighting,
         )
 
     def ask_to_keep_view(self) -> None:
