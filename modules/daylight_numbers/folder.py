@@ -163,7 +163,7 @@ def write_daylight(
         def steps(hours: Iterable[int], count: int) -> Iterable[int]:
             return tracked(hours, "year", count)
 
-        wanted = YearRequest(rooms, asked.blinds, eyes, asked.sun_day)
+        wanted = YearRequest(rooms, asked.blinds, eyes, asked.sun_day, lighting)
         found = year_pages(folder, work, opened, wanted, steps)
         of_year = found.found
         numbers |= found.columns

@@ -9,6 +9,9 @@ import numpy as np
 
 from daylight_numbers.blinds import Shaded, shaded_year
 from daylight_numbers.eyes import Eyes, glare_table
+from daylight_numbers.lamp_pages import LampPages
+from daylight_numbers.lighting import Lighting
+from daylight_numbers.lighting_pages import lighting_pages
 from daylight_numbers.metrics import (
     PointYear,
     RoomYear,
@@ -43,12 +46,13 @@ _MOST_HEAT_MAPS = 4
 
 class YearRequest(NamedTuple):
     """A request: `rooms` by the number of their work plane; `blinds` is the transmittance of closed
-    blinds; `sun_day`, of YEAR, the day of EN 17037's hours of sun."""
+    blinds; `sun_day`, of YEAR, the day of EN 17037's hours of sun; `lighting` the lamps, if any."""
 
     rooms: Mapping[int, DaylitRoom]
     blinds: float
     eyes: Eyes | None
     sun_day: date
+    lighting: Lighting | None = None
 
 
 class YearPages(NamedTuple):
@@ -111,12 +115,23 @@ def year_pages(
         "sun_of_en_17037_h": sun,
     }
     glare = [] if asked.eyes is None else [glare_table(asked.eyes, light, solved)]
+    lamps = LampPages({}, [], {}, [])
+    if asked.lighting is not None:
+        daylight = year.total.copy()
+        for one in shaded.values():
+            daylight[one.sensors] = one.total
+        lamps = lighting_pages(folder, work, asked.lighting, daylight, light, solved)
     return YearPages(
         YearFound(of_planes, [row[1] for table in glare for row in table.rows]),
-        columns,
-        [year_table(rows, f"{asked.sun_day:%-d %B}"), udi_table(sensors, points), *glare],
-        _pictures(folder, sensors, columns, year, light),
-        method(light.source, len(hours), asked.blinds),
+        columns | lamps.columns,
+        [
+            year_table(rows, f"{asked.sun_day:%-d %B}"),
+            udi_table(sensors, points),
+            *glare,
+            *lamps.tables,
+        ],
+        _pictures(folder, sensors, columns, year, light) | lamps.pictures,
+        [*method(light.source, len(hours), asked.blinds), *lamps.method],
     )
 
 
