@@ -181,7 +181,7 @@ def _method(lighting: Lighting, year: LightingYear, area_m2: FloatArray) -> list
         f"Controls of lamps: {kinds}. A group's zone are the sensors whose brightest group it is; "
         "its mean illuminance is controlled, by daylight under blinds as in sDA and maintained "
         "light of lamps. On and off go by the minute, dimming by hours.",
-        "Closed loops take the least power that brings all their zones to the targets (a "
-        "mixed-integer program an hour, solved to 1e-6).",
+        "Closed loops take the least power that brings all their zones to the targets; groups "
+        "that nobody uses stay off.",
         f"{leni}. Hours in the dark count.",
     ]

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from daylight_numbers.closed_loops import ClosedLoops
 from daylight_numbers.lighting import Lighting
 from daylight_numbers.lighting_controls import (
-    ClosedLoops,
     by_hour,
     dimmed_by_photosensor,
     lit_minutes,

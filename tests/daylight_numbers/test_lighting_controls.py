@@ -1,19 +1,15 @@
-"""Controls of lamps against hand-computed days and the properties that any control has."""
-
-import itertools
+"""Controls of lamps against hand-computed days."""
 
 import numpy as np
 import pytest
+from daylight_numbers.closed_loops import ClosedLoops
 from daylight_numbers.lighting_controls import (
-    ClosedLoops,
     by_hour,
     dimmed_by_photosensor,
     lit_minutes,
     occupied_minutes,
     power_share,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from vrut_lite.messages.lighting import LightingControl
 
@@ -83,49 +79,3 @@ def test_power_is_linear_from_the_least_output_on():
     found = power_share(control, np.array([0.0, 0.1, 0.55, 1.0]))
     np.testing.assert_allclose(found, [0.0, 0.2, 0.6, 1.0])
     assert power_share(LightingControl(min_dimming=1.0), np.array([1.0])) == 1.0
-
-
-lux_of_groups = st.lists(st.floats(20.0, 600.0), min_size=4, max_size=4)
-
-
-def loops_of(lux, least, watts=(100.0, 60.0), target=TARGET):
-    control = LightingControl("closed_loop", target, min_dimming=least, min_power=least + 0.05)
-    return ClosedLoops((control,) * 2, np.array(watts), np.array(lux).reshape(2, 2))
-
-
-def power_of(loops, output):
-    shares = [power_share(c, o) for c, o in zip(loops.controls, output, strict=True)]
-    return float(loops.watts @ np.array(shares)[:, 0])
-
-
-@settings(max_examples=40, deadline=None)
-@given(lux_of_groups, st.lists(st.floats(0.0, 700.0), min_size=2, max_size=2), st.floats(0.05, 0.5))
-def test_closed_loops_meet_the_target_where_they_can_with_the_least_power(lux, day, least):
-    """Output is off or between the least and full; the target is met where full output does so; no
-    point of a fine grid of outputs meets it with less power."""
-    loops = loops_of(lux, least)
-    other, used = np.array(day)[:, None], np.ones((2, 1), bool)
-    output = loops.output(other, used)
-    assert np.all((output == 0.0) | ((output >= least) & (output <= 1.0)))
-    reached = other[:, 0] + loops.lux @ output[:, 0]
-    can = np.all(other[:, 0] + loops.lux.sum(axis=1) >= TARGET)
-    if not can:
-        return
-    assert np.all(reached >= TARGET * (1.0 - 1e-5))
-    levels = [0.0, *np.linspace(least, 1.0, 40)]
-    for pair in itertools.product(levels, repeat=2):
-        if np.all(other[:, 0] + loops.lux @ pair >= TARGET):
-            tried = power_of(loops, np.array(pair)[:, None])
-            assert power_of(loops, output) <= tried + 1e-3
-    brighter = loops_of(lux, least, target=1.2 * TARGET)
-    if np.all(other[:, 0] + loops.lux.sum(axis=1) >= 1.2 * TARGET):
-        assert power_of(brighter, brighter.output(other, used)) >= power_of(loops, output) - 1e-3
-
-
-def test_what_lamps_cannot_reach_they_come_as_near_as_they_can():
-    """Full output in a zone that stays too dark; a zone that nobody uses has no light."""
-    loops = loops_of([100.0, 10.0, 10.0, 100.0], 0.1)
-    dark = np.zeros((2, 1))
-    np.testing.assert_allclose(loops.output(dark, np.ones((2, 1), bool)), 1.0)
-    found = loops.output(dark, np.array([[True], [False]]))
-    np.testing.assert_allclose(found, [[1.0], [0.0]])
