@@ -133,7 +133,7 @@ def test_the_first_scene_and_the_examples_are_in_the_installation(installation, 
     assert int(triangles) > 1000
     command = python.with_name("vrut-lite")
     copied = answer(python, tmp_path, command, "examples", "copy", "mine")
-    assert copied.startswith("mine: 24 files")
+    assert copied.startswith("mine: 27 files")
     listed = tomllib.loads((ROOT / "examples" / "examples.toml").read_text())["example"]
     for file in {file for example in listed for file in example["files"]}:
         assert (tmp_path / "mine" / file).is_file(), file

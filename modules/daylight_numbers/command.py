@@ -178,6 +178,11 @@ def daylight(
         read_window_xml(file)
     placed = None if lamps is None else read_lamps(lamps)
     told_lamps = [project.lamp if placed is None else placed for project in projects]
+    for project, of_lamps in zip(projects, told_lamps, strict=True):
+        if project.lighting and not of_lamps:
+            raise UserError(
+                "the project has [lighting] but no lamps: add [lamp] tables, or --lamps FILE"
+            )
     for file in {one.file for told in told_lamps for one in told.values() if one.file}:
         read_luminaire_file(file)
     looking = read_sensors(eyes) if eyes else None

@@ -218,3 +218,31 @@ def test_a_bad_table_of_lamps_is_refused_with_its_line(tmp_path, text, said):
     path.write_text(text)
     with pytest.raises(UserError, match=said):
         read_lamps(path)
+
+
+def contour_lux(corners, place, normal, exitance):
+    """Lux of a Lambertian polygon (4, 3), all above the sensor's plane (Lambert 1760)."""
+    away = corners - place
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    total = 0.0
+    for one, other in zip(away, np.roll(away, -1, axis=0), strict=True):
+        across = np.cross(one, other)
+        angle = np.arctan2(np.linalg.norm(across), one @ other)
+        total += angle * (across @ normal) / np.linalg.norm(across)
+    return abs(total) * exitance / (2.0 * np.pi)
+
+
+def test_a_square_lights_floor_and_walls_of_a_black_room():
+    """As CIE 171:2006 asks of area sources: 1 x 1 m at the ceiling of 4 x 4 x 3 m, six points of
+    the floor and four of a wall, each within 0.15 % of Lambert's contour integral."""
+    floor_points = [[-1.5 + 0.5 * n, 0.0, 0.3] for n in range(6)]
+    wall_points = [[1.99, 0.5 + 0.5 * n, 0.4] for n in range(4)]
+    places = np.array([*floor_points, *wall_points])
+    places[:, 1] += 1e-3
+    normals = np.array([UP] * 6 + [[-1.0, 0.0, 0.0]] * 4)
+    sides = box((-2, 0, -2), (2, 3, 2), inwards=True)
+    work = work_of(places, normals, *sides, reflectance=0.0)
+    found = direct_lux(work, lamp(panel_ies(size_m=(1.0, 1.0, 0.0)), (0.0, 3.0, 0.0)), 0)
+    corners = np.array([[-0.5, 3, -0.5], [0.5, 3, -0.5], [0.5, 3, 0.5], [-0.5, 3, 0.5]], float)
+    truth = [contour_lux(corners, *pair, 3000.0) for pair in zip(places, normals, strict=True)]
+    np.testing.assert_allclose(found, truth, rtol=1.5e-3)

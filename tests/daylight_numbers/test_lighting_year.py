@@ -131,6 +131,12 @@ def test_a_missing_luminaire_is_refused_before_a_scene_is_opened(tmp_path):
         CliRunner().invoke(daylight, asked, catch_exceptions=False)
 
 
+def test_controls_without_lamps_are_refused(tmp_path):
+    asked = [str(project(tmp_path, "[lighting.row]\n")), "-o", str(tmp_path / "out")]
+    with pytest.raises(UserError, match="but no lamps: add"):
+        CliRunner().invoke(daylight, asked, catch_exceptions=False)
+
+
 @pytest.mark.long
 def test_a_year_of_lamps_has_its_files(tmp_path):
     """Through the real kernel: tables, columns and hours agree."""

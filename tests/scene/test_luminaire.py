@@ -1,5 +1,7 @@
 """A luminaire of a file: its flux, power and opening, against integrals and the formats' tables."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from luminaire_files import panel_ies, spot_ldt
@@ -9,6 +11,8 @@ from vrut_lite.scene.ies_file import read_ies
 from vrut_lite.scene.luminaire import LuminousOpening
 from vrut_lite.scene.luminaire_file import read_luminaire, read_luminaire_file
 from vrut_lite.scene.scene_file_error import SceneFileError
+
+SCENES = Path(__file__).parents[2] / "scenes" / "work"
 
 
 def test_a_lambertian_panel_has_its_flux_and_intensity():
@@ -109,3 +113,13 @@ def test_a_damaged_eulumdat_file_is_refused_with_its_line():
 def test_a_missing_luminaire_is_refused(tmp_path):
     with pytest.raises(UserError, match="cannot read the luminaire"):
         read_luminaire_file(tmp_path / "none.ies")
+
+
+def test_luminaires_of_the_example_are_what_they_say():
+    """An idealised panel, I = 3000 lm / pi cos, and a spot, I = 800 lm 9 / 2 pi cos^8."""
+    panel = read_luminaire_file(SCENES / "lambertian_panel.ies")
+    spot = read_luminaire_file(SCENES / "cosine_spot.ldt")
+    cosine = np.cos(np.radians(panel.gamma_deg)).clip(0.0)
+    np.testing.assert_allclose(panel.candela[:, 0], 3000.0 / np.pi * cosine, atol=1e-5)
+    np.testing.assert_allclose(spot.candela[:, 0], 3600.0 / np.pi * cosine**8, atol=1e-5)
+    assert panel.opening == LuminousOpening(0.3, 1.2, 0.0, False)
