@@ -23,7 +23,10 @@ from vrut_lite.numeric_types import Float32Array, FloatArray, IntArray, Vector
 _POINT = 1.0 / 15.0
 # Points along an edge for each size over distance: below a Lambertian opening 0.1 % off at most, up
 # to ten times as near as it is long.
-_POINTS_OF_RATIO, _MOST_POINTS = 2.0, 21
+_POINTS_OF_RATIO, _MOST_POINTS = 2.5, 24
+# The same for light on patches, whose texels show no more; and the least share of a luminaire's
+# brightest light that is seen in these.
+_MOST_OF_BOUNCES, _LIT = 12, 0.02
 _OFF = 1e-5
 
 
@@ -73,11 +76,13 @@ def direct_lux(work: DaylightWork, lamps: PlacedLuminaires, lamp: int) -> FloatA
     luminaire = lamps.kinds[lamps.kind[lamp]]
     axes, place = lamps.axes[lamp], lamps.places_m[lamp]
     where, sensors = glazed(work.transport, work.glass), work.sensors
-    counts = point_counts(luminaire.opening, (sensors.places_m - place) @ axes.T)
+    nearest = distances_m(luminaire.opening, (sensors.places_m - place) @ axes.T)
+    counts = point_counts(luminaire.opening, nearest)
     found = np.zeros(len(sensors))
-    for count in np.unique(counts):
-        here = np.flatnonzero(counts == count)
-        offsets, weights = opening_points(luminaire.opening, int(count))
+    kinds, which = np.unique(counts, axis=0, return_inverse=True)
+    for number, along in enumerate(kinds):
+        here = np.flatnonzero(which.ravel() == number)
+        offsets, weights = opening_points(luminaire.opening, along)
         points = place + offsets @ axes[1:]
         away = points[None] - sensors.places_m[here, None]
         squared = np.maximum(np.sum(away * away, axis=-1), 1e-12)
@@ -94,14 +99,37 @@ def direct_lux(work: DaylightWork, lamps: PlacedLuminaires, lamp: int) -> FloatA
     return found
 
 
-def point_counts(opening: LuminousOpening, local_m: FloatArray) -> IntArray:
-    """Points (P,) along an opening's edges that places (P, 3) on axis, +X and +Y need."""
+def point_counts(
+    opening: LuminousOpening, nearest_m: FloatArray, most: int = _MOST_POINTS
+) -> IntArray:
+    """Points (P, 2) along an opening's edges that places at such distances (P,) from it need."""
+    edges = np.array([opening.length_m, opening.width_m])
+    ratio = edges / np.maximum(nearest_m, 1e-9)[:, None]
+    counts = np.minimum(np.ceil(_POINTS_OF_RATIO * np.minimum(ratio, most)) + 1, most)
+    return np.where(ratio < _POINT, 1, counts).astype(np.int64)
+
+
+def distances_m(opening: LuminousOpening, local_m: FloatArray) -> FloatArray:
+    """Distances (P,) of places (P, 3) on axis, +X and +Y from an opening's rectangle."""
     half = 0.5 * np.array([opening.length_m, opening.width_m])
     beyond = np.maximum(np.abs(local_m[:, 1:]) - half, 0.0)
-    nearest = np.sqrt(local_m[:, 0] ** 2 + np.sum(beyond * beyond, axis=1))
-    ratio = 2.0 * half.max() / np.maximum(nearest, 1e-9)
-    counts = np.ceil(_POINTS_OF_RATIO * ratio).astype(np.int64) + 1
-    return np.where(ratio < _POINT, 1, np.minimum(counts, _MOST_POINTS))
+    return np.asarray(np.sqrt(local_m[:, 0] ** 2 + np.sum(beyond * beyond, axis=1)))
+
+
+def bounce_counts(transport: SceneTransport, lamps: PlacedLuminaires, lamp: int) -> IntArray:
+    """Points (2,) along the edges of a lamp's opening that the nearest texel it may light needs."""
+    luminaire, texels = lamps.kinds[lamps.kind[lamp]], transport.texels
+    centre, radius = transport.surfaces.centre_m, transport.surfaces.radius_m
+    away = texels.place * radius + centre - lamps.places_m[lamp]
+    local = away @ lamps.axes[lamp].T
+    faces = np.einsum("nk,nk->n", away, texels.normal) < 0.0
+    length = np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
+    candela = luminaire.intensity_cd(local / length)
+    lit = faces & (candela > _LIT * luminaire.candela.max())
+    if not lit.any():
+        return np.ones(2, np.int64)
+    nearest = distances_m(luminaire.opening, local[lit]).min()
+    return point_counts(luminaire.opening, np.array([nearest]), _MOST_OF_BOUNCES)[0]
 
 
 def bounced_by(
@@ -111,5 +139,7 @@ def bounced_by(
     assert transport.patches is not None
     reflectance = transport.patches.reflectance_rgb.copy()
     reflectance[transport.patches.on_ground] = ground_albedo_rgb
-    direct = transport.lamplit_patches(lamps.points(group))
+    here = np.flatnonzero(lamps.group == group)
+    counts = np.array([bounce_counts(transport, lamps, int(lamp)) for lamp in here])
+    direct = transport.lamplit_patches(lamps.points(here, counts))
     return transport.radiosity(direct, np.zeros_like(reflectance), reflectance)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
@@ -14,7 +14,7 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.headless import Luminaire, LuminousOpening, read_luminaire_file
 from vrut_lite.messages.lamps import ALL_AROUND, TABLE_SHAPE, SceneLamps
 from vrut_lite.messages.lighting import LampPlacement
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.text_files import decoded, plain_text
 
@@ -65,49 +65,49 @@ class PlacedLuminaires:
         """Luminous flux (L,), lm."""
         return np.array([kind.flux_lm for kind in self.kinds])[self.kind] * self.output
 
-    def points(self, group: int) -> SceneLamps:
-        """The luminaires of a group as points, four in the opening of each that has one."""
+    def points(self, lamps: IntArray, counts: IntArray) -> SceneLamps:
+        """Some luminaires (N,) as points, with counts (N, 2) of them along each opening's edges."""
         photometries = [kind.photometry() for kind in self.kinds]
         places, axes, intensity, table = [], [], [], []
-        for lamp in np.flatnonzero(self.group == group):
+        for lamp, along in zip(lamps.tolist(), counts, strict=True):
             kind = int(self.kind[lamp])
-            offsets, weights = opening_points(self.kinds[kind].opening, 2)
-            if not self.kinds[kind].opening.length_m:
-                offsets, weights = offsets[:1], np.ones(1)
-            for offset, weight in zip(offsets, weights, strict=True):
-                places.append(self.places_m[lamp] + offset @ self.axes[lamp][1:])
-                axes.append(self.axes[lamp])
-                intensity.append(weight * self.output[lamp] * photometries[kind].candela)
-                table.append(kind)
-        white = np.repeat(np.array(intensity)[:, None] / LUMENS_PER_WATT, 3, axis=1)
+            offsets, weights = opening_points(self.kinds[kind].opening, along)
+            places.append(self.places_m[lamp] + offsets @ self.axes[lamp][1:])
+            axes.append(np.repeat(self.axes[lamp][None], len(weights), axis=0))
+            intensity.append(weights * self.output[lamp] * photometries[kind].candela)
+            table.append(np.full(len(weights), kind, np.int32))
+        white = np.repeat(np.concatenate(intensity)[:, None] / LUMENS_PER_WATT, 3, axis=1)
         return SceneLamps(
             names=Array(np.zeros(0, np.uint8)),
-            position_m=Array(np.array(places)),
-            axes=Array(np.array(axes)),
+            position_m=Array(np.concatenate(places)),
+            axes=Array(np.concatenate(axes)),
             intensity_rgb=Array(white),
-            cone_cos=Array(np.tile(ALL_AROUND, (len(places), 1)).astype(float)),
-            table=Array(np.array(table, np.int32)),
+            cone_cos=Array(np.tile(ALL_AROUND, (len(white), 1)).astype(float)),
+            table=Array(np.concatenate(table)),
             tables=Array(np.array([photometry.table for photometry in photometries])),
         )
 
 
-def opening_points(opening: LuminousOpening, count: int) -> tuple[FloatArray, FloatArray]:
+def opening_points(opening: LuminousOpening, counts: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Points (N, 2) of an opening along +X and +Y, in metres, and their shares (N,) of its area.
 
-    Gauss's rule of `count` points along each edge of a rectangle; in an ellipse along its radius,
-    by area, with four times as many around.
+    Gauss's rule of `counts` (2,) points along length and width; in an ellipse of the larger count
+    along its radius, by area, with four times as many around.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    along, across = (np.polynomial.legendre.leggauss(int(n)) for n in np.asarray(counts))
     half = 0.5 * np.array([opening.length_m, opening.width_m])
     if not opening.is_round:
-        x, y = np.meshgrid(nodes, nodes, indexing="ij")
-        return np.stack([x.ravel(), y.ravel()], axis=1) * half, 0.25 * np.outer(
-            weights, weights
-        ).ravel()
-    around = (np.arange(4 * count) + 0.5) * (np.pi / (2 * count))
+        x, y = np.meshgrid(along[0], across[0], indexing="ij")
+        shares = 0.25 * np.outer(along[1], across[1]).ravel()
+        return np.stack([x.ravel(), y.ravel()], axis=1) * half, shares
+    nodes, weights = max(along, across, key=lambda rule: len(rule[0]))
+    count = 4 * len(nodes)
+    if len(nodes) == 1:
+        return np.zeros((1, 2)), np.ones(1)
+    around = (np.arange(count) + 0.5) * (2.0 * np.pi / count)
     radius = np.sqrt(0.5 * (nodes + 1.0))
     x, y = np.outer(radius, np.cos(around)), np.outer(radius, np.sin(around))
-    shares = np.repeat(0.5 * weights / (4 * count), 4 * count)
+    shares = np.repeat(0.5 * weights / count, count)
     return np.stack([x.ravel(), y.ravel()], axis=1) * half, shares
 
 

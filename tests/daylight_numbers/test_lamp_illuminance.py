@@ -3,11 +3,13 @@
 Cases after CIE 171:2006, 5.2 and 5.3 (point and area sources) with truth computed here.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from boxes import box, floor, quads
 from daylight_numbers.glass import no_glass, stack
-from daylight_numbers.lamp_light import bounced_by, direct_lux, lamps_at_sensors
+from daylight_numbers.lamp_light import bounce_counts, bounced_by, direct_lux, lamps_at_sensors
 from daylight_numbers.lamp_places import (
     PlacedLuminaires,
     lamp_axes,
@@ -24,7 +26,7 @@ from luminaire_files import panel_ies, spot_ldt
 
 from vrut_lite.errors import UserError
 from vrut_lite.messages.lighting import LampPlacement
-from vrut_lite.scene.luminaire import LuminousOpening
+from vrut_lite.scene.luminaire import Luminaire, LuminousOpening
 from vrut_lite.scene.luminaire_file import read_luminaire
 
 UP = [0.0, 1.0, 0.0]
@@ -99,7 +101,7 @@ def test_a_disc_has_its_form_factor(height):
 def test_points_of_an_opening_share_its_area():
     """Shares sum to 1, and second moments are a rectangle's and an ellipse's."""
     for is_round, moment in ((False, 1 / 12), (True, 1 / 16)):
-        points, shares = opening_points(LuminousOpening(0.5, 2.0, 0.0, is_round), 3)
+        points, shares = opening_points(LuminousOpening(0.5, 2.0, 0.0, is_round), [3, 2])
         assert shares.sum() == pytest.approx(1.0)
         np.testing.assert_allclose(shares @ points, 0.0, atol=1e-12)
         np.testing.assert_allclose(shares @ points**2, np.array([4.0, 0.25]) * moment, rtol=1e-9)
@@ -246,3 +248,21 @@ def test_a_square_lights_floor_and_walls_of_a_black_room():
     corners = np.array([[-0.5, 3, -0.5], [0.5, 3, -0.5], [0.5, 3, 0.5], [-0.5, 3, 0.5]], float)
     truth = [contour_lux(corners, *pair, 3000.0) for pair in zip(places, normals, strict=True)]
     np.testing.assert_allclose(found, truth, rtol=1.5e-3)
+
+
+@pytest.mark.parametrize("below", [0.05, 0.5])
+def test_all_light_of_an_uplighter_arrives(below):
+    """Half up, half down, 1.2 m long and close below the ceiling of a closed box: its whole flux
+    falls on the patches, within 1 %, though no texel sees it as a point."""
+    gamma = np.arange(0.0, 181.0)
+    candela = 1500.0 / np.pi * np.abs(np.cos(np.radians(gamma)))
+    opening = LuminousOpening(0.3, 1.2, 0.0, False)
+    around = np.array([0.0, 360.0])
+    both = Luminaire(gamma, around, np.repeat(candela[:, None], 2, axis=1), None, 25.0, opening)
+    here = replace(lamp(panel_ies(), (0.5, 2.5 - below, 0.5)), kinds=(both,))
+    sides = box((-2, 0, -2.5), (2, 2.5, 2.5), inwards=True)
+    work = work_of([0.0, 1.2, 0.0], UP, *sides, texels=48)
+    counts = bounce_counts(work.transport, here, 0)
+    direct = work.transport.lamplit_patches(here.points(np.zeros(1, int), counts[None]))[:, 0]
+    area = work.transport.patches.area * work.transport.surfaces.radius_m**2
+    assert 683.0 * float(direct @ area) == pytest.approx(both.flux_lm, rel=0.01)
