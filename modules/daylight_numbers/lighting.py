@@ -13,8 +13,9 @@ from vrut_lite.messages.lighting import LampPlacement, LightingControl
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 
-# What passes by rounding where walls meet.
-_DARK_LX = 0.01
+# Illuminance (lx) by a lumen at the brightest sensor below which lamps are taken for shut off; in a
+# hall 30 m high it is ten times that.
+_DARK_LX_OF_LUMEN = 3e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +42,16 @@ class Lighting:
         return found
 
     def warnings(self) -> list[str]:
-        """A sentence for each group that no sensor sees."""
-        dark = ~(self.light.total > _DARK_LX).any(axis=0)
+        """A sentence for each group that no sensor sees, or whose power is not known."""
+        groups = self.lamps.groups
+        flux_lm = np.bincount(self.lamps.group, self.lamps.flux_lm, len(groups))
+        dark = self.light.total.max(axis=0) <= _DARK_LX_OF_LUMEN * flux_lm
         return [
-            f"lamps of {self.lamps.groups[group]} light no sensor: do they stand in a wall, or "
-            "face away?"
-            for group in np.flatnonzero(dark)
+            f"the lamps of '{groups[n]}' light no sensor: do they stand in a wall, or face away?"
+            for n in np.flatnonzero(dark)
+        ] + [
+            f"the lamps of '{groups[n]}' have no power in their files: give watts for their energy"
+            for n in np.flatnonzero(self.lamps.group_watts == 0.0)
         ]
 
 

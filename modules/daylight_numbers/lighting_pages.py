@@ -16,6 +16,7 @@ from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import DaylightWork
 from daylight_numbers.year import LUMENS_RGB, SolvedYear, year_matrices, year_of
 from daylight_numbers.year_light import DAYS, HOURS, YearLight, middle_of
+from vrut_lite.errors import UserError
 from vrut_lite.headless import write_png
 from vrut_lite.messages.lighting import LightingControl
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -87,10 +88,13 @@ def photosensor_lux(
         return np.asarray(light.diffuse_lux + (light.sun_irradiance_rgb @ LUMENS_RGB) * height)
     at = np.array([control.photosensor], float)
     sensors = free_sensors(at[:, :3], at[:, 3:], "the photosensor")
-    operator = operator_of(
-        work.transport, work.glass, sensors, _PHOTOSENSOR_TOLERANCE, work.transport.threads,
-        bounces=work.operator.bounces,
-    )  # fmt: skip
+    try:
+        operator = operator_of(
+            work.transport, work.glass, sensors, _PHOTOSENSOR_TOLERANCE, work.transport.threads,
+            bounces=work.operator.bounces,
+        )  # fmt: skip
+    except UserError as error:
+        raise UserError(f"the photosensor of an open loop: {error}") from None
     there = DaylightWork(work.transport, work.glass, sensors, operator)
     return np.asarray(year_of(year_matrices(there, light, solved), light).total[0], float)
 

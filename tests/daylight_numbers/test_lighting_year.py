@@ -49,6 +49,18 @@ def test_zones_are_where_a_group_is_the_brightest():
     assert outshone.zones.tolist() == [[True, True, True], [False, True, False]]
 
 
+def test_dark_groups_and_unknown_power_are_told():
+    """A lamp in a wall lights nothing; energy needs watts."""
+    every = LightingControl()
+    assert lighting(every, every).warnings() == []
+    subject = lighting(every, every, lux=((500.0, 1e-4), (50.0, 0.0), (20.0, 0.0)))
+    subject.lamps.watts[0] = 0.0
+    assert [said.split(":")[0] for said in subject.warnings()] == [
+        "the lamps of 'two' light no sensor",
+        "the lamps of 'one' have no power in their files",
+    ]
+
+
 def test_lamps_shine_in_hours_without_daylight():
     """On from 18 to 2 h all days: 8 h of 100 W, and standby of 2 W in the other 16, though none of
     these hours has daylight."""
