@@ -114,7 +114,7 @@ class ClosedLoops(NamedTuple):
                 tried = vertex.output(light, need)
                 on = tried > 0.0
                 least = self._least[:, None]
-                # What follows from zones may miss a bound by rounding, at full output above all.
+                # Rounding may bring outputs that follow from zones just beyond a bound.
                 tried = np.where(on, np.clip(tried, least - _ROUNDING, 1.0 + _ROUNDING), 0.0)
                 fits = (light @ tried >= need - _ROUNDING).all(axis=0) & (may | ~on).all(axis=0)
                 tried = np.where(on, np.clip(tried, least, 1.0), 0.0)

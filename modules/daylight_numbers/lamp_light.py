@@ -2,8 +2,8 @@
 
 Direct light falls with the square of the distance and the cosine of incidence (Lambert's laws).
 Near an opening it is the sum over points of it by Gauss's rule, each with the far field's intensity
-in proportion (Ashdown 1993, "Near-field photometry", section 2), so that a Lambertian opening is
-exact and others are so as far as each part of them radiates alike.
+in proportion (Ashdown 1993, "Near-field photometry: a new approach"), so that a Lambertian opening
+is exact and others are so as far as each part of them radiates alike.
 """
 
 from typing import NamedTuple
@@ -21,8 +21,8 @@ from vrut_lite.numeric_types import Float32Array, FloatArray, IntArray, Vector
 
 # Openings that look smaller than this (size over distance) are points: 0.1 % off at most.
 _POINT = 1.0 / 15.0
-# Points along an edge for each size over distance: below a Lambertian opening 0.1 % off at most, up
-# to ten times as near as it is long.
+# Points along an edge for each size over distance: below a Lambertian opening 0.1 % off at most,
+# from an eighth of its length on.
 _POINTS_OF_RATIO, _MOST_POINTS = 2.5, 24
 # The same for light on patches, whose texels show no more; and the least share of a luminaire's
 # brightest light that is seen in these.

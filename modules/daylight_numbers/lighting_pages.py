@@ -8,7 +8,7 @@ import numpy as np
 
 from daylight_numbers.lamp_pages import LampPages
 from daylight_numbers.lighting import Lighting
-from daylight_numbers.lighting_year import LightingYear, lighting_year, lit_area_m2
+from daylight_numbers.lighting_year import LightingYear, lighting_year, lit_areas_m2
 from daylight_numbers.operator import operator_of
 from daylight_numbers.pictures import PictureQuantity, heat_map
 from daylight_numbers.report import Table
@@ -60,7 +60,7 @@ def lighting_pages(
         return photosensor_lux(work, control, light, solved)
 
     year = lighting_year(lighting, daylight, light.hour, on_photosensor)
-    area = lit_area_m2(lighting, work.sensors)
+    of_groups, area = lit_areas_m2(lighting, work.sensors)
     _write_hours(folder / _HOURS_FILE, lighting, year)
     power = (year.watts + year.standby_watts).sum(axis=0).reshape(DAYS, HOURS).T
     write_png(
@@ -69,7 +69,7 @@ def lighting_pages(
     )
     return LampPages(
         {"target_met_percent": 100.0 * year.met_at_sensors},
-        [_of_groups(lighting, year, area), _of_months(lighting, year, area)],
+        [_of_groups(lighting, year, of_groups), _of_months(lighting, year, area)],
         {folder / _POWER: "Power of all lamps, hour by hour of the year"},
         _method(lighting, year, area),
     )
@@ -126,18 +126,18 @@ def _of_groups(lighting: Lighting, year: LightingYear, area_m2: FloatArray) -> T
     return Table("A year of lamps", columns, rows)
 
 
-def _of_months(lighting: Lighting, year: LightingYear, area_m2: FloatArray) -> Table:
+def _of_months(lighting: Lighting, year: LightingYear, area_m2: float) -> Table:
     energy = year.light_kwh + year.standby_kwh
     names = lighting.lamps.groups
     rows = [
         [month, *(f"{value:,.2f}" for value in energy[:, n]), f"{energy[:, n].sum():,.2f}",
-         _over(energy[:, n].sum(), area_m2.sum())]
+         _over(energy[:, n].sum(), area_m2)]
         for n, month in enumerate(_MONTHS)
     ]  # fmt: skip
     sums = energy.sum(axis=1)
     rows.append(
         ["year", *(f"{value:,.1f}" for value in sums), f"{sums.sum():,.1f}",
-         _over(sums.sum(), area_m2.sum())]
+         _over(sums.sum(), area_m2)]
     )  # fmt: skip
     return Table("Energy of lamps by months, kWh", ["month", *names, "all", "kWh/m²"], rows)
 
@@ -170,15 +170,14 @@ def _write_hours(path: Path, lighting: Lighting, year: LightingYear) -> None:
             writer.writerow(cells)
 
 
-def _method(lighting: Lighting, year: LightingYear, area_m2: FloatArray) -> list[str]:
-    light, standby = year.light_kwh.sum(), year.standby_kwh.sum()
-    area = float(area_m2.sum())
+def _method(lighting: Lighting, year: LightingYear, area_m2: float) -> list[str]:
     leni = "sensors in no grid have no area: no LENI"
-    if area > 0.0:
+    if area_m2 > 0.0:
+        light, standby = (part.sum() / area_m2 for part in (year.light_kwh, year.standby_kwh))
         leni = (
-            f"LENI (EN 15193-1) is W_L / A + W_P / A = {light / area:.2f} + {standby / area:.2f} = "
-            f"{(light + standby) / area:.2f} kWh/m² a year for the {area:,.1f} m² of the grids' "
-            "cells, without charging of emergency lighting"
+            f"LENI (EN 15193-1) is W_L / A + W_P / A = {light:.2f} + {standby:.2f} = "
+            f"{light + standby:.2f} kWh/m² a year for the {area_m2:,.1f} m² of the grids' cells, "
+            "without charging of emergency lighting"
         )
     kinds = ", ".join(sorted({_TITLES[control.control] for control in lighting.controls}))
     return [

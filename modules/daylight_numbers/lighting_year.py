@@ -152,7 +152,8 @@ def _met_at_sensors(
     return found
 
 
-def lit_area_m2(lighting: Lighting, sensors: Sensors) -> FloatArray:
-    """Area (G,) of zones in grids, in square metres; 0 for sensors in no grid."""
+def lit_areas_m2(lighting: Lighting, sensors: Sensors) -> tuple[FloatArray, float]:
+    """Areas (G,) of zones in grids and of all of them, in square metres; 0 for sensors in none."""
     cell = np.array(sensors.step_m)[sensors.plane] ** 2
-    return np.array([cell[zone].sum() for zone in lighting.zones])
+    zones = lighting.zones
+    return zones @ cell, float(cell[zones.any(axis=0)].sum())

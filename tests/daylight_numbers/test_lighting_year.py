@@ -10,7 +10,7 @@ from daylight_numbers.command import daylight
 from daylight_numbers.lamp_light import LampsAtSensors
 from daylight_numbers.lamp_places import PlacedLuminaires
 from daylight_numbers.lighting import Lighting
-from daylight_numbers.lighting_year import lighting_year, lit_area_m2
+from daylight_numbers.lighting_year import lighting_year, lit_areas_m2
 from daylight_numbers.sensors import Sensors
 from luminaire_files import panel_ies, spot_ldt
 
@@ -109,7 +109,12 @@ def test_area_of_zones_is_that_of_their_cells():
         np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3, int), np.zeros((3, 2), int),
         np.ones(3, bool), ("room",), (0.5,),
     )  # fmt: skip
-    np.testing.assert_allclose(lit_area_m2(lighting(every, every), sensors), [0.25, 0.5])
+    of_groups, area = lit_areas_m2(lighting(every, every), sensors)
+    np.testing.assert_allclose([*of_groups, area], [0.25, 0.5, 0.75])
+    # A sensor in two zones is one cell.
+    outshone = lighting(every, every, lux=((500.0, 50.0), (400.0, 60.0), (300.0, 0.0)))
+    of_groups, area = lit_areas_m2(outshone, sensors)
+    np.testing.assert_allclose([*of_groups, area], [0.75, 0.25, 0.75])
 
 
 def project(folder, tables):

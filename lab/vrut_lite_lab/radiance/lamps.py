@@ -34,7 +34,7 @@ _LUMENS_PER_WATT = 179.0
 _SCENE = "scenes/work/indoor.glb"
 _TOLERANCE, _GROUND_ALBEDO = 0.1, 0.2
 _GAMMA_DEG = np.arange(0.0, 90.5, 1.0)
-# Height of lamps, below the ceiling, and of sensors, above what stands in the room.
+# Heights of lamps, below the ceiling, and of sensors, above the furniture.
 _LAMPS_M, _SENSORS_M = 2.3, 1.2
 _PLACES = [(x, _LAMPS_M, z) for x in (-1.0, 1.0) for z in (-1.2, 1.2)]
 
