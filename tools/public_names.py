@@ -33,7 +33,10 @@ FIELDS = ROOT / "tests" / "promises" / "message_fields.txt"
 PYTHON: dict[str, dict[str, tuple[str, ...] | None]] = {
     "Skies": {"bruneton_sky": None, "dynamic_skylight": None},
     "Daylight in numbers": {
-        "daylight_numbers": ("annual", "daylight_factor", "numbers_now", "work_of"),
+        "daylight_numbers": (
+            "annual", "colour_temperature", "daylight_factor", "eye_responses", "numbers_now",
+            "work_of",
+        ),
     },
     "Scenes": {
         "vrut_lite.host": ("Host",),
@@ -53,8 +56,8 @@ PYTHON: dict[str, dict[str, tuple[str, ...] | None]] = {
     "Skies of one's own": {
         "vrut_lite.sky.sky_module": ("SkyModule", "PRODUCTS"),
         "vrut_lite.sky.sky_of_hour": (
-            "Background", "MotionThreshold", "Prepared", "Quality", "Sky", "SkyInputs", "Spectrum",
-            "SunDisc", "Work",
+            "Background", "MotionThreshold", "Prepared", "Quality", "Sky", "SkyInputs",
+            "SkySpectra", "Spectrum", "SunDisc", "Work",
         ),
         "vrut_lite.sky.clear_sun": ("sun_irradiance_rgb",),
         "vrut_lite.sky.sky_sum": ("SkySum",),

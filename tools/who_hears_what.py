@@ -34,7 +34,7 @@ from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import LoadScene
-from vrut_lite.messages.sky import LookAlong
+from vrut_lite.messages.sky import LookAlong, LookAround
 from vrut_lite.messages.vocabulary import DAYLIGHT_MESSAGES
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.scene.manager import SceneManager
@@ -71,7 +71,10 @@ def session() -> Iterator[tuple[Input, ...]]:
     yield (SetClock(instant=_NIGHT - timedelta(hours=10)),)
     for sky in skies():
         yield (ChooseSlot(slot="sky", module=sky),)
-        yield (LookAlong(direction=(0.0, 1.0, 0.0)),)
+        yield (
+            LookAlong(direction=(0.0, 1.0, 0.0)),
+            LookAround(wavelength_nm=(450.0, 550.0, 650.0), size=2),
+        )
     yield (SetSetting(module="clouds", name="coverage", value=0.5),)
     yield (SetSetting(module="scene", name="section", value="x"),)
     yield (MoveCamera(eye_m=(3.0, 2.0, 3.0), target_m=(0.0, 1.0, 0.0)),)

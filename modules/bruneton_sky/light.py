@@ -19,7 +19,7 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_a
 from bruneton_sky.sky_view.gpu import sky_view_job, view_shader
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_rungs import SolverRung
-from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
+from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectra, sky_spectrum
 from bruneton_sky.sun_light import haze_layers, limb_darkening_rgb
 from bruneton_sky.tolerance import TABLES, BrunetonQuality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
@@ -38,6 +38,7 @@ from vrut_lite.sky.sky_of_hour import (
     MotionThreshold,
     Sky,
     SkyInputs,
+    SkySpectra,
     Spectrum,
     SunDisc,
 )
@@ -194,6 +195,16 @@ class BrunetonLight(Sky):
             self.sun_direction,
         )
         return Spectrum(SPECTRUM_NM, tuple(seen.radiance.tolist()))
+
+    def spectra(self, size: int, wavelength_nm: tuple[float, ...]) -> SkySpectra:
+        """Spectra of the same atmosphere solved at these wavelengths."""
+        return sky_spectra(
+            self.of.air_at(wavelength_nm),
+            self.of.settings.orders,
+            self.sun_direction,
+            self.visible_disc_fraction,
+            size,
+        )
 
     @property
     def _around(self) -> Surroundings:

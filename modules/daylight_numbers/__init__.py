@@ -10,7 +10,9 @@ from typing import Any
 # Imported at their first use: a start imports no compiler.
 _FOUND_IN = {
     "annual": "daylight_numbers.year",
+    "colour_temperature": "daylight_numbers.spectra.colour_temperature",
     "daylight_factor": "daylight_numbers.now",
+    "eye_responses": "daylight_numbers.spectra.eye_responses",
     "numbers_now": "daylight_numbers.now",
     "work_of": "daylight_numbers.work",
 }

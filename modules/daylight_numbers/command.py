@@ -33,6 +33,7 @@ from vrut_lite.plain_numbers import plain_float
 
 # scipy takes a third of a second to import, which --help need not wait for.
 _folder = lazy("daylight_numbers.folder")
+_spectra_file = lazy("daylight_numbers.spectra_file")
 _year_light = lazy("daylight_numbers.year_light")
 
 
@@ -122,6 +123,17 @@ _year_light = lazy("daylight_numbers.year_light")
     help="A .csv of luminaires file,x,y,z[,dx,dy,dz,rotation_deg,group], in place of a project's "
     "[lamp] tables; files are IES or EULUMDAT. Adds their light, and their energy in a year.",
 )
+@click.option(
+    "--spectral",
+    is_flag=True,
+    help="Light by wavelength too: melanopic and the other EDI of CIE S 026, CCT and Duv.",
+)
+@click.option(
+    "--spectra",
+    metavar="FILE",
+    help="A .csv of spectra of materials: wavelength_nm and a column a name, shares from 0 to 1. "
+    "For --spectral.",
+)
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
 @click.option(
     "--standards",
@@ -144,6 +156,8 @@ def daylight(
     bsdf: tuple[str, ...],
     bsdf_up: str | None,
     lamps: str | None,
+    spectral: bool,
+    spectra: str | None,
     year: bool,
     standards: bool,
     jobs: int,
@@ -166,6 +180,8 @@ def daylight(
     Example: vrut-lite daylight room.glb -o room --bsdf glass=blind.xml
 
     Example: vrut-lite daylight room.glb -o room --year --lamps lamps.csv
+
+    Example: vrut-lite daylight room.glb -o room --spectral --sensors eyes.csv
 
     Example: vrut-lite daylight variants/*.glb -o variants --year --jobs 4
     """
@@ -190,6 +206,13 @@ def daylight(
         raise UserError(
             "glare through measured glazing is not computed: leave out --eyes, or the bsdf"
         )
+    if spectra and not spectral:
+        raise UserError("--spectra is of light by wavelength: add --spectral")
+    if spectral and any(project.bsdf for project in projects):
+        raise UserError(
+            "a bsdf has no spectrum: leave out --spectral, or give the glass's by --spectra"
+        )
+    of_materials = _spectra_file.read_spectra(spectra) if spectra else _spectra_file.NO_SPECTRA
     day = sun_day.date().replace(year=_year_light.YEAR)
     if not (2, 1) <= (day.month, day.day) <= (3, 21):
         raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
@@ -212,6 +235,8 @@ def daylight(
                 looking,
                 day,
                 of_lamps,
+                spectral,
+                of_materials,
             )
         )
     with workers_of(jobs, dask, len(wanted)) as workers:

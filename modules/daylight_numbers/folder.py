@@ -26,6 +26,9 @@ from daylight_numbers.pictures import PictureQuantity, plan_picture
 from daylight_numbers.report import ReportPage, Table, write_report
 from daylight_numbers.rooms import room_of
 from daylight_numbers.sensors import SensorGrid, Sensors
+from daylight_numbers.spectra_file import NO_SPECTRA, MaterialSpectra
+from daylight_numbers.spectral_pages import spectral_pages, spectral_year_pages
+from daylight_numbers.spectral_sky import spectral_sky
 from daylight_numbers.standards import clauses, facts_of, weather_of
 from daylight_numbers.standards import method as standards_method
 from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
@@ -47,7 +50,7 @@ _PICTURES = {
 @dataclass(frozen=True, eq=False)
 class DaylightRequest:
     """A request: project, sensors, tolerance, CIE sky; `blinds` is the transmittance of closed
-    blinds."""
+    blinds; `spectra` of materials are used where light is `spectral`."""
 
     project: Project
     sensors: Sensors | SensorGrid
@@ -60,6 +63,8 @@ class DaylightRequest:
     eyes: Sensors | None
     sun_day: date
     lamps: Mapping[str, LampPlacement]
+    spectral: bool = False
+    spectra: MaterialSpectra = NO_SPECTRA
 
 
 class Measured(NamedTuple):
@@ -122,6 +127,7 @@ def write_daylight(
     )
     # Hours of sun move the clock.
     hour = opened.hour()
+    sky = spectral_sky(opened, hour) if asked.spectral else None
     numbers = _now(work, opened, hour, asked)
     tables = [_rooms_now(work.sensors, numbers)]
     pictures: dict[Path, str] = {}
@@ -154,6 +160,16 @@ def write_daylight(
         tables.append(hour_table(glare))
         pictures |= write_views(folder, glare)
         method.append(METHOD)
+    arrays: dict[str, FloatArray] = {}
+    if sky is not None:
+        found_spectra, surfaces = spectral_pages(
+            folder, opened, work, sky, asked.spectra, asked.tolerance
+        )
+        numbers |= found_spectra.columns
+        arrays = found_spectra.arrays
+        tables += found_spectra.tables
+        pictures |= found_spectra.pictures
+        method += found_spectra.method
     is_used = asked.year or asked.standards
     planes = range(len(work.sensors.names)) if is_used else ()
     rooms = {plane: room for plane in planes if (room := room_of(work, plane)) is not None}
@@ -170,7 +186,13 @@ def write_daylight(
         tables += found.tables
         pictures |= found.pictures
         method += found.method
-    write_tables(folder, work.sensors, numbers)
+        if sky is not None:
+            of_spectra = spectral_year_pages(folder, opened, work, surfaces, found, asked.tolerance)
+            numbers |= of_spectra.columns
+            tables += of_spectra.tables
+            pictures |= of_spectra.pictures
+            method += of_spectra.method
+    write_tables(folder, work.sensors, numbers, arrays)
     where = asked.project
     weather = f", {Path(where.weather).name}" if where.weather else ""
     subtitle = (
@@ -199,7 +221,8 @@ def write_daylight(
         for table in held
         for clause, subject, *_, verdict in table.rows
     ]
-    return lines, [*_warnings(work), *(() if lighting is None else lighting.warnings())]
+    said = [*asked.spectra.notices(), *(() if lighting is None else lighting.warnings())]
+    return lines, [*_warnings(work), *said]
 
 
 def _warnings(work: DaylightWork) -> list[str]:
@@ -302,8 +325,14 @@ def _of_panes(work: DaylightWork) -> list[str]:
     return sentences
 
 
-def write_tables(folder: Path, sensors: Sensors, numbers: Mapping[str, FloatArray]) -> None:
-    """Write `sensors.csv` and `sensors.npz`; columns (P,) are named with their units.
+def write_tables(
+    folder: Path,
+    sensors: Sensors,
+    numbers: Mapping[str, FloatArray],
+    more: Mapping[str, FloatArray],
+) -> None:
+    """Write `sensors.csv` and `sensors.npz`; columns (P,) are named with their units, and `more`
+    are in the second alone.
 
     Raises:
         UserError: a file cannot be written.
@@ -330,5 +359,6 @@ def write_tables(folder: Path, sensors: Sensors, numbers: Mapping[str, FloatArra
             "places_m": sensors.places_m,
             "directions": sensors.normals,
             **numbers,
+            **more,
         }
         np.savez_compressed(stream, **arrays)

@@ -3,11 +3,14 @@
 Inputs are injected as everywhere, so that the same journal replays them.
 """
 
+import msgspec
 from light_transport.public import Illumination, hour_of
 
+from vrut_lite.errors import ModuleFailed
 from vrut_lite.headless import Project, SceneKernel, require_sun
 from vrut_lite.kernel.messages import EnableModule
 from vrut_lite.messages.night import NightLightChanged
+from vrut_lite.messages.sky import LookAround, SkyRadianceChanged, SkySpectraSeen
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.messages.weather import SetWeather
 
@@ -56,6 +59,22 @@ class OpenedScene(SceneKernel):
     def hour(self) -> Illumination:
         """The light of the present hour, layers such as clouds included."""
         return hour_of(self.light)
+
+    def clear_hour(self) -> Illumination:
+        """The light of the present hour's sky without layers."""
+        light = self.light
+        kinds = ((SkyRadianceChanged, "radiance"), (KeyLightChanged, "key_light"))
+        parts = {name: last for kind, name in kinds if (last := self.kernel.last(kind)) is not None}
+        return hour_of(msgspec.structs.replace(light, layers=(), **parts))
+
+    def spectra(self, wavelength_nm: tuple[float, ...], size: int) -> SkySpectraSeen:
+        """Spectra of the present hour's sky, sun and ground."""
+        self.kernel.inject(LookAround(wavelength_nm=wavelength_nm, size=size))
+        self.settle()
+        found = self.kernel.last(SkySpectraSeen)
+        if found is None:
+            raise ModuleFailed("the sky tells no spectra: see `vrut-lite modules`")
+        return found
 
     def coarser(self) -> None:
         """Ask for light that is fine enough for the cells of the ray table, for many hours.

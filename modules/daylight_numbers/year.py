@@ -8,6 +8,7 @@ a ray for each sensor and hour.
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from light_transport.public import (
@@ -109,12 +110,12 @@ def solved_year(
     assert transport.patches is not None
     reflectance = transport.patches.reflectance_rgb.copy()
     reflectance[transport.patches.on_ground] = light.ground_albedo_rgb
-    straight = _sent_by_cells(transport)
-    by_sky = _in_threads(transport, list(straight.T), reflectance, go_on)
+    straight = sent_by_cells(transport)
+    by_sky = radiosities(transport, list(straight.T), reflectance, go_on)
     near, share, chosen = _solved_suns(light)
     with ThreadPoolExecutor(transport.threads) as pool:
         sunlit = list(pool.map(lambda n: transport.sunlit_patches(light.sun_direction[n]), chosen))
-    by_suns = _in_threads(transport, sunlit, reflectance, go_on)
+    by_suns = radiosities(transport, sunlit, reflectance, go_on)
     lit = np.array(sunlit, np.float32).reshape(len(chosen), len(reflectance))
     towards = light.sun_direction[chosen]
     if bounces is not None:
@@ -137,8 +138,8 @@ def year_matrices(
     """
     halves = work.operator.halves
     panes = work.operator.panes
-    sky = [_sky_matrix(half, solved.by_sky) for half in halves]
-    suns = [_brought(half, solved.by_suns) for half in halves]
+    sky = [sky_matrix(half, solved.by_sky) for half in halves]
+    suns = [brought(half, solved.by_suns) for half in halves]
     scattered = None
     if panes is not None:
         for n, half in enumerate(halves):
@@ -192,7 +193,7 @@ def suns_of_hours(
     return csr_matrix((values, (near.ravel(), hours)), (suns, len(near)), dtype=np.float32)
 
 
-def _sent_by_cells(transport: SceneTransport) -> FloatArray:
+def sent_by_cells(transport: SceneTransport) -> FloatArray:
     """Irradiance (M, GROUND_NODE + 1) of patches by unit radiance of cells, and of open ground."""
     table, patches = transport.table, transport.patches
     assert patches is not None
@@ -209,8 +210,21 @@ def _sent_by_cells(transport: SceneTransport) -> FloatArray:
     return np.asarray((means @ rows).toarray())
 
 
-def _in_threads(
-    transport: SceneTransport,
+class Solver(Protocol):
+    """Solves bounces between patches: a scene's transport, or its light at some wavelengths."""
+
+    @property
+    def threads(self) -> int:
+        """The number that solve at once."""
+
+    def radiosity(
+        self, direct: Float32Array, emitted: Float32Array, reflectance: Float32Array
+    ) -> Float32Array:
+        """Radiosity of patches (M, 3) by direct irradiance and all bounces; all (M, 3)."""
+
+
+def radiosities(
+    transport: Solver,
     direct: Sequence[FloatArray | Float32Array],
     reflectance: Float32Array,
     go_on: CancelCheck,
@@ -290,7 +304,7 @@ def _by_panes(
         if cells is not None:
             light += (bounces.by_cells @ cells).toarray()
         lights.append(light if beams is None else light + beams)
-    return _in_threads(
+    return radiosities(
         bounces.transport, list(np.moveaxis(np.array(lights), 0, -1).swapaxes(0, 1)), reflectance,
         go_on,
     )  # fmt: skip
@@ -316,12 +330,12 @@ def _scattered_suns(
     return found
 
 
-def _sky_matrix(half: Half, by_sky: Float32Array) -> Float32Array:
+def sky_matrix(half: Half, by_sky: Float32Array) -> Float32Array:
     """Irradiance (3, P, GROUND_NODE + 1) by radiances, straight and by all bounces."""
     summed, count = _on_nodes(), len(half.seen)
     straight = [np.asarray((seen @ summed).toarray(), np.float32) for seen in half.seen]
-    brought = _brought(half, by_sky)
-    return np.stack([straight[k % count] + brought[k] for k in range(3)])
+    bounced = brought(half, by_sky)
+    return np.stack([straight[k % count] + bounced[k] for k in range(3)])
 
 
 def _on_nodes() -> csr_matrix:
@@ -333,7 +347,7 @@ def _on_nodes() -> csr_matrix:
     )
 
 
-def _brought(half: Half, sent: Float32Array) -> Float32Array:
+def brought(half: Half, sent: Float32Array) -> Float32Array:
     """Irradiance (3, P, L) by radiosities (3, M, L)."""
     count = len(half.sent)
     return np.stack(

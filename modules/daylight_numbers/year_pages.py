@@ -29,7 +29,14 @@ from daylight_numbers.sensors import Sensors
 from daylight_numbers.standards import PlaneYear, YearFound
 from daylight_numbers.sun_hours import sun_hours, sun_in_openings, sun_level, suns_of_day
 from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import DAYS_BETWEEN, Year, solved_year, year_matrices, year_of
+from daylight_numbers.year import (
+    DAYS_BETWEEN,
+    SolvedYear,
+    Year,
+    solved_year,
+    year_matrices,
+    year_of,
+)
 from daylight_numbers.year_light import YearLight, lit_hours, year_light
 from vrut_lite.headless import write_png
 from vrut_lite.numeric_types import FloatArray
@@ -56,9 +63,12 @@ class YearRequest(NamedTuple):
 
 
 class YearPages(NamedTuple):
-    """A year's part of tables and page, and its numbers for standards."""
+    """A year's part of tables and page, its numbers for standards, and what these are made of."""
 
     found: YearFound
+    light: YearLight
+    solved: SolvedYear
+    year: Year
     columns: Numbers
     tables: list[Table]
     pictures: dict[Path, str]
@@ -123,6 +133,9 @@ def year_pages(
         lamps = lighting_pages(folder, work, asked.lighting, daylight, light, solved)
     return YearPages(
         YearFound(of_planes, [row[1] for table in glare for row in table.rows]),
+        light,
+        solved,
+        year,
         columns | lamps.columns,
         [
             year_table(rows, f"{asked.sun_day:%-d %B}"),

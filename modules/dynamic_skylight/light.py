@@ -10,20 +10,27 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
+from dynamic_skylight.hosek_wilkie.sky import SKY_NM
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import HosekWilkieQuality
 from vrut_lite.atmosphere.ground_reflectance import GroundReflectance
+from vrut_lite.atmosphere.sunlight import slant_depth
+from vrut_lite.geometry.colour import luminance, solar_irradiance
+from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob, TexelFormat
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray, Vector
+from vrut_lite.sky.clear_sun import sun_irradiance_rgb
 from vrut_lite.sky.sky_of_hour import (
     CUBE_JOB,
     Background,
     MotionThreshold,
     Sky,
     SkyInputs,
+    SkySpectra,
     Spectrum,
     SunDisc,
 )
@@ -106,3 +113,33 @@ class HosekWilkieLight(Sky):
         hour = light.turbidity, self.ground.at(WAVELENGTHS_NM), light.apparent_elevation_rad
         radiance = LevelledSky(*hour, light.level).spectral_radiance(theta, gamma, WAVELENGTHS_NM)
         return Spectrum(tuple(WAVELENGTHS_NM.tolist()), tuple(radiance.tolist()))
+
+    def spectra(self, size: int, wavelength_nm: tuple[float, ...]) -> SkySpectra | None:
+        """The model's sky, 0 above 760 nm, by day; the sun as the air colours it, at its own
+        luminance."""
+        light, nm = self.daylight, np.asarray(wavelength_nm)
+        if light.model is None:
+            return None
+        hour = light.turbidity, self.ground.at(WAVELENGTHS_NM), light.apparent_elevation_rad
+        directions = texel_directions(size)
+        above = directions[..., 1] > 0.0
+        cosines = np.stack([directions[above][:, 1], directions[above] @ self.sun_direction])
+        theta, gamma = np.arccos(np.clip(cosines, -1.0, 1.0))
+        in_range = nm <= SKY_NM[1]
+        sky = LevelledSky(*hour, light.level).spectral_radiance(theta, gamma, nm[in_range])
+        cube = np.zeros((*above.shape, len(nm)), np.float32)
+        seen = np.zeros((len(sky), len(nm)))
+        seen[:, in_range] = sky
+        cube[above] = seen
+        sun = self._sun_spectrum(nm)
+        falls = horizontal_irradiance(cube) + sun * max(self.sun_direction[1], 0.0)
+        albedo = self.ground.at(nm)
+        return SkySpectra(cube, sun, albedo / np.pi * falls, albedo)
+
+    def _sun_spectrum(self, nm: FloatArray) -> FloatArray:
+        """Irradiance (W,) of the sun behind the air, with the luminance of its light in colour."""
+        haze, sine = self.daylight.air_haze, max(self.sun_direction[1], 0.0)
+        layers = haze.aerosol_layers, haze.nitrogen_dioxide
+        shape = solar_irradiance(nm) * np.exp(-slant_depth(0.0, sine, nm, *layers))
+        of_air = luminance(sun_irradiance_rgb(haze, self.daylight.apparent_elevation_rad))
+        return np.asarray(shape * (luminance(self.daylight.sun.irradiance_rgb) / of_air))

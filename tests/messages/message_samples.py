@@ -64,8 +64,10 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    LookAround,
     SkyPolarisationChanged,
     SkyRadianceChanged,
+    SkySpectraSeen,
     SpectrumSeen,
     ViewShader,
 )
@@ -193,6 +195,7 @@ SOUND = [
     RendererTried(renderer="a card", trial_ns=0.2),
     SetExposure(),
     LookAlong(direction=UP),
+    LookAround(wavelength_nm=(400.0, 500.0), size=4),
     SetTolerance(tolerance=0.1),
     SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
     SetGround(ground="snow", albedo=0.8),
@@ -214,6 +217,10 @@ SOUND = [
         limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
     ),
     SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
+    SkySpectraSeen(
+        wavelength_nm=(400.0, 500.0), cube=Array(np.ones((6, 2, 2, 2), np.float32)),
+        sun_irradiance=(1.0, 1.0), ground_radiance=(0.1, 0.1), ground_albedo=(0.2, 0.3), source="s",
+    ),
     SkyPolarisationChanged(
         cube=Array(np.zeros((2, 6, 2, 2, 3), np.float16)), radiance_scale=0.25, source="s"
     ),

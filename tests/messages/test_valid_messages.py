@@ -31,6 +31,7 @@ from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.sky import (
     BackgroundChanged,
+    LookAround,
     SpectrumSeen,
 )
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
@@ -84,6 +85,9 @@ def test_valid_messages_are_delivered(message):
         (KeyLightChanged, {"angular_radius_rad": 0.0}, "must lie from 1e-06 to 1.5708, not 0.0"),
         (BackgroundChanged, {"cube": Array(np.ones((6, 4, 5, 3), "f2"))}, "cube of BackgroundCh"),
         (BackgroundChanged, {"radiance_scale": 0.0}, "radiance_scale of BackgroundChanged must"),
+        (LookAround, {"size": 3}, "size of LookAround must be even"),
+        (LookAround, {"wavelength_nm": (500.0, 400.0)}, "wavelength_nm of LookAround must rise"),
+        (LookAround, {"wavelength_nm": (300.0, 400.0)}, "wavelength_nm of LookAround must rise"),
         (SpectrumSeen, {"radiance": (1.0,)}, "radiance of SpectrumSeen must be two finite numbers"),
         (GpuJob, {"size": 2**20}, "size of GpuJob must be a whole number from 1 to 16384"),
         (LightMapLaid, {"size_px": (8,)}, "size_px of LightMapLaid must be 2 whole numbers from 1"),

@@ -1,5 +1,6 @@
 """The sky behind the scene, its light on surfaces, and its spectrum."""
 
+from itertools import pairwise
 from typing import ClassVar, Literal
 
 import msgspec
@@ -17,6 +18,9 @@ from vrut_lite.numeric_types import Number, Vector
 NO_LAMPS: Vector = (0.0, 0.0, 0.0)
 
 _MOST_WAVELENGTHS = 4096
+# Edge of cube maps of spectra, and the range of their wavelengths.
+_LARGEST_SPECTRA = 256
+_VISIBLE_NM = (360.0, 830.0)
 
 
 class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -218,3 +222,63 @@ class SpectrumSeen(Derived, frozen=True, kw_only=True):
         checks.numbers(self, "wavelength_nm", min(len(self.wavelength_nm), _MOST_WAVELENGTHS))
         checks.numbers(self, "radiance", len(self.wavelength_nm))
         checks.text(self, "source")
+
+
+class LookAround(Input, frozen=True, kw_only=True):
+    """Ask for the sky's spectra in all directions, and for the sun's and the ground's.
+
+    `wavelength_nm` rises; `size` is the edge of the cube map in texels, an even number.
+    """
+
+    revises: ClassVar[bool] = False
+
+    wavelength_nm: tuple[float, ...]
+    size: int
+
+    def check(self) -> None:
+        """Rising wavelengths of light, and a size."""
+        checks.instance(self, "wavelength_nm", tuple)
+        checks.numbers(self, "wavelength_nm", min(len(self.wavelength_nm), _MOST_WAVELENGTHS))
+        rises = all(one < other for one, other in pairwise(self.wavelength_nm))
+        low, high = self.wavelength_nm[:1] or (0.0,), self.wavelength_nm[-1:] or (0.0,)
+        if not rises or not (_VISIBLE_NM[0] <= low[0] and high[0] <= _VISIBLE_NM[1]):
+            checks.refuse(self, "wavelength_nm", "rise from 360 to 830 nm")
+        checks.whole(self, "size", 2, _LARGEST_SPECTRA)
+        if self.size % 2:
+            checks.refuse(self, "size", "be even")
+
+
+class SkySpectraSeen(Derived, frozen=True, kw_only=True):
+    """Spectra of the clear sky, the sun and the ground around the scene, as they light it.
+
+    cube (6, size, size, W) float32 in world axes: radiance of the sky without the sun's disc in W
+    m^-2 sr^-1 nm^-1, 0 below the horizon. Tuples are of W wavelengths: `sun_irradiance` on a plane
+    that faces the sun (W m^-2 nm^-1), `ground_radiance` (W m^-2 sr^-1 nm^-1), `ground_albedo`.
+    Without spectra, as of weather, a photograph or a night, the cube is None and the tuples are
+    empty.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    wavelength_nm: tuple[float, ...]
+    cube: Array | None
+    sun_irradiance: tuple[float, ...]
+    ground_radiance: tuple[float, ...]
+    ground_albedo: tuple[float, ...]
+    source: str
+
+    def check(self) -> None:
+        """As many values as wavelengths."""
+        checks.instance(self, "wavelength_nm", tuple)
+        count = min(len(self.wavelength_nm), _MOST_WAVELENGTHS)
+        for name in ("wavelength_nm", "sun_irradiance", "ground_radiance", "ground_albedo"):
+            checks.numbers(self, name, count)
+        if self.cube is not None:
+            edge = -_LARGEST_SPECTRA
+            checks.array(self, "cube", (6, edge, edge, max(count, 1)), ("<f4",))
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite and not below zero."""
+        if self.cube is not None:
+            checks.contents(self, "cube", 0.0, MOST_LIGHT)

@@ -20,8 +20,10 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    LookAround,
     SkyPolarisationChanged,
     SkyRadianceChanged,
+    SkySpectraSeen,
     SpectrumSeen,
 )
 from vrut_lite.messages.sky_light import SkyGlowAdded, SkyLightChanged
@@ -37,6 +39,7 @@ INPUTS: tuple[type[Input], ...] = (
     Resize,
     SetExposure,
     LookAlong,
+    LookAround,
     SetTolerance,
     SetHaze,
     SetGround,
@@ -52,6 +55,7 @@ DERIVED: tuple[type[Derived], ...] = (
     BackgroundChanged,
     KeyLightChanged,
     SpectrumSeen,
+    SkySpectraSeen,
     AirChanged,
     CloudinessChanged,
     CloudsChanged,

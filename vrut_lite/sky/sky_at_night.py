@@ -15,6 +15,7 @@ import numpy as np
 
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.refraction import horizon_elevation
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.messages.air import AirVolume, SecondLight
@@ -26,7 +27,15 @@ from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite.sky.night_glow import glow_cube
 from vrut_lite.sky.night_kernels import add_halves
-from vrut_lite.sky.sky_of_hour import Background, MotionThreshold, Sky, SkyInputs, Spectrum, SunDisc
+from vrut_lite.sky.sky_of_hour import (
+    Background,
+    MotionThreshold,
+    Sky,
+    SkyInputs,
+    SkySpectra,
+    Spectrum,
+    SunDisc,
+)
 
 # Edge (texels) of the cube from which the glow's irradiance on the scene is integrated.
 _LIGHT_SIZE = 32
@@ -215,6 +224,19 @@ class SkyAtNight(Sky):
     def spectrum(self, direction: tuple[float, float, float]) -> Spectrum:
         """Spectrum of the sun's light alone."""
         return self.by_sun.spectrum(direction)
+
+    def spectra(self, size: int, wavelength_nm: tuple[float, ...]) -> SkySpectra | None:
+        """Those of the sun's sky where it has all light, as in an eclipse; of a night none."""
+        found = None if self.share > 0.0 else self.by_sun.spectra(size, wavelength_nm)
+        if found is None:
+            return None
+        left = float(luminance(self._sun_left) / luminance(np.ones(3)))
+        of_disc = float(luminance(self.sun_left_rgb) / luminance(np.ones(3)))
+        return found._replace(
+            cube=found.cube * np.float32(left),
+            sun_irradiance=of_disc * found.sun_irradiance,
+            ground_radiance=left * found.ground_radiance,
+        )
 
     # --- the air ---------------------------------------------------------------------------
 

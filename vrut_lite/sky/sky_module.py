@@ -40,8 +40,10 @@ from vrut_lite.messages.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    LookAround,
     SkyPolarisationChanged,
     SkyRadianceChanged,
+    SkySpectraSeen,
     SpectrumSeen,
 )
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
@@ -62,7 +64,7 @@ from vrut_lite.sky.sky_of_hour import (
     polarisation_message,
 )
 
-SPECTRUM = "spectrum"
+SPECTRUM, SPECTRA = "spectrum", "spectra"
 Kinds = tuple[type[Derived], ...]
 PRODUCTS: Kinds = (
     BackgroundChanged,
@@ -231,6 +233,17 @@ class SkyModule(Module):
         else:
             self._post(_spectrum_seen(*asked))
 
+    @handles(LookAround)
+    def looked_around(self, message: LookAround) -> None:
+        """Someone asks for the spectra of all directions."""
+        if not self.link.holds("sky") or (sky := self._present_sky()) is None:
+            return
+        asked = sky, message.size, message.wavelength_nm, self.manifest.name
+        if self.spectrum_is_slow:
+            self.link.start_job(SPECTRA, _spectra_seen, *asked)
+        else:
+            self._post(_spectra_seen(*asked))
+
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
         """An atmosphere is solved, a spectrum found, or a texture made.
@@ -241,7 +254,7 @@ class SkyModule(Module):
         if result.job == SOLVE:
             if self._preparation.take(result):
                 self._update()
-        elif result.job == SPECTRUM:
+        elif result.job in (SPECTRUM, SPECTRA):
             if not result.error:
                 self._post(result.value)
         elif result.job in (CUBE_JOB, AIR_JOB):
@@ -492,4 +505,20 @@ def _spectrum_seen(sky: Sky, direction: Vector, source: str) -> SpectrumSeen:
     wavelength_nm, radiance = sky.spectrum(direction)
     return SpectrumSeen(
         direction=direction, wavelength_nm=wavelength_nm, radiance=radiance, source=source
+    )
+
+
+def _spectra_seen(
+    sky: Sky, size: int, wavelength_nm: tuple[float, ...], source: str
+) -> SkySpectraSeen:
+    found = sky.spectra(size, wavelength_nm)
+    if found is not None:
+        return found.message(wavelength_nm, source)
+    return SkySpectraSeen(
+        wavelength_nm=(),
+        cube=None,
+        sun_irradiance=(),
+        ground_radiance=(),
+        ground_albedo=(),
+        source=source,
     )

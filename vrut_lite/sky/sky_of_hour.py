@@ -24,6 +24,7 @@ from vrut_lite.messages.sky import (
     BackgroundChanged,
     SkyPolarisationChanged,
     SkyRadianceChanged,
+    SkySpectraSeen,
     ViewShader,
 )
 from vrut_lite.messages.sun import Body, KeyLightChanged, SunMoved
@@ -204,6 +205,27 @@ class Spectrum(NamedTuple):
     radiance: tuple[float, ...] = ()
 
 
+class SkySpectra(NamedTuple):
+    """Spectra at W wavelengths, as in `SkySpectraSeen`: `cube` (6, size, size, W) float32 of the
+    sky, `sun_irradiance`, `ground_radiance` and `ground_albedo` (W,)."""
+
+    cube: Float32Array
+    sun_irradiance: FloatArray
+    ground_radiance: FloatArray
+    ground_albedo: FloatArray
+
+    def message(self, wavelength_nm: tuple[float, ...], source: str) -> SkySpectraSeen:
+        """The spectra as a message."""
+        return SkySpectraSeen(
+            wavelength_nm=wavelength_nm,
+            cube=Array(np.asarray(self.cube, np.float32)),
+            sun_irradiance=tuple(self.sun_irradiance.tolist()),
+            ground_radiance=tuple(self.ground_radiance.tolist()),
+            ground_albedo=tuple(self.ground_albedo.tolist()),
+            source=source,
+        )
+
+
 class Sky:
     """The light of one hour; each method is called only if its result is demanded.
 
@@ -259,6 +281,11 @@ class Sky:
     def spectrum(self, direction: Vector) -> Spectrum:
         """Spectrum of the sky in a direction; empty below the horizon."""
         return Spectrum()
+
+    def spectra(self, size: int, wavelength_nm: tuple[float, ...]) -> SkySpectra | None:
+        """Spectra of sky, sun and ground as they light the scene; None where only colours are
+        known."""
+        return None
 
     def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background] | None:
         """The job `CUBE_JOB` that makes the cube, and the background without the texture.

@@ -19,7 +19,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 SOLAR_DISC_RADIUS_RAD = np.deg2rad(0.51 / 2)
 ALL_FACES = tuple(range(6))
 # Wavelength ranges of the authors' functions.
-_SKY_NM, _SUN_NM = (280.0, 760.0), (320.0, 720.0)
+SKY_NM, _SUN_NM = (280.0, 760.0), (320.0, 720.0)
 # Beyond this, rounding destroys the direction.
 _MOST_TURNED_RAD = 1e6
 _MOST_EXPOSURE = 1e6
@@ -103,7 +103,7 @@ class HosekWilkieSky:
         Raises:
             ValueError: for wavelengths outside 280 to 760 nm, the model's range.
         """
-        wavelength = as_numbers("wavelength_nm", wavelength_nm, *_SKY_NM, "nm")
+        wavelength = as_numbers("wavelength_nm", wavelength_nm, *SKY_NM, "nm")
         bands = _sky(theta_rad, gamma_rad, self.spectral_distribution, self.spectral_mean_radiance)
         return np.maximum(_weigh(bands, _sky_band_weights(wavelength)), 0.0)
 
@@ -293,4 +293,4 @@ def _sky_band_weights(wavelength_nm: FloatArray) -> FloatArray:
     w = wavelength_nm[..., None]
     held = np.maximum(w, WAVELENGTHS_NM[0])
     hats = np.maximum(1.0 - np.abs(held - WAVELENGTHS_NM) / 40.0, 0.0)
-    return np.where(w > _SKY_NM[0], hats, 0.0)
+    return np.where(w > SKY_NM[0], hats, 0.0)
