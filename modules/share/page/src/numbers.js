@@ -58,7 +58,7 @@ export class Numbers {
     this.mesh.visible = number >= 0;
     if (number < 0) return;
     const own = this.of(number), sorted = own.filter(Number.isFinite).sort();
-    const high = sorted[Math.floor(0.99 * (sorted.length - 1))];
+    const high = sorted[Math.ceil(0.99 * (sorted.length - 1))];
     this.range = [Math.min(sorted[0], 0), high > sorted[0] ? high : sorted[0] + 1];
     const [low, top] = this.range, shares = this.shares.array;
     // Without a value no tile: its corners fall together in the shader.
