@@ -118,7 +118,15 @@ def project(house, year_file):
             "rows": LampPlacement(str(house.with_name("spot.ldt")), [(1.0, 2.0, 3.0)], watts=7.0),
         },
         lighting={"row": LightingControl("open_loop", dark_at_lx=800.0)},
-        bsdf={"pane": GlazingFile(str(house.with_name("blind.xml")), up=(0.0, 0.0, 1.0))},
+        bsdf={
+            "pane": GlazingFile(
+                str(house.with_name("blind.xml")),
+                up=(0.0, 0.0, 1.0),
+                closed=(str(house.with_name("shut.xml")),),
+                by="schedule",
+                schedule=str(house.with_name("hours.csv")),
+            )
+        },
         **{name: another(spec) for name, spec in OF_SCENE.items()},
     )
 

@@ -381,10 +381,7 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         msgspec.structs.replace(placed, scene=change(placed.scene)) for placed in project.beside
     )
     luminaires = {name: change(path) for name, path in project.luminaires.items()}
-    bsdf = {
-        name: msgspec.structs.replace(glazing, file=change(glazing.file))
-        for name, glazing in project.bsdf.items()
-    }
+    bsdf = {name: glazing.with_paths(change) for name, glazing in project.bsdf.items()}
     lamp = {
         name: msgspec.structs.replace(placed, file=placed.file and change(placed.file))
         for name, placed in project.lamp.items()

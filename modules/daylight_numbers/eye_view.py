@@ -12,11 +12,14 @@ from light_transport.public import GROUND, GROUND_NODE, NODES, Illumination, Sce
 from numpy.typing import NDArray
 
 from daylight_numbers.glass import Glass
+from daylight_numbers.measured_panes import MeasuredPanes
 from daylight_numbers.mirrored_sun import Flats, mirrored_suns
+from daylight_numbers.now import light_by_panes, sun_reaching
+from daylight_numbers.pane_bounces import PaneBounces
 from daylight_numbers.sensor_rays import OPEN_GROUND, SKY, GlazedScene, ends_of, glazed
-from daylight_numbers.sky_cells import cell_of, node_of_cell
+from daylight_numbers.sky_cells import cell_of, cell_radiances, node_of_cell
 from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import LUMENS_RGB, SolvedYear, suns_of_hours
+from daylight_numbers.year import LUMENS_RGB, SolvedYear, on_nodes, suns_of_hours
 from daylight_numbers.year_light import YearLight
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import sample_cube
@@ -29,6 +32,8 @@ _OFF = 1e-5
 _UP = np.array([0.0, 1.0, 0.0])
 # Edge of the fisheye of a year, in pixels 2.2 degrees wide.
 _YEAR_EDGE_PX = 80
+# Hours whose suns' scattered light is computed together, to bound memory.
+_HOURS_AT_ONCE = 64
 _GREY = LUMENS_RGB / LUMENS_RGB.sum()
 
 
@@ -77,26 +82,47 @@ class EyeView(NamedTuple):
 
 
 def eye_view(
-    transport: SceneTransport, glass: Glass, flats: Flats, eye: Eye, hour: Illumination
+    transport: SceneTransport,
+    glass: Glass,
+    flats: Flats,
+    eye: Eye,
+    hour: Illumination,
+    bounces: PaneBounces | None = None,
 ) -> EyeView:
-    """Computes an eye's view in an hour: diffuse surfaces, and the sun in mirrors."""
+    """Computes an eye's view in an hour: diffuse surfaces, the sun in mirrors, and measured panes,
+    whose scattered light has the size of their angle basis's patches."""
     directions, solid_angle, pixel, _ = hemisphere()
     where = glazed(transport, glass)
     place = transport.in_radii(eye.place_m)
     towards = directions @ eye.axes
     origin = np.broadcast_to(place, towards.shape)
     target, share = ends_of(where, origin, towards)
-    rows = row_radiances(transport, where, hour, np.unique(target[target >= 0]))
-    radiance = np.zeros(towards.shape)
-    sky = sample_cube(hour.sky, towards)
-    for which in range(2):
-        end = target[:, which, None]
-        seen = np.where(end >= 0, rows[np.maximum(target[:, which], 0)], 0.0)
-        seen = np.where(end == SKY, sky, seen)
-        seen = np.where(end == OPEN_GROUND, np.asarray(hour.ground_radiance_rgb), seen)
-        radiance += share[:, which] * seen
+    panes = None if bounces is None else bounces.panes
+    met = beyond = None
+    if panes is not None:
+        met = panes.met_by(target[:, 0], towards)
+        beyond = ends_of(panes.opened, origin[met.met], towards[met.met])
+    seen_rows = [target] if beyond is None else [target, beyond[0]]
+    asked = np.unique(np.concatenate([each[each >= 0] for each in seen_rows]))
+    rows = row_radiances(transport, where, hour, asked, panes)
+    if bounces is not None:
+        cells = np.vstack([cell_radiances(hour.sky), np.asarray(hour.ground_radiance_rgb)])
+        radiosity = np.asarray(transport.column_light(hour)[NODES:-1, :3], float)
+        of_sun, more = light_by_panes(bounces, cells, radiosity, hour)
+        rows += _blurred_rows(bounces, more, hour) / np.pi
+    radiance = _seen_radiance(target, share, towards, rows, hour)
+    if bounces is not None and met is not None and beyond is not None:
+        of_panes = of_sun + bounces.mean_radiances(cells, radiosity + more)
+        through = _seen_radiance(*beyond, towards[met.met], rows, hour)
+        scattered = of_panes[met.exiting] + met.straight[:, None] * through
+        radiance[met.met] += share[met.met, 0] * scattered
     sun, power = np.asarray(hour.key_direction), np.asarray(hour.key_irradiance_rgb)
     sun_towards, sun_irradiance = mirrored_suns(transport, glass, flats, eye.place_m, sun, power)
+    if panes is not None:
+        disc = sun_through(where, panes, place, sun)
+        if disc.any():
+            sun_towards = np.vstack([sun_towards, sun])
+            sun_irradiance = np.vstack([sun_irradiance, disc * power])
     before = sun_towards @ eye.towards > 0.0
     return EyeView(
         directions,
@@ -106,6 +132,52 @@ def eye_view(
         sun_towards[before] @ eye.axes.T,
         sun_irradiance[before],
     )
+
+
+def sun_through(
+    where: GlazedScene, panes: MeasuredPanes, place: FloatArray, sun: FloatArray
+) -> FloatArray:
+    """Share (3,) of the sun's light that comes straight through measured panes to a place (3,)."""
+    if sun[1] <= 0.0:
+        return np.zeros(3)
+    straight = sun_reaching(where, panes, place[None], sun[None])[0]
+    return np.asarray(straight - sun_reaching(where, None, place[None], sun[None])[0])
+
+
+def _seen_radiance(
+    target: NDArray[np.integer],
+    share: Float32Array,
+    towards: FloatArray,
+    rows: Float32Array | FloatArray,
+    hour: Illumination,
+) -> FloatArray:
+    """Radiance (R, 3) along rays by their ends, see `ends_of`."""
+    found = np.zeros(towards.shape)
+    sky = sample_cube(hour.sky, towards)
+    for which in range(2):
+        end = target[:, which, None]
+        seen = np.where(end >= 0, rows[np.maximum(target[:, which], 0)], 0.0)
+        seen = np.where(end == SKY, sky, seen)
+        seen = np.where(end == OPEN_GROUND, np.asarray(hour.ground_radiance_rgb), seen)
+        found += share[:, which] * seen
+    return found
+
+
+def _blurred_rows(bounces: PaneBounces, more: FloatArray, hour: Illumination) -> FloatArray:
+    """Radiosity (rows, 3) by light of panes (M, 3) without the sun's beam straight through them,
+    which texels have by rays of their own."""
+    transport = bounces.transport
+    assert transport.patches is not None
+    beam = bounces.straight_sun(np.asarray(hour.key_direction))
+    power = np.asarray(hour.key_irradiance_rgb)
+    own = transport.patches.reflectance_rgb * beam[:, None] * power
+    column = transport.patches.column_of[NODES:] - NODES
+    known = column < len(more)
+    found = np.where(known[:, None], more[np.where(known, column, 0)], 0.0)
+    texel = np.arange(len(column)) < len(transport.texels.pixel)
+    texel[: len(transport.good)] &= transport.good[: len(texel)]
+    found -= np.where((known & texel)[:, None], own[np.where(known, column, 0)], 0.0)
+    return np.maximum(found, 0.0)
 
 
 class Hemisphere(NamedTuple):
@@ -134,7 +206,11 @@ def hemisphere(edge_px: int = EDGE_PX) -> Hemisphere:
 
 
 def row_radiances(
-    transport: SceneTransport, where: GlazedScene, hour: Illumination, rows: NDArray[np.integer]
+    transport: SceneTransport,
+    where: GlazedScene,
+    hour: Illumination,
+    rows: NDArray[np.integer],
+    panes: MeasuredPanes | None = None,
 ) -> Float32Array | FloatArray:
     """Radiance (rows of the transport, 3) of the given rows; others are 0.
 
@@ -153,8 +229,8 @@ def row_radiances(
     facing = np.flatnonzero((cosine > 0.0) & (sun[1] > 0.0))
     if len(facing) and np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
         start = transport.texels.place[texels[facing]].astype(float) + _OFF * normal[facing]
-        target, share = ends_of(where, start, np.tile(sun, (len(facing), 1)))
-        free = (target[:, 0] == SKY)[:, None] * share[:, 0] * cosine[facing, None]
+        free = sun_reaching(where, panes, start, np.tile(sun, (len(facing), 1)))
+        free *= cosine[facing, None]
         lit[facing] = free * np.asarray(hour.key_irradiance_rgb)
     triangle = transport.colour_of[texels]
     reflectance = transport.surfaces.reflectance_rgb[triangle].astype(float)
@@ -183,16 +259,24 @@ class EyeYear:
         origin = np.broadcast_to(place, towards.shape)
         self._end, share = ends_of(self._where, origin, towards)
         self._share = share @ _GREY
+        self._panes = work.operator.panes
+        ends = [self._end]
+        if self._panes is not None:
+            self._met = self._panes.met_by(self._end[:, 0], towards)
+            through = self._met.met
+            self._beyond, beyond_share = ends_of(
+                self._panes.opened, origin[through], towards[through]
+            )
+            self._beyond_share = beyond_share @ _GREY
+            ends.append(self._beyond)
+            self._set_panes(solved, hours)
         above = np.maximum(towards[:, 1], 0.0)
         level = np.stack([towards[:, 0], above, towards[:, 2]], axis=1)
         level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-12)
-        self._node = np.where(self._end == OPEN_GROUND, GROUND_NODE, 0)
-        sky = self._end == SKY
-        self._node[sky] = np.broadcast_to(node_of_cell()[cell_of(level)][:, None], sky.shape)[sky]
-        rows = np.unique(self._end[self._end >= 0])
-        self._place_of_row = np.searchsorted(rows, self._end)
+        self._node = node_of_cell()[cell_of(level)]
+        self._rows = np.unique(np.concatenate([each[each >= 0] for each in ends]))
         self._sky = light.sky @ LUMENS_RGB
-        self._set_rows(rows, solved, hours)
+        self._set_rows(self._rows, solved, hours)
 
     def luminance(self, hour: int) -> FloatArray:
         """Luminance (R,) of each direction in an hour, without discs of the sun."""
@@ -201,12 +285,49 @@ class EyeYear:
         asked = np.flatnonzero(self._is_texel & (self._sunlit[:, n] > 0.0))
         if len(asked):
             rows[asked] = self._sent[asked, n] + self._under_the_sun(asked, hour)
-        sky = self._sky[hour, self._node]
-        met = self._end >= 0
-        beyond = (self._end == SKY) | (self._end == OPEN_GROUND)
-        seen = np.where(beyond, sky, 0.0)
-        seen[met] = rows[self._place_of_row[met]] / np.pi
-        return np.asarray((self._share * seen).sum(axis=1))
+        found = (self._share * self._seen(self._end, self._node, rows, hour)).sum(axis=1)
+        if self._panes is not None:
+            met = self._met
+            seen = self._seen(self._beyond, self._node[met.met], rows, hour)
+            through = met.straight * (self._beyond_share * seen).sum(axis=1)
+            scattered = self._of_panes[self._place_of_exit, n] + through
+            found[met.met] += self._share[met.met, 0] * scattered
+        return np.asarray(found)
+
+    def _seen(
+        self, end: NDArray[np.integer], node: IntArray, rows: Float32Array | FloatArray, hour: int
+    ) -> FloatArray:
+        """Luminance (R, 2) at the ends (R, 2) of rays towards nodes (R,) of the sky."""
+        found = np.where(end == SKY, self._sky[hour, node][:, None], 0.0)
+        found[end == OPEN_GROUND] = self._sky[hour, GROUND_NODE]
+        met = end >= 0
+        found[met] = rows[np.searchsorted(self._rows, end[met])] / np.pi
+        return found
+
+    def _set_panes(self, solved: SolvedYear, hours: IntArray) -> None:
+        """Luminance (exits, N) of the exiting patches of panes that are seen."""
+        assert self._panes is not None
+        light, panes = self._light, self._panes
+        exits, self._place_of_exit = np.unique(self._met.exiting, return_inverse=True)
+        sky = light.sky[hours].transpose(2, 1, 0)
+        sun = light.sun_irradiance_rgb[hours]
+        found = np.zeros((len(exits), len(hours)), np.float32)
+        for k in range(3):
+            of_sky, of_suns = (
+                np.mean([panes.radiances(half, cells, sent[k])[exits] for half in range(2)], axis=0)
+                for cells, sent in ((on_nodes(), solved.by_sky), (None, solved.by_suns))
+            )
+            spread = suns_of_hours(
+                solved.near[hours], solved.share[hours], sun[:, k], of_suns.shape[1]
+            )
+            lumens = np.float32(LUMENS_RGB[k])
+            found += lumens * (of_sky.astype(np.float32) @ np.ascontiguousarray(sky[k]))
+            found += lumens * (spread.T @ of_suns.astype(np.float32).T).T
+        lux = (sun @ LUMENS_RGB).astype(np.float32)
+        for first in range(0, len(hours), _HOURS_AT_ONCE):
+            some = slice(first, first + _HOURS_AT_ONCE)
+            found[:, some] += panes.of_sun(light.sun_direction[hours[some]])[exits] * lux[some]
+        self._of_panes = found
 
     def _set_rows(self, rows: IntArray, solved: SolvedYear, hours: IntArray) -> None:
         """Radiosity (rows, N) in lm m^-2 of seen rows by all bounces, and straight by the sun."""
@@ -249,8 +370,7 @@ class EyeYear:
         if len(facing):
             here = asked[facing]
             towards = np.tile(sun, (len(here), 1))
-            target, share = ends_of(self._where, self._start[here], towards)
+            share = sun_reaching(self._where, self._panes, self._start[here], towards)
             power = self._light.sun_irradiance_rgb[hour] * LUMENS_RGB
-            sent = (share[:, 0] * self._reflectance[here]) @ power
-            found[facing] = np.where(target[:, 0] == SKY, sent * cosine[facing], 0.0)
+            found[facing] = ((share * self._reflectance[here]) @ power) * cosine[facing]
         return found

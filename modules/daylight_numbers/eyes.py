@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from daylight_numbers.eye_view import EDGE_PX, Eye, EyeView, eye_view
-from daylight_numbers.glare import EN_GLARE, THRESHOLD, Glare, en_level, glare_of, glare_year
+from daylight_numbers.glare import EN_GLARE, THRESHOLD, Glare, en_level, glare_of
 from daylight_numbers.mirrored_sun import Flats, flats_of
 from daylight_numbers.now import hour_at_sensors
 from daylight_numbers.operator import operator_of
@@ -17,7 +17,6 @@ from daylight_numbers.pictures import LEGEND_PX, PictureQuantity, draw_legend
 from daylight_numbers.report import Table
 from daylight_numbers.sensors import Sensors
 from daylight_numbers.work import RAYS_SHARE, DaylightWork
-from daylight_numbers.year import SolvedYear
 from daylight_numbers.year_light import YearLight
 from vrut_lite.geometry.false_colours import UNUSED, coloured, scale_of
 from vrut_lite.headless import write_png
@@ -42,7 +41,14 @@ def eyes_of(scene: SceneOpened, work: DaylightWork, eyes: Sensors, tolerance: fl
         UserError: an eye lies inside a body.
     """
     transport = work.transport
-    operator = operator_of(transport, work.glass, eyes, RAYS_SHARE * tolerance, transport.threads)
+    operator = operator_of(
+        transport,
+        work.glass,
+        eyes,
+        RAYS_SHARE * tolerance,
+        transport.threads,
+        bounces=work.operator.bounces,
+    )
     return Eyes(
         DaylightWork(transport, work.glass, eyes, operator), flats_of(scene, surfaces_of(scene))
     )
@@ -56,7 +62,8 @@ def glare_now(eyes: Eyes, hour: Illumination) -> list[tuple[Glare, EyeView]]:
     for place, towards, lux in zip(
         work.sensors.places_m, work.sensors.normals, lit.total, strict=True
     ):
-        view = eye_view(work.transport, work.glass, eyes.flats, Eye(place, towards), hour)
+        eye, bounces = Eye(place, towards), work.operator.bounces
+        view = eye_view(work.transport, work.glass, eyes.flats, eye, hour, bounces)
         found.append((glare_of(view, float(lux)), view))
     return found
 
@@ -77,10 +84,10 @@ def hour_table(found: list[tuple[Glare, EyeView]]) -> Table:
     return Table("Glare in the hour", columns, rows)
 
 
-def glare_table(eyes: Eyes, light: YearLight, solved: SolvedYear) -> Table:
-    """Shares of hours with glare, and EN 17037's level, an eye a row."""
+def glare_table(of_eyes: FloatArray, light: YearLight) -> Table:
+    """Shares of hours with glare by DGP (P, H), and EN 17037's level, an eye a row."""
     rows = []
-    for n, dgp in enumerate(glare_year(eyes.work, eyes.flats, light, solved)):
+    for n, dgp in enumerate(of_eyes):
         level, shares = en_level(dgp, light)
         rows.append([f"eye {n + 1}", level, *(percent_text(share, 1) for share in shares)])
     columns = [

@@ -1,18 +1,20 @@
 """Output of the command: tables, plans, a page, and lines for the terminal."""
 
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import msgspec
 import numpy as np
 from light_transport.public import Illumination
 
 from daylight_numbers.eyes import (
     METHOD,
+    Eyes,
     eyes_of,
     glare_now,
     hour_table,
@@ -20,21 +22,32 @@ from daylight_numbers.eyes import (
 )
 from daylight_numbers.lamp_pages import lamp_pages
 from daylight_numbers.lighting import lighting_of
-from daylight_numbers.now import TITLES, CieSky, cie_hour, numbers_now, patch_error
+from daylight_numbers.now import (
+    TITLES,
+    CieSky,
+    cie_hour,
+    daylight_factor,
+    numbers_now,
+    patch_error,
+)
 from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, plan_picture
 from daylight_numbers.report import ReportPage, Table, write_report
 from daylight_numbers.rooms import room_of
 from daylight_numbers.sensors import SensorGrid, Sensors
+from daylight_numbers.site_change import SiteScene, scene_of
 from daylight_numbers.spectra_file import NO_SPECTRA, MaterialSpectra
 from daylight_numbers.spectral_pages import spectral_pages, spectral_year_pages
 from daylight_numbers.spectral_sky import spectral_sky
 from daylight_numbers.standards import clauses, facts_of, weather_of
 from daylight_numbers.standards import method as standards_method
 from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
+from daylight_numbers.sun_range import SunRange, sun_range_pages
+from daylight_numbers.totals import Period
 from daylight_numbers.work import DaylightWork, work_of
 from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
 from vrut_lite.headless import Project, busy_with, tracked, write_png
+from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.lighting import LampPlacement
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.quantities import percent_text
@@ -65,6 +78,9 @@ class DaylightRequest:
     lamps: Mapping[str, LampPlacement]
     spectral: bool = False
     spectra: MaterialSpectra = NO_SPECTRA
+    before: Project | None = None
+    sun_range: SunRange | None = None
+    periods: Sequence[Period] = ()
 
 
 class Measured(NamedTuple):
@@ -76,8 +92,38 @@ class Measured(NamedTuple):
     files: dict[str, bytes]
 
 
-def measured(folder: Path, asked: DaylightRequest) -> Measured:
+class ReadyScene(NamedTuple):
+    """A scene made ready, and how far patches twice as wide move daylight factors."""
+
+    work: DaylightWork
+    moved: float
+
+
+def ready_scene(opened: OpenedScene, asked: DaylightRequest) -> ReadyScene:
+    """Bake a request's scene and trace its sensors' rays.
+
+    Raises:
+        UserError: there are no work planes, sensors lie in walls, or measured glazing cannot be
+            used.
+    """
+    project = asked.project
+    work = work_of(
+        opened.scene, asked.sensors, asked.tolerance, glazing=project.glazing, bsdf=project.bsdf
+    )
+    overcast = cie_hour(asked.cie_sky, asked.ground_albedo)
+    factor, _ = daylight_factor(work.transport, work.glass, work.operator, work.sensors, overcast)
+    return ReadyScene(
+        work,
+        patch_error(opened.scene, work, project.glazing, asked.tolerance, overcast, factor),
+    )
+
+
+def measured(
+    folder: Path, asked: DaylightRequest, known: dict[bytes, ReadyScene] | None = None
+) -> Measured:
     """Open a project's scene, compute and write into a folder.
+
+    `known` has scenes made ready by their glazing; the request's is added.
 
     Raises:
         UserError: the scene cannot be read, or by `write_daylight`.
@@ -85,10 +131,28 @@ def measured(folder: Path, asked: DaylightRequest) -> Measured:
     with busy_with(f"opening {asked.project.scene}"):
         opened = OpenedScene(asked.project)
     try:
-        lines, warnings = write_daylight(folder, opened, asked)
+        key = msgspec.json.encode((asked.project.glazing, asked.project.bsdf))
+        known = {} if known is None else known
+        if key not in known:
+            known[key] = ready_scene(opened, asked)
+        lines, warnings = write_daylight(folder, opened, asked, known[key])
         return Measured(lines, [*opened.scene.notices, *warnings], {})
     finally:
         opened.close()
+
+
+def measured_variants(
+    folders: Iterable[Path], wanted: Iterable[DaylightRequest]
+) -> Iterator[Measured]:
+    """Requests of one scene that differ by orientation and glazing: rays and exchange of one
+    glazing serve all its orientations.
+
+    Raises:
+        UserError: by `measured`.
+    """
+    known: dict[bytes, ReadyScene] = {}
+    for folder, asked in zip(folders, wanted, strict=True):
+        yield measured(folder, asked, known)
 
 
 def measured_elsewhere(asked: DaylightRequest) -> Measured:
@@ -111,20 +175,14 @@ def write_files(folder: Path, found: Measured) -> None:
 
 
 def write_daylight(
-    folder: Path, opened: OpenedScene, asked: DaylightRequest
+    folder: Path, opened: OpenedScene, asked: DaylightRequest, ready: ReadyScene
 ) -> tuple[list[str], list[str]]:
     """Compute and write; returns a line for each plane, and warnings of measured glazing.
 
     Raises:
-        UserError: there are no work planes, sensors lie in walls, or a file cannot be written.
+        UserError: a file cannot be written.
     """
-    work = work_of(
-        opened.scene,
-        asked.sensors,
-        asked.tolerance,
-        glazing=asked.project.glazing,
-        bsdf=asked.project.bsdf,
-    )
+    work = ready.work
     # Hours of sun move the clock.
     hour = opened.hour()
     sky = spectral_sky(opened, hour) if asked.spectral else None
@@ -136,12 +194,8 @@ def write_daylight(
             path = folder / f"{name}.png"
             write_png(path, plan_picture(work.sensors, numbers[name], quantity))
             pictures[path] = f"{quantity.title.capitalize()} ({quantity.unit}), north (-z) up"
-    overcast = cie_hour(asked.cie_sky, asked.ground_albedo)
     factor = numbers["daylight_factor_percent"]
-    moved = patch_error(
-        opened.scene, work, asked.project.glazing, asked.tolerance, overcast, factor
-    )
-    method = _method(work, asked, moved)
+    method = _method(work, asked, ready.moved)
     lighting = None
     if asked.lamps:
         with busy_with("lamps"):
@@ -170,16 +224,39 @@ def write_daylight(
         tables += found_spectra.tables
         pictures |= found_spectra.pictures
         method += found_spectra.method
-    is_used = asked.year or asked.standards
+    is_used = asked.year or asked.standards or asked.sun_range is not None
     planes = range(len(work.sensors.names)) if is_used else ()
     rooms = {plane: room for plane in planes if (room := room_of(work, plane)) is not None}
+    if asked.sun_range is not None:
+        columns, table = sun_range_pages(work, opened, rooms, asked.sun_range)
+        numbers |= columns
+        tables.append(table)
     of_year = None
     if asked.year:
 
         def steps(hours: Iterable[int], count: int) -> Iterable[int]:
             return tracked(hours, "year", count)
 
-        wanted = YearRequest(rooms, asked.blinds, eyes, asked.sun_day, lighting)
+        def in_states(states: Mapping[str, int]) -> tuple[DaylightWork, Eyes | None]:
+            bsdf, glazing = asked.project.bsdf, asked.project.glazing
+            files = {name: one.in_state(states.get(name, 0)) for name, one in bsdf.items()}
+            other = work_of(
+                opened.scene, work.sensors, asked.tolerance, glazing=glazing, bsdf=files
+            )
+            if asked.eyes is None:
+                return other, None
+            return other, eyes_of(opened.scene, other, asked.eyes, asked.tolerance)
+
+        wanted = YearRequest(
+            rooms,
+            asked.blinds,
+            eyes,
+            asked.sun_day,
+            asked.project.bsdf,
+            in_states,
+            asked.periods,
+            lighting,
+        )
         found = year_pages(folder, work, opened, wanted, steps)
         of_year = found.found
         numbers |= found.columns
@@ -202,7 +279,9 @@ def write_daylight(
     write_report(folder / "report.html", ReportPage(title, subtitle, tables, pictures, method))
     held: list[Table] = []
     if asked.standards:
-        held = clauses(facts_of(work, opened, rooms, of_year, asked.sun_day))
+        former = None if asked.before is None else _former(asked.before, asked.project.bsdf)
+        facts = facts_of(work, opened, rooms, of_year, asked.sun_day, factor, asked.cie_sky, former)
+        held = clauses(facts)
         said = standards_method(weather_of(opened))
         page = ReportPage(f"{title}: compliance", subtitle, held, {}, said)
         write_report(folder / "compliance.html", page)
@@ -221,8 +300,18 @@ def write_daylight(
         for table in held
         for clause, subject, *_, verdict in table.rows
     ]
-    said = [*asked.spectra.notices(), *(() if lighting is None else lighting.warnings())]
-    return lines, [*_warnings(work), *said]
+    hints = [*asked.spectra.notices(), *(() if lighting is None else lighting.warnings())]
+    return lines, [*_warnings(work), *hints]
+
+
+def _former(project: Project, bsdf: Mapping[str, GlazingFile]) -> SiteScene:
+    """The scene before a change, whose measured panes are those of the scene after it too."""
+    with busy_with(f"opening {project.scene}"):
+        opened = OpenedScene(project)
+    try:
+        return scene_of(opened.scene, project.glazing, {*bsdf, *project.bsdf})
+    finally:
+        opened.close()
 
 
 def _warnings(work: DaylightWork) -> list[str]:

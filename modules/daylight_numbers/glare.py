@@ -10,9 +10,18 @@ import numpy as np
 from light_transport.public import CancelCheck, always
 from scipy.ndimage import distance_transform_edt, label
 
-from daylight_numbers.eye_view import EDGE_PX, SUN_SR, Eye, EyeView, EyeYear, Hemisphere
+from daylight_numbers.eye_view import (
+    EDGE_PX,
+    SUN_SR,
+    Eye,
+    EyeView,
+    EyeYear,
+    Hemisphere,
+    sun_through,
+)
 from daylight_numbers.metrics import OCCUPIED_H, occupied
 from daylight_numbers.mirrored_sun import Flats, mirrored_suns
+from daylight_numbers.sensor_rays import glazed
 from daylight_numbers.work import DaylightWork
 from daylight_numbers.year import (
     LUMENS_RGB,
@@ -176,6 +185,12 @@ def _discs(work: DaylightWork, flats: Flats, eye: Eye, light: YearLight, hour: i
         light.sun_direction[hour],
         light.sun_irradiance_rgb[hour],
     )
+    if work.operator.panes is not None:
+        sun, power = light.sun_direction[hour], light.sun_irradiance_rgb[hour]
+        place = work.transport.in_radii(eye.place_m)
+        disc = sun_through(glazed(work.transport, work.glass), work.operator.panes, place, sun)
+        if disc.any():
+            towards, irradiance = np.vstack([towards, sun]), np.vstack([irradiance, disc * power])
     seen = towards @ eye.towards > 0.0
     lux = irradiance[seen] @ LUMENS_RGB
     return GlareSources(lux / SUN_SR, np.full(len(lux), SUN_SR), towards[seen] @ eye.axes.T)

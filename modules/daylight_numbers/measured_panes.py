@@ -182,7 +182,7 @@ class MeasuredPanes:
         """Radiances (O, H) indoors by suns (H, 3) of 1 W m^-2, without their straight beams."""
         directions = np.asarray(directions, float)
         out = np.zeros((self.exiting, len(directions)), np.float32)
-        reached = self._sunlit(directions)
+        reached = self.sunlit(directions)
         for tile, glazing in enumerate(self.glazing_of):
             found = self.materials.glazings[glazing]
             shines = np.flatnonzero(reached[tile])
@@ -193,7 +193,7 @@ class MeasuredPanes:
             out[begin:end, shines] = found.scattered[:, found.incident.patch_of(onwards)] * light
         return out
 
-    def _sunlit(self, directions: FloatArray) -> FloatArray:
+    def sunlit(self, directions: FloatArray) -> FloatArray:
         """Share (S, H) of each tile's points that suns (H, 3) shine on, by what glass passes."""
         outwards = -self.tiles.axes[self.tiles.facet, 2]
         tile, sun = np.nonzero((outwards @ directions.T > 0.0) & (directions[:, 1] > 0.0))

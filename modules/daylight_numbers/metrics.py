@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,14 +59,29 @@ def occupied(light: YearLight) -> BoolArray:
     return np.asarray((clock >= _FROM_H) & (clock < _TO_H))
 
 
-def daylight_autonomy(total: Float32Array, light: YearLight) -> FloatArray:
+def daylight_autonomy(
+    total: Float32Array, light: YearLight, least_lx: float = _DA_LX
+) -> FloatArray:
     """Share (P,) of the hours from 8:00 to 18:00 that have 300 lx, by illuminances (P, H)."""
-    return np.asarray((total[:, occupied(light)] >= _DA_LX).sum(axis=1) / OCCUPIED_H)
+    return np.asarray((total[:, occupied(light)] >= least_lx).sum(axis=1) / OCCUPIED_H)
 
 
-def spatial_autonomy(autonomy: FloatArray) -> float:
-    """Share of sensors (P,) that have 300 lx in half of these hours."""
-    return float(np.mean(autonomy >= _DA_SHARE))
+def spatial_autonomy(autonomy: FloatArray, least_share: float = _DA_SHARE) -> float:
+    """Share of sensors (P,) whose daylight autonomy is at least a half."""
+    return float(np.mean(autonomy >= least_share))
+
+
+def daylight_hours(light: YearLight) -> NDArray[np.int64]:
+    """Numbers of the 4,380 hours with most diffuse light outdoors (EN 17037's daylight hours)."""
+    return np.argsort(-light.diffuse_lux, kind="stable")[:_DAYLIGHT_H]
+
+
+def median_diffuse_lx(light: YearLight) -> float:
+    """Illuminance (lx) on open level ground without the sun's own, reached in half of the 4,380
+    daylight hours: EN 17037:2018's Ev,d,med, clause A.2."""
+    hours = daylight_hours(light)
+    ordered = np.sort(light.diffuse_lux[hours])
+    return float(ordered[max(len(hours) - _DAYLIGHT_H // 2, 0)])
 
 
 def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
@@ -79,7 +95,7 @@ def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     ]
     # Hours without any light are not among those that were computed.
     within[0] = 1.0 - sum(within[1:])
-    day = np.argsort(-light.diffuse_lux, kind="stable")[:_DAYLIGHT_H]
+    day = daylight_hours(light)
     ordered = np.sort(total[:, day], axis=1)
     return PointYear(
         da_300=daylight_autonomy(total, light),
@@ -90,15 +106,23 @@ def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     )
 
 
-def room_year(
-    points: PointYear, sensors: Sensors, plane: int, is_lit_by_roof: bool = False
-) -> RoomYear:
-    """Numbers of one work plane; with roof lights 95 % of it must reach the target."""
+class EnPlane(NamedTuple):
+    """EN 17037 on a work plane: level of EN_LEVELS or none, and the lux that 50 % and 95 % of its
+    sensors reach, without those within half a metre of a wall."""
+
+    level: str
+    median_lx: float
+    low_lx: float
+
+
+def en_plane(lux: FloatArray, sensors: Sensors, plane: int, is_lit_by_roof: bool) -> EnPlane:
+    """The level of one work plane by illuminances (P,) that sensors have in half of the daylight
+    hours; with roof lights 95 % of it must reach the target."""
     here = sensors.plane == plane
     inner = here & sensors.inner
-    lux = np.sort(points.en_lx[inner if inner.any() else here])
+    ordered = np.sort(lux[inner if inner.any() else here])
     median, low = (
-        float(lux[int(len(lux) * (1.0 - share) + 1e-9)])
+        float(ordered[int(len(ordered) * (1.0 - share) + 1e-9)])
         for share in (_EN_TARGET_PLANE, _EN_LEAST_PLANE)
     )
     reached = [
@@ -106,13 +130,22 @@ def room_year(
         for name, target, least in zip(EN_LEVELS, EN_TARGET_LX, EN_LEAST_LX, strict=True)
         if (low >= target if is_lit_by_roof else median >= target and low >= least)
     ]
+    return EnPlane(reached[-1] if reached else "none", median, low)
+
+
+def room_year(
+    points: PointYear, sensors: Sensors, plane: int, is_lit_by_roof: bool = False
+) -> RoomYear:
+    """Numbers of one work plane; with roof lights 95 % of it must reach the target."""
+    here = sensors.plane == plane
+    en = en_plane(points.en_lx, sensors, plane, is_lit_by_roof)
     return RoomYear(
         da_300_50=spatial_autonomy(points.da_300[here]),
         ase_1000_250=float(np.mean(points.ase_h[here] > _ASE_H)),
         udi=points.udi[here].mean(axis=0),
-        en_level=reached[-1] if reached else "none",
-        en_median_lx=median,
-        en_low_lx=low,
+        en_level=en.level,
+        en_median_lx=en.median_lx,
+        en_low_lx=en.low_lx,
         dose_klxh=float(points.dose_klxh[here].mean()),
     )
 

@@ -13,7 +13,8 @@ from light_transport.public import NODES, CancelCheck, Illumination, SceneTransp
 from daylight_numbers.glass import Glass
 from daylight_numbers.measured_panes import MeasuredPanes
 from daylight_numbers.operator import Operator, operator_of
-from daylight_numbers.sensor_rays import SKY, ends_of, glazed
+from daylight_numbers.pane_bounces import PaneBounces
+from daylight_numbers.sensor_rays import SKY, GlazedScene, ends_of, glazed
 from daylight_numbers.sensors import Sensors
 from daylight_numbers.sky_cells import CELL_SR, cell_directions, cell_radiances
 from daylight_numbers.work import RAYS_SHARE, DaylightWork, bounces_of, traced_transport
@@ -73,16 +74,28 @@ def hour_at_sensors(
     key = np.asarray(hour.key_irradiance_rgb, float)
     of_sun = None
     if operator.bounces is not None:
-        of_sun = operator.bounces.panes.of_sun(towards) * key
-        radiosity += operator.bounces.more_radiosity(
-            radiances, radiosity, of_sun, towards[0], key, hour.ground_albedo_rgb
-        )
+        of_sun, more = light_by_panes(operator.bounces, radiances, radiosity, hour)
+        radiosity += more
     nothing = np.zeros_like(radiosity), np.zeros_like(radiances)
     sky, _ = operator.irradiance(radiances, nothing[0])
     surfaces, _ = operator.irradiance(nothing[1], radiosity, of_sun)
     _, noise = operator.irradiance(radiances, radiosity, of_sun)
     sun = sun_shares(transport, glass, sensors, towards, operator.panes)[:, 0] * key
     return HourAtSensors(*(_lux(part) for part in (sun, sky, surfaces, noise)))
+
+
+def light_by_panes(
+    bounces: PaneBounces, radiances: FloatArray, radiosity: FloatArray, hour: Illumination
+) -> tuple[FloatArray, FloatArray]:
+    """Radiances (O, 3) of measured panes by the sun alone, and what they add to the radiosity
+    (M, 3) of patches; see `PaneBounces.more_radiosity`."""
+    towards = np.asarray(hour.key_direction, float)
+    key = np.asarray(hour.key_irradiance_rgb, float)
+    of_sun = bounces.panes.of_sun(towards[None]) * key
+    more = bounces.more_radiosity(
+        radiances, radiosity, of_sun, towards, key, hour.ground_albedo_rgb
+    )
+    return of_sun, more
 
 
 def _lux(irradiance_rgb: FloatArray) -> FloatArray:
@@ -109,16 +122,25 @@ def sun_shares(
     for first in range(0, len(sensor), _RAYS_AT_ONCE):
         some = slice(first, first + _RAYS_AT_ONCE)
         s, d = sensor[some], towards[some]
-        target, share = ends_of(where, places[s], np.asarray(directions)[d])
-        got = share[:, 0] * (target[:, 0] == SKY)[:, None]
-        if panes is not None:
-            hits = panes.met_by(target[:, 0], np.asarray(directions)[d])
-            met = np.flatnonzero(hits.met)[hits.straight > 0.0]
-            beyond, through = ends_of(panes.opened, places[s[met]], np.asarray(directions)[d[met]])
-            passed = hits.straight[hits.straight > 0.0] * (beyond[:, 0] == SKY)
-            got[met] = passed[:, None] * through[:, 0]
+        got = sun_reaching(where, panes, places[s], np.asarray(directions)[d])
         found[s, d] = got * cosine[s, d, None]
     return found
+
+
+def sun_reaching(
+    where: GlazedScene, panes: MeasuredPanes | None, places: FloatArray, towards: FloatArray
+) -> FloatArray:
+    """Share (R, 3) of light from unit vectors (R, 3) that gets straight to places (R, 3) in radii,
+    through glass, and through measured panes, which are opaque in `where`."""
+    target, share = ends_of(where, places, towards)
+    got = share[:, 0] * (target[:, 0] == SKY)[:, None]
+    if panes is not None:
+        hits = panes.met_by(target[:, 0], towards)
+        met = np.flatnonzero(hits.met)[hits.straight > 0.0]
+        beyond, through = ends_of(panes.opened, places[met], towards[met])
+        passed = hits.straight[hits.straight > 0.0] * (beyond[:, 0] == SKY)
+        got[met] = passed[:, None] * through[:, 0]
+    return np.asarray(got)
 
 
 def open_irradiance(hour: Illumination) -> FloatArray:

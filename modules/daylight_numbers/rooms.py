@@ -15,7 +15,7 @@ from daylight_numbers.work import DaylightWork
 from vrut_lite.numeric_types import FloatArray
 
 SIDES = ("-x (west)", "+x (east)", "below", "roof", "-z (north)", "+z (south)")
-ROOF = 3
+BELOW, ROOF = 2, 3
 # A room's side lies where at least this share of the level rays to it ends, or nearer: the others
 # leave by openings.
 _WALL_SHARE = 0.25

@@ -13,7 +13,9 @@ from vrut_lite.numeric_types import FloatArray
 
 STEP_MINUTES = 10
 # EN 17037: the reference point lies in an opening, so far above the floor.
-_REFERENCE_M, _BEFORE_M = 1.2, 1e-3
+_REFERENCE_M = 1.2
+# Distance before an opening, in metres, at which rays to the sun begin.
+BEFORE_M = 1e-3
 _SUN_LEVELS = ((4.0, "high"), (3.0, "medium"), (1.5, "minimum"))
 
 
@@ -42,7 +44,7 @@ def sun_in_openings(work: DaylightWork, room: DaylitRoom, suns: FloatArray) -> f
     """Most hours of sun at a place in a room's openings, 1.2 m above its floor or higher."""
     most = 0.0
     for opening in room.openings:
-        places = opening.places_m - _BEFORE_M * opening.outwards
+        places = opening.places_m - BEFORE_M * opening.outwards
         high = places[:, 1] >= room.box.lower_m[1] + _REFERENCE_M
         places = places[high] if high.any() else places
         sensors = free_sensors(places, np.broadcast_to(opening.outwards, places.shape), "opening")

@@ -12,13 +12,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from daylight_numbers.angle_basis import KLEMS, AngleBasis
+from daylight_numbers.angle_basis import KLEMS, KLEMS_FULL, AngleBasis
+from daylight_numbers.tensor_tree import RANKS, klems_of_leaves, tree_leaves
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray, IntArray
 
 _MOST_BYTES = 64 << 20
 _MOST_PATCHES, _MOST_RINGS = 2500, 90
 _SAME_DEG = 0.01
+_TREE_BASIS = "LBNL/Shirley-Chiu"
 # Transmittance above which the file is warned of, and the values' rounding in a sum of 1.
 _ROUNDING = 1e-3
 # A beam goes straight on where its patch has at least so many times the mean of the patches around
@@ -116,19 +118,21 @@ def read_window_xml(path: str | Path) -> MeasuredGlazing:
     layer = _found(root, "layer")
     data = root if layer is None else layer
     structure = _text(data, "incidentdatastructure") or "Columns"
-    if structure.lower().startswith("tensortree"):
+    kind = structure.lower()
+    rank = next((rank for rank in RANKS if kind == f"tensortree{rank}"), None)
+    if rank is None and kind not in ("columns", "rows"):
         raise UserError(
-            f"{file} is a {structure}, a tree of tensors, which is not read: write it as a Klems "
-            "matrix, by Radiance's bsdf2klems or genBSDF without -t"
+            f"{file} has the IncidentDataStructure {structure!r}: Columns, Rows, TensorTree3 and "
+            "TensorTree4 are read"
         )
-    if structure.lower() not in ("columns", "rows"):
-        raise UserError(f"{file} has the IncidentDataStructure {structure!r}: Columns is read")
-    by_rows = structure.lower() == "rows"
-    bases = _bases(file, data)
+    bases = {} if rank else _bases(file, data)
     blocks: dict[str, _Block] = {}
     for block in _visible(file, data):
         side = _text(block, "wavelengthdatadirection").lower()
-        blocks[side] = _block(file, block, bases, by_rows)
+        if rank:
+            blocks[side] = _tree_block(file, block, rank)
+        else:
+            blocks[side] = _block(file, block, bases, kind == "rows")
     if "transmission front" in blocks:
         front = blocks["transmission front"]
     elif "transmission back" in blocks:
@@ -272,6 +276,20 @@ def _block(
             f"{bad[0][1] + 1}: values are finite and not negative"
         )
     return _Block(matrix.T, row, column) if by_rows else _Block(matrix, column, row)
+
+
+def _tree_block(file: Path, block: ElementTree.Element, rank: int) -> _Block:
+    """A tree as a matrix of Klems's full basis."""
+    side = _text(block, "wavelengthdatadirection")
+    basis = _text(block, "anglebasis")
+    if basis.lower() != _TREE_BASIS.lower():
+        raise UserError(f"{file}: a tree has the angle basis {_TREE_BASIS}, not {basis!r}")
+    element = _found(block, "scatteringdata")
+    try:
+        leaves = tree_leaves("" if element is None else element.text or "", rank)
+    except ValueError as error:
+        raise UserError(f"{file}: {side} is no tensor tree of rank {rank}: {error}") from None
+    return _Block(klems_of_leaves(leaves, rank), KLEMS_FULL, KLEMS_FULL)
 
 
 def _basis(

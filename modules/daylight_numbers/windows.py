@@ -14,10 +14,10 @@ Panes are opaque here: glass of other buildings is an obstruction.
 from typing import NamedTuple
 
 import numpy as np
-from light_transport.public import MISS, RayScene, Tree, first_hits
+from light_transport.public import MISS, Tree, first_hits
 
 from daylight_numbers.now import relative_luminance
-from daylight_numbers.rooms import ROOF, DaylitRoom, Opening
+from daylight_numbers.rooms import BELOW, ROOF, DaylitRoom, Opening
 from daylight_numbers.sky_cells import CELLS, EDGE, on_disc
 from daylight_numbers.work import DaylightWork
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
@@ -26,7 +26,6 @@ from vrut_lite.messages.weather import SetWeather
 from vrut_lite.numeric_types import BoolArray, FloatArray
 from vrut_lite.sky.suns import hour_edges_s, suns_at
 
-_BELOW = 2
 # Reveals: places move outwards in these steps while three of the four ways along the wall end
 # within a distance, for the depth of a thick wall at most.
 _STEP_M, _THICKEST_M, _REVEAL_M = 0.02, 0.7, 6.0
@@ -82,29 +81,18 @@ def sunny_hours(weather: SetWeather, north_offset_rad: float) -> SunnyHours:
     return SunnyHours(world_from_enu(suns.east_north_up[sunny], north_offset_rad), in_winter)
 
 
-def windows_of(
-    work: DaylightWork, room: DaylitRoom, place: SetPlace, sunny: SunnyHours | None
-) -> list[WindowLight]:
-    """The upright sides of a room that have openings."""
-    scene = shut_scene(work)
-    return [
-        _window(scene, opening, place, sunny)
-        for opening in room.openings
-        if opening.side not in (ROOF, _BELOW)
-    ]
-
-
 class ShutScene(NamedTuple):
-    """A scene with opaque panes."""
+    """A scene with opaque panes: the tree of its triangles in radii around its middle (3,)."""
 
-    transport: RayScene
     tree: Tree
+    centre_m: FloatArray
+    radius_m: float
 
     def distances_m(self, places_m: FloatArray, towards: FloatArray) -> FloatArray:
         """Free ways (R,) from places (R, 3) along unit vectors (R, 3); inf where nothing is met."""
-        radius, centre = self.transport.surfaces.radius_m, self.transport.surfaces.centre_m
-        hit, distance = first_hits(self.tree, (places_m - centre) / radius, towards)
-        return np.where(hit == MISS, np.inf, distance.astype(float) * radius)
+        places = (places_m - self.centre_m) / self.radius_m
+        hit, distance = first_hits(self.tree, places, towards)
+        return np.where(hit == MISS, np.inf, distance.astype(float) * self.radius_m)
 
     def reaches(self, place_m: FloatArray, towards: FloatArray) -> BoolArray:
         """Which light from unit vectors (R, 3) reaches a place (3,)."""
@@ -114,15 +102,42 @@ class ShutScene(NamedTuple):
 
 def shut_scene(work: DaylightWork) -> ShutScene:
     """The scene of a work, its panes shut."""
-    tree = work.transport.tree
+    tree, surfaces = work.transport.tree, work.transport.surfaces
     opacity = np.where(work.glass.clear[tree.order], np.float32(1.0), tree.opacity)
-    return ShutScene(work.transport, tree._replace(opacity=opacity.astype(np.float32)))
+    shut = tree._replace(opacity=opacity.astype(np.float32))
+    return ShutScene(shut, surfaces.centre_m, surfaces.radius_m)
+
+
+def windows_of(
+    work: DaylightWork, room: DaylitRoom, place: SetPlace, sunny: SunnyHours | None
+) -> list[WindowLight]:
+    """The upright sides of a room that have openings."""
+    scene = shut_scene(work)
+    return lit_windows(scene, scene, room, place, sunny)
+
+
+def lit_windows(
+    scene: ShutScene,
+    own: ShutScene,
+    room: DaylitRoom,
+    place: SetPlace,
+    sunny: SunnyHours | None,
+) -> list[WindowLight]:
+    """The same in `scene`, at the outer faces of the walls of the room's `own` scene."""
+    return [
+        _window(scene, opening, outer_places(own, opening), place, sunny)
+        for opening in room.openings
+        if opening.side not in (ROOF, BELOW)
+    ]
 
 
 def _window(
-    scene: ShutScene, opening: Opening, place: SetPlace, sunny: SunnyHours | None
+    scene: ShutScene,
+    opening: Opening,
+    places_m: FloatArray,
+    place: SetPlace,
+    sunny: SunnyHours | None,
 ) -> WindowLight:
-    places_m = outer_places(scene, opening)
     east, north, _ = enu_from_world(opening.outwards, place.north_offset_rad)
     azimuth = np.degrees(np.arctan2(east, north)) % 360.0
     sky = 100.0 * np.array([sky_component(scene, at, opening.outwards) for at in places_m])

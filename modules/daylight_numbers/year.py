@@ -7,7 +7,7 @@ a ray for each sensor and hour.
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -68,6 +68,10 @@ class SolvedYear:
     near: IntArray
     share: FloatArray
 
+    def some(self, chosen: IntArray) -> "SolvedYear":
+        """The same for those hours (H,) that are chosen."""
+        return replace(self, near=self.near[chosen], share=self.share[chosen])
+
 
 @dataclass(frozen=True, eq=False)
 class YearMatrices:
@@ -119,11 +123,12 @@ def solved_year(
     lit = np.array(sunlit, np.float32).reshape(len(chosen), len(reflectance))
     towards = light.sun_direction[chosen]
     if bounces is not None:
-        by_sky += _by_panes(bounces, _on_nodes(), by_sky, None, None, reflectance, go_on)
+        by_sky += _by_panes(bounces, on_nodes(), by_sky, None, None, reflectance, go_on)
         with ThreadPoolExecutor(transport.threads) as pool:
             beams = np.array(list(pool.map(bounces.straight_sun, towards)), np.float32)
         glow = bounces.panes.of_sun(towards)
         beams = beams.reshape(len(chosen), len(reflectance))
+        lit += beams
         by_suns += _by_panes(bounces, None, by_suns, glow, beams.T, reflectance, go_on)
     return SolvedYear(straight, by_sky, lit, by_suns, towards, near, share)
 
@@ -144,7 +149,7 @@ def year_matrices(
     if panes is not None:
         for n, half in enumerate(halves):
             for k in range(3):
-                of_sky = panes.radiances(n, _on_nodes(), solved.by_sky[k])
+                of_sky = panes.radiances(n, on_nodes(), solved.by_sky[k])
                 of_suns = panes.radiances(n, None, solved.by_suns[k])
                 through = half.through[k % len(half.through)].astype(np.float32)
                 sky[n][k] += through @ of_sky.astype(np.float32)
@@ -332,13 +337,13 @@ def _scattered_suns(
 
 def sky_matrix(half: Half, by_sky: Float32Array) -> Float32Array:
     """Irradiance (3, P, GROUND_NODE + 1) by radiances, straight and by all bounces."""
-    summed, count = _on_nodes(), len(half.seen)
+    summed, count = on_nodes(), len(half.seen)
     straight = [np.asarray((seen @ summed).toarray(), np.float32) for seen in half.seen]
     bounced = brought(half, by_sky)
     return np.stack([straight[k % count] + bounced[k] for k in range(3)])
 
 
-def _on_nodes() -> csr_matrix:
+def on_nodes() -> csr_matrix:
     """Which cells (CELLS + 1) are parts of each of the table's nodes (GROUND_NODE + 1)."""
     nodes = np.append(node_of_cell(), GROUND_NODE)
     return csr_matrix(

@@ -4,7 +4,7 @@ The sky may be that of a year of weather or a clear one: it comes by messages, a
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -49,6 +49,16 @@ class YearLight:
     sun_irradiance_rgb: FloatArray
     ground_albedo_rgb: FloatArray
     source: str
+
+    def some(self, chosen: IntArray) -> "YearLight":
+        """Those hours (H,) that are chosen."""
+        return replace(
+            self,
+            hour=self.hour[chosen],
+            sky=self.sky[chosen],
+            sun_direction=self.sun_direction[chosen],
+            sun_irradiance_rgb=self.sun_irradiance_rgb[chosen],
+        )
 
     @property
     def diffuse_lux(self) -> FloatArray:

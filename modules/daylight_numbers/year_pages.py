@@ -1,6 +1,6 @@
 """A year's columns, tables, pictures and method for the command's folder."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, date, datetime, time, timedelta
 from pathlib import Path
 from typing import NamedTuple
@@ -9,6 +9,7 @@ import numpy as np
 
 from daylight_numbers.blinds import Shaded, shaded_year
 from daylight_numbers.eyes import Eyes, glare_table
+from daylight_numbers.glare import glare_year
 from daylight_numbers.lamp_pages import LampPages
 from daylight_numbers.lighting import Lighting
 from daylight_numbers.lighting_pages import lighting_pages
@@ -17,17 +18,35 @@ from daylight_numbers.metrics import (
     RoomYear,
     by_day_and_hour,
     daylight_autonomy,
+    median_diffuse_lx,
     point_year,
     room_year,
     spatial_autonomy,
 )
+from daylight_numbers.moving_blinds import (
+    StateLight,
+    moves,
+    moving_glare,
+    moving_year,
+    pane_states,
+    states_by_glare,
+    states_table,
+)
+from daylight_numbers.moving_blinds import method as moving_method
 from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, heat_map, plan_picture
 from daylight_numbers.report import Table
 from daylight_numbers.rooms import DaylitRoom
 from daylight_numbers.sensors import Sensors
-from daylight_numbers.standards import PlaneYear, YearFound
+from daylight_numbers.standards import WELL_EN_LX, PlaneYear, YearFound
 from daylight_numbers.sun_hours import sun_hours, sun_in_openings, sun_level, suns_of_day
+from daylight_numbers.totals import (
+    Period,
+    radiant_light,
+    totals_of,
+    totals_table,
+    write_totals,
+)
 from daylight_numbers.work import DaylightWork
 from daylight_numbers.year import (
     DAYS_BETWEEN,
@@ -39,6 +58,8 @@ from daylight_numbers.year import (
 )
 from daylight_numbers.year_light import YearLight, lit_hours, year_light
 from vrut_lite.headless import write_png
+from vrut_lite.messages.glazing import GlazingFile
+from vrut_lite.messages.weather import SetWeather
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.quantities import percent_text
 
@@ -53,13 +74,18 @@ _MOST_HEAT_MAPS = 4
 
 class YearRequest(NamedTuple):
     """A request: `rooms` by the number of their work plane; `blinds` is the transmittance of closed
-    blinds; `sun_day`, of YEAR, the day of EN 17037's hours of sun; `lighting` the lamps, if any."""
+    blinds; `sun_day`, of YEAR, the day of EN 17037's hours of sun; `bsdf` has blinds that move, and
+    `work_in` makes the scene ready with states of them; `periods` are those of totals; `lighting`
+    the lamps, if any."""
 
     rooms: Mapping[int, DaylitRoom]
     blinds: float
     eyes: Eyes | None
     sun_day: date
-    lighting: Lighting | None = None
+    bsdf: Mapping[str, GlazingFile]
+    work_in: Callable[[Mapping[str, int]], tuple[DaylightWork, Eyes | None]]
+    periods: Sequence[Period]
+    lighting: Lighting | None
 
 
 class YearPages(NamedTuple):
@@ -91,7 +117,37 @@ def year_pages(
     hours = lit_hours(opened.place, offset_h)
     light = year_light(opened, hours, offset_h, tracked)
     solved = solved_year(work.transport, light, bounces=work.operator.bounces)
-    year = year_of(year_matrices(work, light, solved), light)
+    of_states: list[Table] = []
+    if moves(asked.bsdf):
+        assert work.operator.panes is not None
+        states = pane_states(work.operator.panes, asked.bsdf, light)
+        known: dict[tuple[int, ...], StateLight] = {}
+
+        def light_in(chosen: Mapping[str, int]) -> StateLight:
+            key = tuple(chosen[name] for name in sorted(chosen))
+            if key not in known and not any(key):
+                known[key] = StateLight(work, solved, light.hour, asked.eyes)
+            elif key not in known:
+                other, eyes = asked.work_in(chosen)
+                bounces = other.operator.bounces
+                again = solved_year(other.transport, light, bounces=bounces)
+                known[key] = StateLight(other, again, light.hour, eyes)
+            return known[key]
+
+        states = states_by_glare(states, asked.bsdf, light, light_in)
+        of_states = [states_table(states, asked.bsdf, light)]
+
+        def year_under(lit: YearLight) -> Year:
+            return moving_year(states, lit, light_in)
+
+        dgp = None if asked.eyes is None else moving_glare(states, light, light_in)
+    else:
+
+        def year_under(lit: YearLight) -> Year:
+            return year_of(year_matrices(work, lit, solved), lit)
+
+        dgp = None if asked.eyes is None else glare_year(*asked.eyes, light, solved)
+    year = year_under(light)
     planes, rooms = range(len(sensors.names)), asked.rooms
     shaded = {
         plane: shaded_year(work, plane, room, year, light, solved, asked.blinds)
@@ -110,6 +166,8 @@ def year_pages(
         of_planes[plane] = PlaneYear(
             room_year(points, sensors, plane, room is not None and room.is_lit_by_roof),
             None if blinds is None else spatial_autonomy(daylight_autonomy(blinds.total, light)),
+            None if blinds is None else _sda_200_40(blinds, light),
+            [float(np.mean(points.en_lx[sensors.plane == plane] >= lux)) for lux in WELL_EN_LX],
         )
     columns = {
         "da_300_percent": 100.0 * points.da_300,
@@ -124,7 +182,15 @@ def year_pages(
         "dose_klxh": points.dose_klxh,
         "sun_of_en_17037_h": sun,
     }
-    glare = [] if asked.eyes is None else [glare_table(asked.eyes, light, solved)]
+    totals: list[Table] = []
+    if asked.periods:
+        weather = opened.kernel.last(SetWeather)
+        is_file = weather is not None and bool(weather.path)
+        radiant = year_under(radiant_light(light, weather)) if weather and is_file else None
+        found = totals_of(year, radiant, light.hour, asked.periods)
+        write_totals(folder / "totals.csv", sensors, found, asked.periods)
+        totals.append(totals_table(sensors, found, asked.periods))
+    glare = [] if dgp is None else [glare_table(dgp, light)]
     lamps = LampPages({}, [], {}, [])
     if asked.lighting is not None:
         daylight = year.total.copy()
@@ -132,7 +198,11 @@ def year_pages(
             daylight[one.sensors] = one.total
         lamps = lighting_pages(folder, work, asked.lighting, daylight, light, solved)
     return YearPages(
-        YearFound(of_planes, [row[1] for table in glare for row in table.rows]),
+        YearFound(
+            of_planes,
+            [row[1] for table in glare for row in table.rows],
+            median_diffuse_lx(light),
+        ),
         light,
         solved,
         year,
@@ -140,12 +210,23 @@ def year_pages(
         [
             year_table(rows, f"{asked.sun_day:%-d %B}"),
             udi_table(sensors, points),
+            *of_states,
+            *totals,
             *glare,
             *lamps.tables,
         ],
         _pictures(folder, sensors, columns, year, light) | lamps.pictures,
-        [*method(light.source, len(hours), asked.blinds), *lamps.method],
+        [
+            *method(light.source, len(hours), asked.blinds),
+            *moving_method(asked.bsdf),
+            *lamps.method,
+        ],
     )
+
+
+def _sda_200_40(blinds: Shaded, light: YearLight) -> float:
+    """SDA 200/40 of WELL v2's L01, with blinds."""
+    return spatial_autonomy(daylight_autonomy(blinds.total, light, 200.0), 0.4)
 
 
 def _pictures(

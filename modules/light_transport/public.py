@@ -6,9 +6,9 @@
 * The light of an hour, `Illumination`, by `hour_of` messages; `node_radiances` are its sky in the
   table's cells, `NODES`, `GROUND_NODE` and `EDGE`; `columns_and_rays` are the table's entries.
 * `MirrorRays` of `mirror_parts`: the surroundings of glossy parts, by `SceneTransport.add_mirrors`.
-* Where rays end: a `RayScene` and its `Tree`, `first_hits`, and for kernels (`hot`, `inlined`)
-  `nearest_along`, `mixed`, `met_row`, `scratch`, `MISS`, `GROUND`; `edges_of` triangles of
-  `Surfaces`.
+* Where rays end: a `RayScene` and its `Tree`, `tree_of` surfaces alone, `first_hits`, and for
+  kernels (`hot`, `inlined`) `nearest_along`, `mixed`, `met_row`, `scratch`, `MISS`, `GROUND`;
+  `edges_of` triangles of `Surfaces`.
 """
 
 from light_transport.giving_up import CancelCheck, always, unless
@@ -17,7 +17,7 @@ from light_transport.jobs import hour_of
 from light_transport.kernels import hot, inlined
 from light_transport.rays.map_texels import edges_of
 from light_transport.rays.mirror_rays import MirrorRays, mirror_parts
-from light_transport.rays.ray_scene import RayScene
+from light_transport.rays.ray_scene import RayScene, tree_of
 from light_transport.rays.ray_starts import scratch
 from light_transport.rays.ray_table import columns_and_rays, met_row
 from light_transport.rays.sky_nodes import EDGE, GROUND_NODE, NODES, node_radiances
@@ -57,5 +57,6 @@ __all__ = [
     "quality_for",
     "scratch",
     "surfaces_of",
+    "tree_of",
     "unless",
 ]

@@ -5,16 +5,14 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pvlib
 import pytest
-from boxes import box, floor, quads
+from boxes import box, floor
 from click.testing import CliRunner
 from daylight_numbers.command import daylight
-from daylight_numbers.glass import no_glass
-from daylight_numbers.metrics import RoomYear
+from daylight_numbers.metrics import RoomYear, median_diffuse_lx
 from daylight_numbers.now import relative_luminance
-from daylight_numbers.operator import operator_of
-from daylight_numbers.rooms import SIDES, DaylitRoom, Opening, RoomBox
+from daylight_numbers.rooms import DaylitRoom, Opening, RoomBox
 from daylight_numbers.sensors import free_sensors
-from daylight_numbers.standards import Facts, PlaneYear, YearFound, clauses
+from daylight_numbers.standards import Facts, PlaneYear, YearFound, clauses, overcast_lux
 from daylight_numbers.view_out import ViewOut, view_out
 from daylight_numbers.windows import (
     WindowLight,
@@ -24,28 +22,11 @@ from daylight_numbers.windows import (
     sunny_hours,
     windows_of,
 )
-from daylight_numbers.work import DaylightWork
-from light_transport.transport import SceneTransport
+from daylight_numbers.year_light import YearLight
+from light_transport.rays.sky_nodes import GROUND_NODE
+from standards_scenes import EAST, OUT, SOUTH, wall, weather, work_in
 
 from vrut_lite.messages.place import SetPlace
-from vrut_lite.messages.weather import SetWeather
-
-EAST, SOUTH = SIDES.index("+x (east)"), SIDES.index("+z (south)")
-OUT = {EAST: np.array([1.0, 0.0, 0.0]), SOUTH: np.array([0.0, 0.0, 1.0])}
-
-
-def work_in(*corners, places=((0.0, 0.8, 0.0),)):
-    surfaces, layout = quads(*corners)
-    transport = SceneTransport(surfaces, layout)
-    transport.add_rays(64)
-    glass = no_glass(len(surfaces.part))
-    sensors = free_sensors(places, np.tile([0, 1.0, 0], (len(places), 1)), "room")
-    return DaylightWork(transport, glass, sensors, operator_of(transport, glass, sensors, 0.1))
-
-
-def wall(x, height, half=2000.0):
-    """An upright quad at x, seen from -x."""
-    return [[x, 0, -half], [x, 0, half], [x, height, half], [x, height, -half]]
 
 
 def overcast_share(hidden_deg):
@@ -82,16 +63,6 @@ def test_windows_are_looked_at_from_the_outer_face_of_their_wall():
     np.testing.assert_array_equal(outside[:, 1:], places[:, 1:])
     thin = outer_places(shut_scene(work_in(floor(-5, 5, -5, 5, -1.0))), opening)
     np.testing.assert_allclose(thin[:, 0], 0.0, atol=0.02)
-
-
-def weather(latitude_deg=51.5):
-    """A year in which the sun always shines."""
-    each = (500.0,) * 8760
-    return SetWeather(
-        path="sunny.epw", name="sunny", latitude_deg=latitude_deg, longitude_deg=0.0,
-        altitude_m=0.0, utc_offset_h=0.0, direct_normal_w_m2=each,
-        diffuse_horizontal_w_m2=(100.0,) * 8760, dew_point_c=(10.0,) * 8760,
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize("latitude_deg", [51.5, -34.0])
@@ -162,7 +133,8 @@ def facts(**changes):
     view = ViewOut(np.array([60.0]), np.array([np.inf]), np.ones((1, 3), bool))
     known = Facts(
         names={0: "room 1"}, area_m2={0: 12.0}, lit_by_roof={0: False}, views={0: view},
-        windows={0: [window]}, sun_h={0: 2.0}, equinox_share=0.8, has_weather=True, year=None,
+        windows={0: [window]}, sun_h={0: 2.0}, equinox_share=0.8, has_weather=True, change=None,
+        gardens={}, sun_rules={}, overcast={}, year=None,
     )  # fmt: skip
     return known._replace(**changes)
 
@@ -174,18 +146,20 @@ def verdicts(found):
 
 def year(sda, ase, level="medium", glare=()):
     room = RoomYear(1.0, ase, np.zeros(4), level, 500.0, 300.0, 100.0)
-    return YearFound({0: PlaneYear(room, sda)}, glare)
+    return YearFound({0: PlaneYear(room, sda, sda + 0.1, (0.96, 0.5, 0.3))}, glare, 15_000.0)
 
 
 def test_clauses_whose_input_is_missing_say_what_they_need():
     found = verdicts(facts(has_weather=False, windows={0: [bare_window()]}))
     assert found["5.1 daylight provision, method 2"] == "not assessed: needs --year"
+    lack = "not assessed: needs --year, --weather and an overcast --cie-sky"
+    assert found["5.1 daylight provision, method 1"] == lack
     assert found["5.4 protection from glare"] == "not assessed: needs --year and --eyes"
     assert found["3.2 probable sunlight hours"] == "not assessed: needs --weather"
     assert found["option 1"] == found["1a"] == "not assessed: needs --year"
     assert found["5.2 view out"] == "meets high"
     assert found["5.3 exposure to sunlight"] == "meets minimum"
-    none = facts(names={}, windows={}, equinox_share=None, year=YearFound({}, ()))
+    none = facts(names={}, windows={}, equinox_share=None, year=YearFound({}, (), 15_000.0))
     assert verdicts(none)["option 2"] == "not assessed: no room with openings is found"
     assert verdicts(none)["1b"] == "not assessed: no room with openings is found"
 
@@ -211,10 +185,62 @@ def test_points_follow_autonomy_and_sun(sda, ase, option_1, well):
     assert found["5.1 daylight provision, method 2"] == "meets medium"
 
 
+@pytest.mark.parametrize(
+    ("factors", "by_roof", "level"),
+    [
+        # 300 lx of 15,000 are 2 %, 100 lx two thirds of a percent; high is 5 and 3.33 %.
+        ([0.7, 2.0, 2.0, 2.0], False, "minimum"),
+        ([0.6, 2.0, 2.0, 2.0], False, "none"),
+        ([0.7, 1.9, 1.9, 1.9], False, "none"),
+        ([3.4, 5.0, 5.0, 5.0], False, "high"),
+        ([0.7, 2.0, 2.0, 2.0], True, "none"),
+        ([2.0, 2.0, 2.0, 2.0], True, "minimum"),
+    ],
+)
+def test_daylight_factors_meet_the_targets_of_the_place(factors, by_roof, level):
+    """EN 17037, method 1: D = E / Ev,d,med, by hand for a median of 15,000 lx."""
+    sensors = free_sensors(np.zeros((4, 3)), np.tile([0, 1.0, 0], (4, 1)), "room")
+    found = overcast_lux(np.array(factors), sensors, 0, by_roof, 15_000.0)
+    assert found.level == level
+    np.testing.assert_allclose([found.low_percent, found.median_percent], factors[::2])
+    known = facts(year=year(0.5, 0.0), overcast={0: found}, lit_by_roof={0: by_roof})
+    (row,) = (row for table in clauses(known) for row in table.rows if "method 1" in row[0])
+    assert row[2].startswith("2.0 % on 95 %" if by_roof else "2.0 % on 50 %, 0.7 % on 95 %")
+    assert row[4] == ("fails" if level == "none" else f"meets {level}")
+
+
+def test_the_median_outdoors_is_that_of_the_daylight_hours():
+    """Hour n of 8,760 has n lx: of 4,380 to 8,759 lx one half reaches 6,570."""
+    sky = np.ones((8760, GROUND_NODE + 1, 3), np.float32) * np.arange(8760)[:, None, None]
+    nothing = np.zeros((8760, 3))
+    light = YearLight(np.arange(8760), sky, nothing, nothing, np.zeros(3), "test")
+    of_one = light.diffuse_lux[1]
+    assert median_diffuse_lx(light) == pytest.approx(6570 * of_one, rel=1e-5)
+
+
+def test_well_v2_takes_autonomy_or_daylight_hours():
+    """L01: 30 % of the floor by 200 lx; L06: points by 300 lx, and by 100 lx of EN 17037."""
+    found = verdicts(facts(year=year(0.55, 0.0)))
+    assert found["L01 light exposure, by sDA"] == "meets"
+    assert found["L01 light exposure, by EN 17037"] == "meets"
+    assert found["L06 daylight simulation, by sDA"] == "1 point"
+    # 300 lx on 30 % of the floor are too few.
+    assert found["L06 daylight simulation, by EN 17037"] == "fails"
+    assert found["L05 daylight design"].startswith("not assessed: needs workstations")
+    assert verdicts(facts(year=year(0.15, 0.0)))["L01 light exposure, by sDA"] == "fails"
+    lack = "not assessed: needs --year"
+    assert verdicts(facts())["L06 daylight simulation, by EN 17037"] == lack
+    room = RoomYear(1.0, 0.0, np.zeros(4), "none", 0.0, 0.0, 0.0)
+    for shares, points in (((0.9, 0.6, 0.5), "1 point"), ((0.95, 0.6, 0.5), "2 points")):
+        bright = YearFound({0: PlaneYear(room, 0.0, 0.0, shares)}, (), 15_000.0)
+        assert verdicts(facts(year=bright))["L06 daylight simulation, by EN 17037"] == points
+
+
 def test_rooms_count_by_their_floor():
     """Three quarters of the floor have an sDA of 1, a quarter none: 75 %."""
     room = RoomYear(1.0, 0.0, np.zeros(4), "none", 0.0, 0.0, 0.0)
-    of_both = YearFound({0: PlaneYear(room, 1.0), 1: PlaneYear(room, 0.0)}, ())
+    planes = {n: PlaneYear(room, sda, sda, (sda,) * 3) for n, sda in ((0, 1.0), (1, 0.0))}
+    of_both = YearFound(planes, (), 15_000.0)
     one = facts()
     both = {
         name: {0: getattr(one, name)[0], 1: getattr(one, name)[0]}
@@ -240,7 +266,8 @@ def test_the_command_writes_a_page_of_clauses_and_says_what_it_lacks(tmp_path):
     found = CliRunner().invoke(
         daylight,
         ["scenes/work/indoor.glb", "-o", str(tmp_path), "--standards", "--grid", "1", "--tolerance",
-         "50%", "--at", "2026-03-21T12:00", "--place", "50,14"],
+         "50%", "--at", "2026-03-21T12:00", "--place", "50,14", "--before",
+         "scenes/work/indoor.glb", "--sun-range", "2026-02-08..2026-02-10"],
         catch_exceptions=False,
     )  # fmt: skip
     assert found.exit_code == 0, found.output
@@ -249,3 +276,8 @@ def test_the_command_writes_a_page_of_clauses_and_says_what_it_lacks(tmp_path):
         assert clause in page
     assert "not assessed: needs --weather" in found.output
     assert "not assessed: needs --year" in found.output
+    # Nothing is lost where nothing changed.
+    assert "2.2 no-sky line, room 1: meets" in found.output
+    assert "TNO, light, room 1" in found.output
+    assert "Hours of sun a day, 8 February 2026 to 10 February 2026" in found.output
+    assert "sun_range_least_h" in (tmp_path / "sensors.csv").read_text(encoding="utf-8")

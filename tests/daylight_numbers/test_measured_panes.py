@@ -15,6 +15,7 @@ from daylight_numbers.work import DaylightWork, bounces_of
 from daylight_numbers.year import annual
 from light_transport.transport import SceneTransport
 from light_years import year_like
+from pane_rooms import HALF, HEIGHT, NORMALS, PLACES, UP, Room, glazing
 from scipy.sparse import csr_matrix
 from window_xml_files import diffuser, opening
 
@@ -22,50 +23,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.geometry.cube_map import texel_directions
 
-# A box of 4 x 3 x 4 m whose side +x is all pane.
-HALF, HEIGHT = 2.0, 3.0
-UP = np.array([[0.0, 1.0, 0.0]])
 QUARTER = KLEMS["lbnl/klems quarter"]
-
-
-def glazing(transmission, reflectance=0.0):
-    return MeasuredGlazing("sample", KLEMS_FULL, KLEMS_FULL, transmission, reflectance, 0.0)
-
-
-class Room:
-    """A room of grey walls behind a pane, or behind nothing, and sensors in it."""
-
-    def __init__(self, transmission=None, reflectance=0.0, up=UP, pane="inwards", rays=256):
-        sides = box((-HALF, 0.0, -HALF), (HALF, HEIGHT, HALF), inwards=True)
-        panes = [sides.pop(0)]
-        if pane == "outwards":
-            panes = [panes[0][::-1]]
-        elif pane == "body":
-            panes = box((HALF, 0.0, -HALF), (HALF + 0.02, HEIGHT, HALF))
-        if transmission is not None:
-            sides += panes
-        self.surfaces, layout = quads(*sides, reflectance=reflectance)
-        self.glass = no_glass(len(self.surfaces.part))
-        self.bounces = None
-        of_triangle = np.full(len(self.surfaces.part), -1)
-        materials = None
-        if transmission is not None:
-            of_triangle[-2 * len(panes) :] = 0
-            materials = PaneMaterials(("pane",), (glazing(transmission),), up, of_triangle)
-            self.surfaces = materials.opaque(self.surfaces)
-        self.transport = SceneTransport(self.surfaces, layout)
-        self.transport.add_rays(rays)
-        if materials is not None:
-            self.bounces = bounces_of(self.transport, self.glass, materials)
-
-    def lux(self, light, places, normals, tolerance=0.02):
-        sensors = free_sensors(places, normals, "desk")
-        operator = operator_of(self.transport, self.glass, sensors, tolerance, bounces=self.bounces)
-        return hour_at_sensors(self.transport, self.glass, operator, sensors, light)
-
-
-PLACES = np.array([[1.0, 0.8, 0.3], [-0.5, 0.8, 0.0], [-1.5, 1.5, -0.7]])
-NORMALS = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def of_pane(place, normal, count=400):

@@ -117,7 +117,7 @@ FINE = window_xml({"Transmission Front": diffuser(0.5)})
         (FINE[:400], "is no XML"),
         ("<Window/>", "root is 'Window', not WindowElement"),
         ("<!DOCTYPE a [<!ENTITY b 'c'>]><WindowElement/>", "defines entities"),
-        (FINE.replace(">Columns<", ">TensorTree4<"), "is a TensorTree4.*bsdf2klems"),
+        (FINE.replace(">Columns<", ">TensorTree5<"), "IncidentDataStructure 'TensorTree5'"),
         (FINE.replace(">Columns<", ">Heap<"), "IncidentDataStructure 'Heap'"),
         (FINE.replace(">Visible<", ">Solar<"), "no data for the wavelength Visible; it has Solar"),
         (FINE.replace("Transmission Front", "Reflection Front"), "no visible Transmission Front"),

@@ -40,8 +40,10 @@ from vrut_lite_lab.radiance.scene_files import turned, write_scene, write_sky, w
 from vrut_lite_lab.radiance.venetian import VenetianBlind, transmission_of, window_xml_of
 from vrut_lite_lab.radiance.year import rms
 
-_MATERIAL = "glass"
-_TOLERANCE, _GROUND_ALBEDO = 0.1, 0.2
+MATERIAL = "glass"
+# Radiance's material of a file.
+MEASURED = "void aBSDF measured\n5 glazing.xml 0 0 1 .\n0\n0\n"
+_TOLERANCE, GROUND_ALBEDO = 0.1, 0.2
 _BOUNCES, _RAYS = 12, 16_384
 # Rays of each of Klems's patches of the pane.
 _DAYLIGHT_RAYS = 1_000
@@ -90,8 +92,8 @@ class ThreePhases:
         """Trace both in a folder for temporary files; `hour` gives the ground's albedo."""
         self._folder = tempfile.TemporaryDirectory()
         folder = Path(self._folder.name)
-        scene = write_scene(_without(surfaces, is_pane), hour, folder)
-        (folder / "window.rad").write_text(_window(surfaces, is_pane))
+        scene = write_scene(without(surfaces, is_pane), hour, folder)
+        (folder / "window.rad").write_text(window_of(surfaces, is_pane))
         (folder / "sky.rad").write_text(RECEIVERS)
         count = len(GLAZED.places_m)
         points = _rows(GLAZED.places_m, np.tile([0.0, 1.0, 0.0], (count, 1)))
@@ -125,9 +127,8 @@ def by_material(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "glazing.xml").write_text(xml)
-        scene = write_scene(_without(surfaces, is_pane), hour, folder)
-        material = "void aBSDF measured\n5 glazing.xml 0 0 1 .\n0\n0\n"
-        (folder / "window.rad").write_text(material + _window(surfaces, is_pane, "measured"))
+        scene = write_scene(without(surfaces, is_pane), hour, folder)
+        (folder / "window.rad").write_text(MEASURED + window_of(surfaces, is_pane, "measured"))
         sky = write_sky(hour, folder)
         sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
         up = np.tile([0.0, 1.0, 0.0], (len(GLAZED.places_m), 1))
@@ -141,7 +142,7 @@ def _rows(places_m: FloatArray, normals: FloatArray) -> str:
     return "".join(" ".join(f"{value:.9g}" for value in row) + "\n" for row in rows)
 
 
-def _without(surfaces: Surfaces, is_pane: BoolArray) -> Surfaces:
+def without(surfaces: Surfaces, is_pane: BoolArray) -> Surfaces:
     """The surfaces without panes."""
     kept = ~is_pane
     arrays: dict[str, Any] = {
@@ -152,7 +153,7 @@ def _without(surfaces: Surfaces, is_pane: BoolArray) -> Surfaces:
     return replace(surfaces, **arrays)
 
 
-def _window(surfaces: Surfaces, is_pane: BoolArray, modifier: str = "window") -> str:
+def window_of(surfaces: Surfaces, is_pane: BoolArray, modifier: str = "window") -> str:
     """Polygons whose normals point indoors, to +x, where the room is."""
     lines = ["#@rfluxmtx h=kf u=+Z\nvoid glow window\n0\n0\n4 1 1 1 0\n"] * (modifier == "window")
     corners = turned(surfaces.corners_m[is_pane] + surfaces.centre_m)
@@ -182,10 +183,10 @@ def compared_panes(rays: int = _RAYS) -> ComparedPanes:
         scene, sunny = opened.scene, opened.hour()
     finally:
         opened.close()
-    surfaces, is_pane = surfaces_of(scene), _is_pane(scene)
+    surfaces, is_pane = surfaces_of(scene), pane_triangles(scene)
     up = np.tile([0.0, 1.0, 0.0], (len(GLAZED.places_m), 1))
     sensors = free_sensors(GLAZED.places_m, up, GLAZED.scene)
-    skies = {f"CIE {sky}": cie_hour(sky, _GROUND_ALBEDO) for sky in ("16", "1")}
+    skies = {f"CIE {sky}": cie_hour(sky, GROUND_ALBEDO) for sky in ("16", "1")}
     # The ground of matrices is that of all skies.
     albedo = skies["CIE 16"].ground_albedo_rgb
     skies["clear sky without sun"] = replace(
@@ -201,7 +202,7 @@ def compared_panes(rays: int = _RAYS) -> ComparedPanes:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "glazing.xml"
             path.write_text(xml)
-            files = {_MATERIAL: GlazingFile(str(path))}
+            files = {MATERIAL: GlazingFile(str(path))}
             work = work_of(scene, sensors, _TOLERANCE, bsdf=files)
         lights = {**skies, "sun and sky": sunny}
         of = work.transport, work.glass, work.operator, sensors
@@ -228,12 +229,12 @@ def compared_panes(rays: int = _RAYS) -> ComparedPanes:
     return ComparedPanes(found, ours_s, phases_s, material_s)
 
 
-def _is_pane(scene: SceneOpened) -> BoolArray:
+def pane_triangles(scene: SceneOpened) -> BoolArray:
     """Which triangles (F,) are of the pane."""
     materials, geometry = scene.materials.all(), scene.geometry
     meshes = geometry.part_mesh.values.tolist()
     names = [materials[geometry.mesh(mesh).material].name for mesh in meshes]
-    parts = [part for part, name in enumerate(names) if name == _MATERIAL]
+    parts = [part for part, name in enumerate(names) if name == MATERIAL]
     return np.isin(surfaces_of(scene).part, parts)
 
 
