@@ -1,7 +1,7 @@
 """A year's light made of known hours."""
 
 import numpy as np
-from daylight_numbers.year_light import YearLight
+from daylight_numbers.year.year_light import YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 from boxes import box, quads
-from daylight_numbers.angle_basis import KLEMS_FULL
-from daylight_numbers.glass import no_glass
+from daylight_numbers.glazing.angle_basis import KLEMS_FULL
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.glazing.pane_materials import PaneMaterials
+from daylight_numbers.glazing.window_xml import MeasuredGlazing
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import hour_at_sensors
-from daylight_numbers.operator import operator_of
-from daylight_numbers.pane_materials import PaneMaterials
-from daylight_numbers.sensors import free_sensors
-from daylight_numbers.window_xml import MeasuredGlazing
 from daylight_numbers.work import DaylightWork, bounces_of
 from light_transport.transport import SceneTransport
 

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pvlib
 from boxes import quads
-from daylight_numbers.glass import no_glass
-from daylight_numbers.operator import operator_of
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.rooms import SIDES
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import DaylightWork
 from light_transport.transport import SceneTransport
 

@@ -1,7 +1,7 @@
 """Small files of LBNL's Window XML, written by each test."""
 
 import numpy as np
-from daylight_numbers.angle_basis import KLEMS_FULL
+from daylight_numbers.glazing.angle_basis import KLEMS_FULL
 
 _FORM = """<?xml version="1.0" encoding="UTF-8"?>
 <WindowElement xmlns="http://windows.lbl.gov">

@@ -6,13 +6,13 @@ Needs the wheel `pyradiance`, which the product does not: skipped where it is no
 import numpy as np
 import pytest
 from boxes import floor, hour, quads
-from daylight_numbers.eye_view import EDGE_PX, EyeView, hemisphere
-from daylight_numbers.glare import glare_of, vertical_of
-from daylight_numbers.glass import no_glass, stack
+from daylight_numbers.glare.eye_view import EDGE_PX, EyeView, hemisphere
+from daylight_numbers.glare.glare import glare_of, vertical_of
+from daylight_numbers.glazing.glass import no_glass, stack
+from daylight_numbers.glazing.window_xml import read_window_xml
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import hour_at_sensors
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
-from daylight_numbers.window_xml import read_window_xml
 from tensor_trees import directions, tree_of, tree_xml
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance

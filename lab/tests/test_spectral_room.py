@@ -8,16 +8,16 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from boxes import box, quads
-from daylight_numbers.glass import no_glass
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.sky_cells import CELLS
 from daylight_numbers.spectra.daylight import d65
 from daylight_numbers.spectra.eye_responses import MELANOPIC, action_spectra, eye_responses
 from daylight_numbers.spectra.reflectances import reflectances_of
-from daylight_numbers.spectral_hour import spectral_hour
-from daylight_numbers.spectral_sky import WAVELENGTHS_NM, SpectralSky
-from daylight_numbers.spectral_surfaces import SpectralSurfaces
+from daylight_numbers.spectra.spectral_hour import spectral_hour
+from daylight_numbers.spectra.spectral_sky import WAVELENGTHS_NM, SpectralSky
+from daylight_numbers.spectra.spectral_surfaces import SpectralSurfaces
 from daylight_numbers.work import DaylightWork
 from light_transport.transport import SceneTransport
 

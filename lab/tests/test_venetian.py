@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from daylight_numbers.angle_basis import KLEMS_FULL
-from daylight_numbers.window_xml import read_window_xml
+from daylight_numbers.glazing.angle_basis import KLEMS_FULL
+from daylight_numbers.glazing.window_xml import read_window_xml
 
 from vrut_lite_lab.radiance.venetian import VenetianBlind, transmission_of, window_xml_of
 

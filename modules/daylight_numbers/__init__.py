@@ -9,7 +9,7 @@ from typing import Any
 
 # Imported at their first use: a start imports no compiler.
 _FOUND_IN = {
-    "annual": "daylight_numbers.year",
+    "annual": "daylight_numbers.year.year",
     "colour_temperature": "daylight_numbers.spectra.colour_temperature",
     "daylight_factor": "daylight_numbers.now",
     "eye_responses": "daylight_numbers.spectra.eye_responses",

@@ -8,9 +8,9 @@ from typing import Any
 import click
 import msgspec
 
-from daylight_numbers.lamp_places import read_lamps
-from daylight_numbers.sensors import SensorGrid, read_sensors
-from daylight_numbers.window_xml import read_window_xml
+from daylight_numbers.glazing.window_xml import read_window_xml
+from daylight_numbers.lamps.lamp_places import read_lamps
+from daylight_numbers.matrix.sensors import SensorGrid, read_sensors
 from vrut_lite.errors import UserError
 from vrut_lite.headless import (
     FiniteRange,
@@ -33,12 +33,12 @@ from vrut_lite.plain_numbers import plain_float
 
 # scipy takes a third of a second to import, which --help need not wait for.
 _folder = lazy("daylight_numbers.folder")
-_spectra_file = lazy("daylight_numbers.spectra_file")
+_spectra_file = lazy("daylight_numbers.spectra.spectra_file")
 _state_schedule = lazy("daylight_numbers.state_schedule")
-_sun_range = lazy("daylight_numbers.sun_range")
-_totals = lazy("daylight_numbers.totals")
+_sun_range = lazy("daylight_numbers.standards.sun_range")
+_totals = lazy("daylight_numbers.year.totals")
 _variants = lazy("daylight_numbers.variants")
-_year_light = lazy("daylight_numbers.year_light")
+_year_light = lazy("daylight_numbers.year.year_light")
 
 
 @click.command(name="daylight")

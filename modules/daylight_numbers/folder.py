@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from light_transport.public import Illumination
 
-from daylight_numbers.eyes import (
+from daylight_numbers.glare.eyes import (
     METHOD,
     Eyes,
     eyes_of,
@@ -20,8 +20,9 @@ from daylight_numbers.eyes import (
     hour_table,
     write_views,
 )
-from daylight_numbers.lamp_pages import lamp_pages
-from daylight_numbers.lighting import lighting_of
+from daylight_numbers.lamps.lamp_pages import lamp_pages
+from daylight_numbers.lamps.lighting import lighting_of
+from daylight_numbers.matrix.sensors import SensorGrid, Sensors
 from daylight_numbers.now import (
     TITLES,
     CieSky,
@@ -34,17 +35,16 @@ from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, plan_picture
 from daylight_numbers.report import ReportPage, Table, write_report
 from daylight_numbers.rooms import room_of
-from daylight_numbers.sensors import SensorGrid, Sensors
-from daylight_numbers.site_change import SiteScene, scene_of
-from daylight_numbers.spectra_file import NO_SPECTRA, MaterialSpectra
-from daylight_numbers.spectral_pages import spectral_pages, spectral_year_pages
-from daylight_numbers.spectral_sky import spectral_sky
-from daylight_numbers.standards import clauses, facts_of, weather_of
-from daylight_numbers.standards import method as standards_method
-from daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
-from daylight_numbers.sun_range import SunRange, sun_range_pages
-from daylight_numbers.totals import Period
+from daylight_numbers.spectra.spectra_file import NO_SPECTRA, MaterialSpectra
+from daylight_numbers.spectra.spectral_pages import spectral_pages, spectral_year_pages
+from daylight_numbers.spectra.spectral_sky import spectral_sky
+from daylight_numbers.standards.site_change import SiteScene, scene_of
+from daylight_numbers.standards.standards import clauses, facts_of, weather_of
+from daylight_numbers.standards.standards import method as standards_method
+from daylight_numbers.standards.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
+from daylight_numbers.standards.sun_range import SunRange, sun_range_pages
 from daylight_numbers.work import DaylightWork, work_of
+from daylight_numbers.year.totals import Period
 from daylight_numbers.year_pages import Numbers, YearRequest, year_pages
 from vrut_lite.headless import Project, busy_with, tracked, write_png
 from vrut_lite.messages.glazing import GlazingFile

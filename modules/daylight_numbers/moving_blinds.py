@@ -13,15 +13,15 @@ from typing import NamedTuple
 import numpy as np
 from light_transport.public import CancelCheck, always
 
-from daylight_numbers.eyes import Eyes
-from daylight_numbers.glare import glare_year
-from daylight_numbers.measured_panes import MeasuredPanes
-from daylight_numbers.metrics import OCCUPIED_H, occupied
+from daylight_numbers.glare.eyes import Eyes
+from daylight_numbers.glare.glare import glare_year
+from daylight_numbers.matrix.measured_panes import MeasuredPanes
 from daylight_numbers.report import Table
 from daylight_numbers.state_schedule import read_schedule
 from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import LUMENS_RGB, SolvedYear, Year, year_matrices, year_of
-from daylight_numbers.year_light import YearLight
+from daylight_numbers.year.metrics import OCCUPIED_H, occupied
+from daylight_numbers.year.year import LUMENS_RGB, SolvedYear, Year, year_matrices, year_of
+from daylight_numbers.year.year_light import YearLight
 from vrut_lite.errors import UserError
 from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.numeric_types import Float32Array, FloatArray, IntArray

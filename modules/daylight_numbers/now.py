@@ -10,12 +10,12 @@ from typing import Literal, get_args
 import numpy as np
 from light_transport.public import NODES, CancelCheck, Illumination, SceneTransport, always
 
-from daylight_numbers.glass import Glass
-from daylight_numbers.measured_panes import MeasuredPanes
-from daylight_numbers.operator import Operator, operator_of
-from daylight_numbers.pane_bounces import PaneBounces
-from daylight_numbers.sensor_rays import SKY, GlazedScene, ends_of, glazed
-from daylight_numbers.sensors import Sensors
+from daylight_numbers.glazing.glass import Glass
+from daylight_numbers.matrix.measured_panes import MeasuredPanes
+from daylight_numbers.matrix.operator import Operator, operator_of
+from daylight_numbers.matrix.pane_bounces import PaneBounces
+from daylight_numbers.matrix.sensor_rays import SKY, GlazedScene, ends_of, glazed
+from daylight_numbers.matrix.sensors import Sensors
 from daylight_numbers.sky_cells import CELL_SR, cell_directions, cell_radiances
 from daylight_numbers.work import RAYS_SHARE, DaylightWork, bounces_of, traced_transport
 from vrut_lite.atmosphere.cie_skies import OVERCAST, general_sky

@@ -18,8 +18,8 @@ from PySide6.QtCore import QEvent, Signal
 from PySide6.QtGui import QHideEvent, QMouseEvent, QShowEvent
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QProgressBar, QPushButton, QWidget
 
+from daylight_numbers.matrix.sensors import SensorGrid, Sensors
 from daylight_numbers.pictures import drawn_grid, grid_of_plane
-from daylight_numbers.sensors import SensorGrid, Sensors
 from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.false_colours import Scale, scale_of
 from vrut_lite.kernel.messages import ClockMoved, Demand, SetSetting, SettingChanged

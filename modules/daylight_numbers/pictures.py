@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from daylight_numbers.sensors import Sensors
+from daylight_numbers.matrix.sensors import Sensors
 from vrut_lite.geometry.false_colours import (
     UNUSED,
     Scale,

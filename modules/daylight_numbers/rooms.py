@@ -10,7 +10,7 @@ import numpy as np
 from light_transport.public import MISS, RayScene, first_hits
 from numpy.typing import NDArray
 
-from daylight_numbers.sensor_rays import glazed
+from daylight_numbers.matrix.sensor_rays import glazed
 from daylight_numbers.work import DaylightWork
 from vrut_lite.numeric_types import FloatArray
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from daylight_numbers.year_light import DAYS, HOURS, YEAR
+from daylight_numbers.year.year_light import DAYS, HOURS, YEAR
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import IntArray
 from vrut_lite.text_files import decoded, plain_text

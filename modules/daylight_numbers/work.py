@@ -14,13 +14,13 @@ from light_transport.public import (
     surfaces_of,
 )
 
-from daylight_numbers.glass import Glass, glass_of, with_glazing
-from daylight_numbers.measured_panes import measured_panes
-from daylight_numbers.operator import Operator, operator_of
-from daylight_numbers.pane_bounces import PaneBounces, pane_bounces
-from daylight_numbers.pane_materials import PaneMaterials, pane_materials
-from daylight_numbers.sensors import SensorGrid, Sensors
-from daylight_numbers.work_planes import work_planes
+from daylight_numbers.glazing.glass import Glass, glass_of, with_glazing
+from daylight_numbers.glazing.pane_materials import PaneMaterials, pane_materials
+from daylight_numbers.matrix.measured_panes import measured_panes
+from daylight_numbers.matrix.operator import Operator, operator_of
+from daylight_numbers.matrix.pane_bounces import PaneBounces, pane_bounces
+from daylight_numbers.matrix.sensors import SensorGrid, Sensors
+from daylight_numbers.matrix.work_planes import work_planes
 from vrut_lite.errors import UserError
 from vrut_lite.messages.glazing import Glazing, GlazingFile
 from vrut_lite.messages.scene import SceneOpened

@@ -7,22 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from daylight_numbers.blinds import Shaded, shaded_year
-from daylight_numbers.eyes import Eyes, glare_table
-from daylight_numbers.glare import glare_year
-from daylight_numbers.lamp_pages import LampPages
-from daylight_numbers.lighting import Lighting
-from daylight_numbers.lighting_pages import lighting_pages
-from daylight_numbers.metrics import (
-    PointYear,
-    RoomYear,
-    by_day_and_hour,
-    daylight_autonomy,
-    median_diffuse_lx,
-    point_year,
-    room_year,
-    spatial_autonomy,
-)
+from daylight_numbers.glare.eyes import Eyes, glare_table
+from daylight_numbers.glare.glare import glare_year
+from daylight_numbers.lamps.lamp_pages import LampPages
+from daylight_numbers.lamps.lighting import Lighting
+from daylight_numbers.lamps.lighting_pages import lighting_pages
+from daylight_numbers.matrix.sensors import Sensors
 from daylight_numbers.moving_blinds import (
     StateLight,
     moves,
@@ -37,18 +27,28 @@ from daylight_numbers.opened_scene import OpenedScene
 from daylight_numbers.pictures import PictureQuantity, heat_map, plan_picture
 from daylight_numbers.report import Table
 from daylight_numbers.rooms import DaylitRoom
-from daylight_numbers.sensors import Sensors
-from daylight_numbers.standards import WELL_EN_LX, PlaneYear, YearFound
-from daylight_numbers.sun_hours import sun_hours, sun_in_openings, sun_level, suns_of_day
-from daylight_numbers.totals import (
+from daylight_numbers.standards.standards import WELL_EN_LX, PlaneYear, YearFound
+from daylight_numbers.standards.sun_hours import sun_hours, sun_in_openings, sun_level, suns_of_day
+from daylight_numbers.work import DaylightWork
+from daylight_numbers.year.blinds import Shaded, shaded_year
+from daylight_numbers.year.metrics import (
+    PointYear,
+    RoomYear,
+    by_day_and_hour,
+    daylight_autonomy,
+    median_diffuse_lx,
+    point_year,
+    room_year,
+    spatial_autonomy,
+)
+from daylight_numbers.year.totals import (
     Period,
     radiant_light,
     totals_of,
     totals_table,
     write_totals,
 )
-from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import (
+from daylight_numbers.year.year import (
     DAYS_BETWEEN,
     SolvedYear,
     Year,
@@ -56,7 +56,7 @@ from daylight_numbers.year import (
     year_matrices,
     year_of,
 )
-from daylight_numbers.year_light import YearLight, lit_hours, year_light
+from daylight_numbers.year.year_light import YearLight, lit_hours, year_light
 from vrut_lite.headless import write_png
 from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.weather import SetWeather

@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from daylight_numbers.closed_loops import ClosedLoops
-from daylight_numbers.lighting_controls import power_share
+from daylight_numbers.lamps.closed_loops import ClosedLoops
+from daylight_numbers.lamps.lighting_controls import power_share
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

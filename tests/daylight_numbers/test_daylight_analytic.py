@@ -8,7 +8,9 @@ more than 0.5 % of the light outdoors may err by 1 % at most.
 import numpy as np
 import pytest
 from boxes import box, hour, quads
-from daylight_numbers.glass import no_glass, stack, tint_of
+from daylight_numbers.glazing.glass import no_glass, stack, tint_of
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import (
     cie_hour,
     daylight_factor,
@@ -16,8 +18,6 @@ from daylight_numbers.now import (
     relative_luminance,
     sun_shares,
 )
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
 from light_transport.transport import SceneTransport
 from scipy.optimize import brentq
 

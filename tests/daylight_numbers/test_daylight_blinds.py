@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from boxes import box, quads
-from daylight_numbers.blinds import shaded_year
-from daylight_numbers.glass import no_glass
-from daylight_numbers.operator import operator_of
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.rooms import SIDES, room_box, room_of
-from daylight_numbers.sensors import free_sensors
-from daylight_numbers.side_light import side_light
 from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import annual, solved_year, year_matrices, year_of
-from daylight_numbers.year_light import HOURS, YearLight
+from daylight_numbers.year.blinds import shaded_year
+from daylight_numbers.year.side_light import side_light
+from daylight_numbers.year.year import annual, solved_year, year_matrices, year_of
+from daylight_numbers.year.year_light import HOURS, YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE
 from light_transport.transport import SceneTransport
 

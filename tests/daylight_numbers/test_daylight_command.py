@@ -9,8 +9,8 @@ import pytest
 from boxes import box
 from click.testing import CliRunner
 from daylight_numbers.command import daylight, with_bsdf
-from daylight_numbers.glass import glass_of
-from daylight_numbers.pane_materials import pane_materials
+from daylight_numbers.glazing.glass import glass_of
+from daylight_numbers.glazing.pane_materials import pane_materials
 from light_transport.surfaces.surfaces import surfaces_of
 from window_xml_files import diffuser, window_xml
 

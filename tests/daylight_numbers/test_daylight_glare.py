@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from daylight_numbers.eye_view import Eye, eye_view
-from daylight_numbers.glare import en_level, glare_of, glare_year, position_index, vertical_of
-from daylight_numbers.glass import no_glass
-from daylight_numbers.mirrored_sun import Flats
+from daylight_numbers.glare.eye_view import Eye, eye_view
+from daylight_numbers.glare.glare import en_level, glare_of, glare_year, position_index, vertical_of
+from daylight_numbers.glare.mirrored_sun import Flats
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import hour_at_sensors
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import solved_year
-from daylight_numbers.year_light import HOURS, YearLight
+from daylight_numbers.year.year import solved_year
+from daylight_numbers.year.year_light import HOURS, YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 from light_transport.transport import SceneTransport
 

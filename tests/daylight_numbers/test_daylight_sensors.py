@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from boxes import box, floor, quads
-from daylight_numbers.glass import no_glass
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors, read_sensors
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors, read_sensors
+from daylight_numbers.matrix.work_planes import work_planes
 from daylight_numbers.sky_cells import CELLS, cell_directions, cell_of
-from daylight_numbers.work_planes import work_planes
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from light_transport.transport import SceneTransport

@@ -8,13 +8,12 @@ import pytest
 from boxes import box, floor
 from click.testing import CliRunner
 from daylight_numbers.command import daylight
-from daylight_numbers.metrics import RoomYear, median_diffuse_lx
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import relative_luminance
 from daylight_numbers.rooms import DaylitRoom, Opening, RoomBox
-from daylight_numbers.sensors import free_sensors
-from daylight_numbers.standards import Facts, PlaneYear, YearFound, clauses, overcast_lux
-from daylight_numbers.view_out import ViewOut, view_out
-from daylight_numbers.windows import (
+from daylight_numbers.standards.standards import Facts, PlaneYear, YearFound, clauses, overcast_lux
+from daylight_numbers.standards.view_out import ViewOut, view_out
+from daylight_numbers.standards.windows import (
     WindowLight,
     outer_places,
     shut_scene,
@@ -22,7 +21,8 @@ from daylight_numbers.windows import (
     sunny_hours,
     windows_of,
 )
-from daylight_numbers.year_light import YearLight
+from daylight_numbers.year.metrics import RoomYear, median_diffuse_lx
+from daylight_numbers.year.year_light import YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE
 from standards_scenes import EAST, OUT, SOUTH, wall, weather, work_in
 

@@ -5,21 +5,21 @@ import light_transport
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from daylight_numbers.glass import no_glass
-from daylight_numbers.metrics import (
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import Sensors, free_sensors
+from daylight_numbers.now import hour_at_sensors, numbers_now
+from daylight_numbers.pictures import PictureQuantity, drawn_grid, heat_map, plan_picture
+from daylight_numbers.report import ReportPage, Table, write_report
+from daylight_numbers.work import DaylightWork
+from daylight_numbers.year.metrics import (
     OCCUPIED_H,
     by_day_and_hour,
     point_year,
     room_year,
 )
-from daylight_numbers.now import hour_at_sensors, numbers_now
-from daylight_numbers.operator import operator_of
-from daylight_numbers.pictures import PictureQuantity, drawn_grid, heat_map, plan_picture
-from daylight_numbers.report import ReportPage, Table, write_report
-from daylight_numbers.sensors import Sensors, free_sensors
-from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import Year, solved_year, year_matrices, year_of
-from daylight_numbers.year_light import HOURS, YearLight, lit_hours
+from daylight_numbers.year.year import Year, solved_year, year_matrices, year_of
+from daylight_numbers.year.year_light import HOURS, YearLight, lit_hours
 from light_transport.giving_up import unless
 from light_transport.rays.sky_nodes import GROUND_NODE
 from light_transport.transport import SceneTransport

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from boxes import hour
-from daylight_numbers.eye_view import Eye, eye_view
-from daylight_numbers.eyes import Eyes
-from daylight_numbers.glare import glare_of, glare_year, vertical_of
-from daylight_numbers.mirrored_sun import Flats
+from daylight_numbers.glare.eye_view import Eye, eye_view
+from daylight_numbers.glare.eyes import Eyes
+from daylight_numbers.glare.glare import glare_of, glare_year, vertical_of
+from daylight_numbers.glare.mirrored_sun import Flats
 from daylight_numbers.moving_blinds import PaneStates, StateLight, moving_glare, states_by_glare
 from daylight_numbers.now import hour_at_sensors
-from daylight_numbers.year import solved_year
+from daylight_numbers.year.year import solved_year
 from light_years import year_like
 from pane_rooms import HALF, HEIGHT, Room
 from window_xml_files import diffuser, opening

@@ -8,17 +8,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from boxes import box, floor, quads
-from daylight_numbers.glass import no_glass, stack
-from daylight_numbers.lamp_light import bounce_counts, bounced_by, direct_lux, lamps_at_sensors
-from daylight_numbers.lamp_places import (
+from daylight_numbers.glazing.glass import no_glass, stack
+from daylight_numbers.lamps.lamp_light import (
+    bounce_counts,
+    bounced_by,
+    direct_lux,
+    lamps_at_sensors,
+)
+from daylight_numbers.lamps.lamp_places import (
     PlacedLuminaires,
     lamp_axes,
     opening_points,
     placed_luminaires,
     read_lamps,
 )
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.work import DaylightWork
 from lamp_maker import lamps_of
 from light_transport.transport import SceneTransport

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from daylight_numbers.closed_loops import ClosedLoops
-from daylight_numbers.lighting_controls import (
+from daylight_numbers.lamps.closed_loops import ClosedLoops
+from daylight_numbers.lamps.lighting_controls import (
     by_hour,
     dimmed_by_photosensor,
     lit_minutes,

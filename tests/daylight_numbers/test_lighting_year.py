@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from daylight_numbers.command import daylight
-from daylight_numbers.lamp_light import LampsAtSensors
-from daylight_numbers.lamp_places import PlacedLuminaires
-from daylight_numbers.lighting import Lighting
-from daylight_numbers.lighting_year import lighting_year, lit_areas_m2
-from daylight_numbers.sensors import Sensors
+from daylight_numbers.lamps.lamp_light import LampsAtSensors
+from daylight_numbers.lamps.lamp_places import PlacedLuminaires
+from daylight_numbers.lamps.lighting import Lighting
+from daylight_numbers.lamps.lighting_year import lighting_year, lit_areas_m2
+from daylight_numbers.matrix.sensors import Sensors
 from luminaire_files import panel_ies, spot_ldt
 
 from vrut_lite.errors import UserError

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from boxes import box, hour, quads
-from daylight_numbers.angle_basis import KLEMS, KLEMS_FULL
-from daylight_numbers.glass import no_glass
+from daylight_numbers.glazing.angle_basis import KLEMS, KLEMS_FULL
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.glazing.pane_materials import PaneMaterials
+from daylight_numbers.glazing.window_xml import MeasuredGlazing
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import hour_at_sensors, sun_shares
-from daylight_numbers.operator import operator_of
-from daylight_numbers.pane_materials import PaneMaterials
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.sky_cells import CELLS
-from daylight_numbers.window_xml import MeasuredGlazing
 from daylight_numbers.work import DaylightWork, bounces_of
-from daylight_numbers.year import annual
+from daylight_numbers.year.year import annual
 from light_transport.transport import SceneTransport
 from light_years import year_like
 from pane_rooms import HALF, HEIGHT, NORMALS, PLACES, UP, Room, glazing

@@ -14,8 +14,8 @@ from daylight_numbers.moving_blinds import (
     sun_on_panes,
 )
 from daylight_numbers.state_schedule import read_schedule
-from daylight_numbers.year import solved_year, year_matrices, year_of
-from daylight_numbers.year_light import HOURS, YearLight
+from daylight_numbers.year.year import solved_year, year_matrices, year_of
+from daylight_numbers.year.year_light import HOURS, YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE
 from light_years import year_like
 from pane_rooms import NORMALS, PLACES, Room

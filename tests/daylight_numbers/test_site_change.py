@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from boxes import box, floor
-from daylight_numbers.bre_209 import bre_clauses
 from daylight_numbers.rooms import DaylitRoom, Opening, RoomBox
-from daylight_numbers.site_change import (
+from daylight_numbers.standards.bre_209 import bre_clauses
+from daylight_numbers.standards.site_change import (
     GardenSun,
     RoomSky,
     SiteChange,
@@ -13,7 +13,7 @@ from daylight_numbers.site_change import (
     scene_of_work,
     site_change,
 )
-from daylight_numbers.windows import WindowLight, sunny_hours
+from daylight_numbers.standards.windows import WindowLight, sunny_hours
 from pane_rooms import Room
 from standards_scenes import (
     EAST,

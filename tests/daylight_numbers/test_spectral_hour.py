@@ -8,19 +8,19 @@ import pytest
 from boxes import box, floor, hour, quads
 from click.testing import CliRunner
 from daylight_numbers.command import daylight
-from daylight_numbers.glass import no_glass
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import hour_at_sensors
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.sky_cells import CELLS
 from daylight_numbers.spectra.daylight import daylight_of_rgb
 from daylight_numbers.spectra.eye_responses import eye_responses
 from daylight_numbers.spectra.reflectances import reflectances_of
-from daylight_numbers.spectra_file import NO_SPECTRA, MaterialSpectra, read_spectra
-from daylight_numbers.spectral_hour import spectral_hour
-from daylight_numbers.spectral_sky import WAVELENGTHS_NM, SpectralSky, spectral_sky
-from daylight_numbers.spectral_surfaces import SpectralSurfaces, spectral_surfaces
+from daylight_numbers.spectra.spectra_file import NO_SPECTRA, MaterialSpectra, read_spectra
+from daylight_numbers.spectra.spectral_hour import spectral_hour
+from daylight_numbers.spectra.spectral_sky import WAVELENGTHS_NM, SpectralSky, spectral_sky
+from daylight_numbers.spectra.spectral_surfaces import SpectralSurfaces, spectral_surfaces
 from daylight_numbers.work import DaylightWork
 from dynamic_skylight import HosekWilkieSky
 from light_transport.transport import SceneTransport

@@ -5,20 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from daylight_numbers.glass import no_glass
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import free_sensors
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.sky_cells import cell_radiances
 from daylight_numbers.spectra.daylight import daylight_of_primaries, daylight_of_rgb
 from daylight_numbers.spectra.reflectances import reflectances_of
-from daylight_numbers.spectral_hour import spectral_hour
-from daylight_numbers.spectral_sky import WAVELENGTHS_NM, SpectralSky
-from daylight_numbers.spectral_surfaces import SpectralSurfaces
-from daylight_numbers.spectral_year import SpectralYear, melanopic_columns, spectral_year
+from daylight_numbers.spectra.spectral_hour import spectral_hour
+from daylight_numbers.spectra.spectral_sky import WAVELENGTHS_NM, SpectralSky
+from daylight_numbers.spectra.spectral_surfaces import SpectralSurfaces
+from daylight_numbers.spectra.spectral_year import SpectralYear, melanopic_columns, spectral_year
+from daylight_numbers.spectra.year_spectra import YearSpectra, melanopic
 from daylight_numbers.work import DaylightWork
-from daylight_numbers.year import solved_year, year_matrices, year_of
-from daylight_numbers.year_light import DAYS, HOURS, YearLight
-from daylight_numbers.year_spectra import YearSpectra, melanopic
+from daylight_numbers.year.year import solved_year, year_matrices, year_of
+from daylight_numbers.year.year_light import DAYS, HOURS, YearLight
 from light_transport.transport import SceneTransport
 from light_years import year_like
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sun_height_skies import height_skies, spread_heights
-from daylight_numbers.year_light import lit_hours, node_sines, suns_of, year_light
+from daylight_numbers.year.sun_height_skies import height_skies, spread_heights
+from daylight_numbers.year.year_light import lit_hours, node_sines, suns_of, year_light
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
 from vrut_lite.geometry.cube_map import texel_directions

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from boxes import floor
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.rooms import SIDES, DaylitRoom, Opening, RoomBox
-from daylight_numbers.sensors import free_sensors
-from daylight_numbers.sun_days import sun_by_day, sun_steps
-from daylight_numbers.sun_rules import RULES, above_sill, rule_clauses, rules_of_room
+from daylight_numbers.standards.sun_days import sun_by_day, sun_steps
+from daylight_numbers.standards.sun_rules import RULES, above_sill, rule_clauses, rules_of_room
 from standards_scenes import OUT, SOUTH, profile_deg, pvlib_hours, work_in
 
 from vrut_lite.messages.place import SetPlace

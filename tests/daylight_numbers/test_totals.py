@@ -7,7 +7,7 @@ import pandas as pd
 import pvlib
 import pytest
 from boxes import floor
-from daylight_numbers.totals import (
+from daylight_numbers.year.totals import (
     parse_totals,
     radiant_light,
     sums,
@@ -15,8 +15,8 @@ from daylight_numbers.totals import (
     totals_table,
     write_totals,
 )
-from daylight_numbers.year import annual
-from daylight_numbers.year_light import YearLight
+from daylight_numbers.year.year import annual
+from daylight_numbers.year.year_light import YearLight
 from light_transport.rays.sky_nodes import GROUND_NODE
 from standards_scenes import weather, work_in
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from daylight_numbers.angle_basis import KLEMS, KLEMS_FULL
-from daylight_numbers.window_xml import read_window_xml
+from daylight_numbers.glazing.angle_basis import KLEMS, KLEMS_FULL
+from daylight_numbers.glazing.window_xml import read_window_xml
 from window_xml_files import diffuser, opening, window_xml
 
 from vrut_lite.errors import UserError

@@ -13,11 +13,11 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from daylight_numbers.glass import no_glass
+from daylight_numbers.glazing.glass import no_glass
+from daylight_numbers.matrix.operator import operator_of
+from daylight_numbers.matrix.sensors import Sensors, free_sensors
 from daylight_numbers.now import cie_hour, daylight_factor
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.operator import operator_of
-from daylight_numbers.sensors import Sensors, free_sensors
 from daylight_numbers.work import traced_transport
 from light_transport.transport import SceneTransport
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from daylight_numbers.eyes import eyes_of, glare_now
+from daylight_numbers.glare.eyes import eyes_of, glare_now
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import cie_hour
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import work_of
 from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of

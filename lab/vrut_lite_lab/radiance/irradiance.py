@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from daylight_numbers.glass import Glass
+from daylight_numbers.glazing.glass import Glass
 from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import Surfaces
 

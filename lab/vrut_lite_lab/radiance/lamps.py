@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from daylight_numbers.lamp_places import placed_luminaires
-from daylight_numbers.lighting import Lighting, lighting_of
+from daylight_numbers.lamps.lamp_places import placed_luminaires
+from daylight_numbers.lamps.lighting import Lighting, lighting_of
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import cie_hour
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import work_of
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 

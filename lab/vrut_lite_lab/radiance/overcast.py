@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import cie_hour, hour_at_sensors
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import work_of
 from light_transport.surfaces.surfaces import surfaces_of
 

@@ -6,7 +6,7 @@ Radiance's axes have z up: (x, y, z) here is (x, -z, y) there.
 from pathlib import Path
 
 import numpy as np
-from daylight_numbers.glass import Glass
+from daylight_numbers.glazing.glass import Glass
 from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 

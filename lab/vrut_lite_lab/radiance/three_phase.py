@@ -19,10 +19,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from daylight_numbers.angle_basis import KLEMS_FULL
+from daylight_numbers.glazing.angle_basis import KLEMS_FULL
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import cie_hour, hour_at_sensors
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.sky_cells import cell_directions, cell_radiances
 from daylight_numbers.work import work_of
 from light_transport.hour.illumination import Illumination

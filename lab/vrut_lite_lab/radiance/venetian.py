@@ -9,7 +9,7 @@ either side. What passes between slats keeps its direction.
 from dataclasses import dataclass
 
 import numpy as np
-from daylight_numbers.angle_basis import KLEMS_FULL, AngleBasis
+from daylight_numbers.glazing.angle_basis import KLEMS_FULL, AngleBasis
 
 from vrut_lite.numeric_types import FloatArray
 

@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sensors import free_sensors
 from daylight_numbers.work import DaylightWork, work_of
-from daylight_numbers.year import Year, solved_year, year_matrices, year_of
-from daylight_numbers.year_light import (
+from daylight_numbers.year.year import Year, solved_year, year_matrices, year_of
+from daylight_numbers.year.year_light import (
     HOURS,
     YearLight,
     lit_hours,

@@ -1,0 +1,1 @@
+"""Glare at eyes: what they see, and the probability that it disturbs."""

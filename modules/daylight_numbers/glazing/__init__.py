@@ -1,0 +1,1 @@
+"""What panes pass: clear glass by its angles, measured glazing by Window XML."""

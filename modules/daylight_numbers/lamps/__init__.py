@@ -1,0 +1,1 @@
+"""Lamps: their light at sensors, their controls, their year."""

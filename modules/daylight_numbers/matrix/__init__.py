@@ -1,0 +1,1 @@
+"""Sensors, and the matrix of their light over the sky's cells and the scene's patches."""

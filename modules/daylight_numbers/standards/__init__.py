@@ -1,0 +1,1 @@
+"""Standards and rules of daylight, clause by clause."""

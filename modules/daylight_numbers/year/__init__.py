@@ -1,0 +1,1 @@
+"""A year of hours: its skies, its light, its metrics."""
