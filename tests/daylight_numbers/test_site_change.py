@@ -113,6 +113,15 @@ def test_a_lawn_north_of_a_wall_has_sun_beyond_its_shadow():
     assert alone == GardenSun(None, 1.0)
 
 
+def test_a_floor_under_a_roof_is_no_garden():
+    """A closed room that no sun reaches is not a garden that fails."""
+    roof = [[-9, 3, -9], [9, 3, -9], [9, 3, 9], [-9, 3, 9]]
+    work = work_in(floor(-50, 50, -50, 50), roof, places=[[0.0, 0.1, 0.0], [20.0, 0.1, 0.0]])
+    assert list(garden_sun(work, [0], LONDON, 0.0, None)) == ["room"]
+    inside = work_in(floor(-50, 50, -50, 50), roof, places=[[0.0, 0.1, 0.0]])
+    assert garden_sun(inside, [0], LONDON, 0.0, None) == {}
+
+
 def window(vsc, annual, winter, faces_sun=True):
     return WindowLight(SOUTH, 180.0, vsc, (vsc, vsc), annual, winter, faces_sun)
 

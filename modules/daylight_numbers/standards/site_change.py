@@ -40,6 +40,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 # BRE 209, 3.3: hours of sun of a garden, on this day of YEAR.
 GARDEN_H = 2.0
 _GARDEN_DAY = date(YEAR, 3, 21)
+_UPWARDS = np.array([[0.0, 1.0, 0.0]])
 # Directions in which the sky is looked for: so many around, and so many between horizon and zenith.
 _AROUND, _RISING = 72, 180
 _SAME_M = 0.05
@@ -146,12 +147,14 @@ def garden_sun(
     offset_h: float,
     before: SiteScene | None,
 ) -> dict[str, GardenSun]:
-    """Sun of some work planes, which have no roof, by their names."""
+    """Sun of some work planes by their names; those under a roof, as closed rooms, are left out."""
     steps = sun_steps(place, offset_h, _GARDEN_DAY, _GARDEN_DAY)
     after = shut_scene(work)
     found = {}
     for plane in planes:
         places = work.sensors.places_m[work.sensors.plane == plane]
+        if not any(after.reaches(_above(at), _UPWARDS).all() for at in places):
+            continue
         former = None if before is None else _sunny_share(before.shut, places, steps)
         found[work.sensors.names[plane]] = GardenSun(former, _sunny_share(after, places, steps))
     return found
