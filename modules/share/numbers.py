@@ -28,7 +28,7 @@ class Numbers:
     Attributes:
         names: of the quantities (C), as people read them.
         units: theirs, "" without one.
-        values: (C, N) float32; NaN where there is none.
+        values: (C, N) float32; NaN without a value.
         place_m: (N, 3) float32, world axes.
         direction: (N, 3) float32, the unit normals of the planes that the numbers are of.
         spacing_m: median distance from a place to the nearest other one.
@@ -86,7 +86,7 @@ def numbers_of(folder: Path, scene: SceneOpened) -> Numbers:
 
 
 def _values(rows: list[dict[str, str]], name: str) -> FloatArray:
-    """Numbers (N,) of a column; NaN for what is none."""
+    """Numbers (N,) of a column; NaN where a cell holds no number."""
 
     def number(text: str | None) -> float:
         try:

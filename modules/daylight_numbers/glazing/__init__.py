@@ -1,1 +1,1 @@
-"""What panes pass: clear glass by its angles, measured glazing by Window XML."""
+"""Transmission of panes: clear glass by angle, measured glazing by Window XML."""
