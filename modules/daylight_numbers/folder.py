@@ -336,7 +336,7 @@ def _now(
         "daylight_factor_percent": now.daylight_factor_percent,
         "daylight_factor_error_percent": now.daylight_factor_error_percent,
         "sky_view": now.sky_view,
-        "sun_h": sun_hours(work, work.sensors, suns_of_day(opened, midnight)),
+        "sun_h": sun_hours(work, work.sensors, suns_of_day(opened.place, midnight)),
     }
 
 

@@ -156,7 +156,7 @@ def year_pages(
     points = point_year(year.total, year, light)
     halves = [point_year(half, year, light) for half in year.halves]
     midnight = datetime.combine(asked.sun_day, time(), UTC) - timedelta(hours=offset_h)
-    suns = suns_of_day(opened, midnight)
+    suns = suns_of_day(opened.place, midnight)
     sun = sun_hours(work, sensors, suns)
     rows, of_planes = [], {}
     for plane in planes:

@@ -149,7 +149,7 @@ def facts_of(
     midnight = datetime.combine(sun_day, time(), UTC) - timedelta(hours=opened.standard_offset_h)
     area_m2 = {plane: _area_m2(work.sensors, plane) for plane in rooms}
     equinox = equinox_share(work, opened, area_m2)
-    suns = suns_of_day(opened, midnight)
+    suns = suns_of_day(place, midnight)
     return Facts(
         names={plane: work.sensors.names[plane] for plane in rooms},
         area_m2=area_m2,
