@@ -2,6 +2,9 @@
 
 import codecs
 import re
+from pathlib import Path
+
+from vrut_lite.errors import UserError
 
 # UTF-32's marks begin with those of UTF-16.
 _MARKS = {
@@ -29,6 +32,22 @@ def plain_text(data: bytes) -> bytes:
     # Programs of DOS end a text by Ctrl-Z.
     data = data.rstrip(b"\x1a\0")
     return _LINE_ENDS.sub(b"\n", data) if b"\r" in data else data
+
+
+def read_text(file: Path, what: str, most_bytes: int) -> str:
+    """The text of a file, lines ended by LF; `what` names it in a refusal, as "the sensors".
+
+    Raises:
+        UserError: it cannot be read, or has more than `most_bytes`.
+    """
+    try:
+        if file.stat().st_size > most_bytes:
+            raise UserError(f"cannot read {what} {file}: more than {most_bytes >> 20} MB")
+        return decoded(plain_text(file.read_bytes()))
+    # A path with a null byte is a ValueError.
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UserError(f"cannot read {what} {file}: {reason}") from None
 
 
 def decoded(text: bytes) -> str:

@@ -24,7 +24,7 @@ from light_transport.transport import SceneTransport
 from vrut_lite.geometry.colour import colour_table
 
 RED, GREEN, WHITE = [0.63, 0.065, 0.05], [0.14, 0.45, 0.091], [0.725, 0.71, 0.68]
-# Walls by their outward axis: colour, a place of the wall, and what is up in it.
+# Walls by outward axis: colour, centre, and direction of the wall's up.
 WALLS = {
     "+x": (GREEN, [1, 1, 0], [0, 1, 0]),
     "-x": (RED, [-1, 1, 0], [0, 1, 0]),
@@ -40,7 +40,7 @@ NM = np.array(WAVELENGTHS_NM)
 
 
 def traced(samples):
-    """Melanopic and photopic irradiance (3, 2) by mitsuba, in a unit of its own."""
+    """Melanopic and photopic irradiance (3, 2) by mitsuba, in arbitrary units."""
     mi.set_variant("scalar_spectral")
     look = mi.ScalarTransform4f().look_at
     nm = action_spectra()[:, 0]

@@ -12,7 +12,7 @@ import numpy as np
 from daylight_numbers.year.year_light import DAYS, HOURS, YEAR
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import IntArray
-from vrut_lite.text_files import decoded, plain_text
+from vrut_lite.text_files import read_text
 
 _MONTHS = 12
 _MOST_BYTES = 4 << 20
@@ -27,12 +27,7 @@ def read_schedule(path: str | Path, states: int) -> IntArray:
         UserError: it cannot be read, has another shape, or a cell is not the number of a state.
     """
     file = Path(path)
-    try:
-        if file.stat().st_size > _MOST_BYTES:
-            raise UserError(f"the schedule {file} is more than {_MOST_BYTES >> 20} MB")
-        text = decoded(plain_text(file.read_bytes()))
-    except OSError as error:
-        raise UserError(f"cannot read the schedule {file}: {error.strerror or error}") from None
+    text = read_text(file, "the schedule", _MOST_BYTES)
     reader = csv.reader(text.split("\n"))
     rows = [
         (reader.line_num, [cell.strip() for cell in row])

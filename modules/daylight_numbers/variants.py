@@ -19,7 +19,7 @@ import msgspec
 from vrut_lite.errors import UserError
 from vrut_lite.headless import Project
 from vrut_lite.messages.glazing import Glazing, GlazingFile
-from vrut_lite.text_files import decoded, plain_text
+from vrut_lite.text_files import read_text
 
 _MOST_BYTES, _MOST = 1 << 20, 200
 # Names that are folders on every system.
@@ -56,12 +56,9 @@ def read_variants(path: str | Path) -> dict[str, DaylightVariant]:
         UserError: it cannot be read, has no variant, or one has impossible values.
     """
     file = Path(path)
+    text = read_text(file, "the variants", _MOST_BYTES)
     try:
-        if file.stat().st_size > _MOST_BYTES:
-            raise UserError(f"the variants {file} are more than {_MOST_BYTES >> 20} MB")
-        tables = tomllib.loads(decoded(plain_text(file.read_bytes())))
-    except OSError as error:
-        raise UserError(f"cannot read the variants {file}: {error.strerror or error}") from None
+        tables = tomllib.loads(text)
     except ValueError as error:
         raise UserError(f"the variants {file} are no TOML: {error}") from None
     if not 0 < len(tables) <= _MOST:

@@ -1,8 +1,8 @@
 """A scene's triangles as a page draws them: in world axes, a group for each material.
 
 Vertices are those of the light map's charts: a surface that the map cuts up has a vertex for each
-side of a cut. Parts without a chart take their light from probes. A part with an image of its
-surroundings is a group of its own.
+side of a cut. Parts without a chart take their light from probes. Each part with an image of its
+surroundings has a separate group.
 """
 
 from collections.abc import Mapping

@@ -43,7 +43,7 @@ def on_pane(view):
 
 def test_a_diffuser_has_the_luminance_that_it_passes():
     """0.6 of an even sky and ground of radiance 2, in black walls; the vertical illuminance is that
-    of a sensor, which casts rays of its own."""
+    of a sensor with other rays."""
     view, sensor, *_ = seen(Room(diffuser(0.6)), hour(2.0))
     there = on_pane(view)
     assert 0.1 < there.mean() < 0.5
@@ -117,7 +117,7 @@ def test_a_year_behind_a_pane_has_the_glare_of_its_hours():
 
 
 def test_glare_closes_blinds_as_far_as_needed():
-    """In each hour the state is the first whose DGP, as a state of its own, is at most 0.40; the
+    """In each hour the state is the first whose DGP, computed alone, is at most 0.40; the
     darkest where none is. DGP of the year is that of these states."""
     lights = [
         gradient(60.0),

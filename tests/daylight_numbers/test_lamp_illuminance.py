@@ -188,7 +188,7 @@ def test_a_lamp_of_the_scene_has_its_light():
 
 
 def test_lumens_and_watts_go_before_a_files(tmp_path):
-    """A file without true lumens: the flux that is told scales its intensity."""
+    """A file without true lumens: the placement's flux scales its intensity."""
     (tmp_path / "panel.ies").write_text(panel_ies())
     told = LampPlacement(str(tmp_path / "panel.ies"), [0.0, 3.0, 0.0], lumens=1500.0, dimming=0.5)
     placed = placed_luminaires({"desk": told}, None)

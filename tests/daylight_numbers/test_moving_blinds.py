@@ -111,7 +111,7 @@ def test_sun_closes_blinds_in_the_hours_of_pvlibs_sun(rooms):
 
 
 def test_too_many_combinations_are_refused():
-    """Each is a year of its own: seventeen would take minutes without a word."""
+    """Each takes a whole year's work: seventeen would take minutes without a word."""
     states = PaneStates({f"pane {n}": np.arange(17) // (n + 1) for n in range(2)})
     light = year_like(np.arange(17), LIGHTS[:1] * 17)
     with pytest.raises(UserError, match="17 combinations of states occur in the year"):

@@ -1,4 +1,4 @@
-"""What smooth surfaces of a page mirror: the things around them, not the sky alone."""
+"""Smooth surfaces of a page mirror the things around them, not the sky alone."""
 
 import base64
 import io

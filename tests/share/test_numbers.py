@@ -26,7 +26,7 @@ def written(folder, columns, *rows):
 
 
 def test_columns_become_quantities_with_units_and_errors_are_left_out(room, tmp_path):
-    """An empty cell is no number: a year's glare is told of eyes alone."""
+    """An empty cell is no number: not every sensor has every quantity."""
     folder = written(
         tmp_path,
         "illuminance_lx,illuminance_error_lx,of_sun_lx,da_300_percent,dose_klxh,sky_view",

@@ -164,8 +164,10 @@ def _seen_radiance(
 
 
 def _blurred_rows(bounces: PaneBounces, more: FloatArray, hour: Illumination) -> FloatArray:
-    """Radiosity (rows, 3) by light of panes (M, 3) without the sun's beam straight through them,
-    which texels have by rays of their own."""
+    """Radiosity (rows, 3) by light of panes (M, 3) without the sun's beam straight through them.
+
+    Texels trace that beam themselves.
+    """
     transport = bounces.transport
     assert transport.patches is not None
     beam = bounces.straight_sun(np.asarray(hour.key_direction))

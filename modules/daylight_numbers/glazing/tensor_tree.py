@@ -45,7 +45,7 @@ def tree_leaves(text: str, rank: int) -> list[Leaves]:
         ValueError: the text is no tree of this rank; the message says how.
     """
     found: dict[int, tuple[list[IntArray], list[FloatArray]]] = {}
-    # Open nodes: the corner of each, in steps of its own size, and the number of its branches.
+    # Open nodes: corner, in units of the node's size, and number of branches.
     corners: list[tuple[int, ...]] = []
     branches: list[int] = []
     begin, roots = 0, 0

@@ -16,7 +16,7 @@ from vrut_lite.messages.lamps import ALL_AROUND, TABLE_SHAPE, SceneLamps
 from vrut_lite.messages.lighting import LampPlacement
 from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite.plain_numbers import plain_float
-from vrut_lite.text_files import decoded, plain_text
+from vrut_lite.text_files import read_text
 
 _MOST_LAMPS = 4096
 _MOST_BYTES = 16 << 20
@@ -202,12 +202,7 @@ def read_lamps(path: str | Path) -> dict[str, LampPlacement]:
         UserError: the file cannot be read, or a row is no lamp.
     """
     file = Path(path)
-    try:
-        if file.stat().st_size > _MOST_BYTES:
-            raise UserError(f"the lamps {file} are more than {_MOST_BYTES >> 20} MB")
-        text = decoded(plain_text(file.read_bytes()))
-    except OSError as error:
-        raise UserError(f"cannot read the lamps {file}: {error.strerror or error}") from None
+    text = read_text(file, "the lamps", _MOST_BYTES)
     reader = csv.reader(text.split("\n"))
     found: dict[str, LampPlacement] = {}
     for row in reader:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import BoolArray, FloatArray
 from vrut_lite.plain_numbers import plain_float
-from vrut_lite.text_files import decoded, plain_text
+from vrut_lite.text_files import read_text
 
 _SHORTEST = 1e-9
 MOST_SENSORS = 100_000
@@ -102,13 +102,7 @@ def read_sensors(path: str | Path) -> Sensors:
         UserError: the file cannot be read, or a row is no point.
     """
     file = Path(path)
-    try:
-        if file.stat().st_size > _MOST_BYTES:
-            raise UserError(f"the sensors {file} are more than {_MOST_BYTES >> 20} MB")
-        text = decoded(plain_text(file.read_bytes()))
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UserError(f"cannot read the sensors {file}: {reason}") from None
+    text = read_text(file, "the sensors", _MOST_BYTES)
     # A row's cells by its line; spreadsheets write empty ones behind.
     reader = csv.reader(text.split("\n"))
     cells = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)

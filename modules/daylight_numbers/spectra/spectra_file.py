@@ -12,7 +12,7 @@ from daylight_numbers.spectra.eye_responses import HIGHEST_NM, LOWEST_NM
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.plain_numbers import plain_float
-from vrut_lite.text_files import decoded, plain_text
+from vrut_lite.text_files import read_text
 
 _MOST_BYTES = 16 << 20
 # Spectrophotometers measure from 400 to 700 nm at least; the eye has 0.5 % of daylight beyond.
@@ -55,13 +55,7 @@ def read_spectra(path: str | Path) -> MaterialSpectra:
             no share.
     """
     file = Path(path)
-    try:
-        if file.stat().st_size > _MOST_BYTES:
-            raise UserError(f"the spectra {file} are more than {_MOST_BYTES >> 20} MB")
-        text = decoded(plain_text(file.read_bytes()))
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UserError(f"cannot read the spectra {file}: {reason}") from None
+    text = read_text(file, "the spectra", _MOST_BYTES)
     reader = csv.reader(text.split("\n"))
     cells = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
     rows = [(line, row) for line, row in cells if any(row) and not row[0].startswith("#")]

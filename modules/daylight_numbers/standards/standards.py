@@ -103,7 +103,7 @@ class Facts(NamedTuple):
         sun_h: most hours of sun in a room's openings on a day.
         equinox_share: of the floor with LEED's illuminance at both hours; None without rooms.
         has_weather: whether probable sunlight hours are known.
-        change: what was before; None without another scene.
+        change: the state before the change; None without another scene.
         gardens: sun of work planes under no roof, by their names.
         sun_rules: of countries, see `sun_rules`.
         overcast: daylight factors of work planes; none without a year of weather, nor under a sky
