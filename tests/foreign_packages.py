@@ -2,13 +2,14 @@
 
 import base64
 import hashlib
-import importlib.metadata
 import os
 import subprocess
 import sys
 import sysconfig
 import zipfile
 from contextlib import contextmanager
+
+from vrut_lite.package_facts import installed_points
 
 MODULE = """
 from vrut_lite.kernel.module import Manifest, Module
@@ -78,13 +79,12 @@ def on_path(folder):
     """The folder's packages are installed in this process."""
     known = set(sys.modules)
     sys.path.append(str(folder))
-    # tests/house_fixtures.py keeps what is installed.
-    importlib.metadata.entry_points.cache_clear()
+    installed_points.cache_clear()
     try:
         yield
     finally:
         sys.path.remove(str(folder))
-        importlib.metadata.entry_points.cache_clear()
+        installed_points.cache_clear()
         for name in set(sys.modules) - known:
             if str(getattr(sys.modules[name], "__file__", "")).startswith(str(folder)):
                 del sys.modules[name]

@@ -1,8 +1,6 @@
 """Fixtures that several test folders share; skips GL tests where there is no GL."""
 
-import functools
 import gc
-import importlib.metadata
 import math
 import os
 import signal
@@ -12,14 +10,10 @@ from types import SimpleNamespace
 
 import hypothesis
 import pytest
+from stateful_backend import StatefulBackend
 
-# Every kernel asks what is installed, which does not change meanwhile and takes 25 ms to find.
-importlib.metadata.entry_points = functools.cache(importlib.metadata.entry_points)
-
-from stateful_backend import StatefulBackend  # noqa: E402
-
-from vrut_lite import compiled_code  # noqa: E402
-from vrut_lite.render.gl_environment import probe_gl  # noqa: E402
+from vrut_lite import compiled_code
+from vrut_lite.render.gl_environment import probe_gl
 
 # Tests set empty cache folders, in which each process would compile all its kernels.
 compiled_code.share_kernels()

@@ -7,7 +7,7 @@ import importlib.util
 import io
 import os
 import sys
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import click
@@ -25,7 +25,7 @@ from vrut_lite.package_facts import (
     SAFE_MODE_OPTION,
     SAFE_MODE_VARIABLE,
     load_fitting,
-    usable,
+    usable_points,
 )
 
 GROUP = "vrut_lite.commands"
@@ -42,7 +42,7 @@ class EntryPointGroup(click.Group):
     """Subcommands that installed packages contribute; each is imported only when used."""
 
     def _points(self) -> dict[str, EntryPoint]:
-        return {point.name: point for point in usable(entry_points(group=GROUP))}
+        return {point.name: point for point in usable_points(GROUP)}
 
     def list_commands(self, context: click.Context) -> list[str]:
         """Names of all contributed commands."""

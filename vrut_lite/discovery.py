@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
@@ -22,7 +21,7 @@ from vrut_lite.package_facts import (
     in_safe_mode,
     load_fitting,
     package_of,
-    usable,
+    usable_points,
 )
 
 FOLDERS_VARIABLE = "VRUT_LITE_MODULES"
@@ -72,7 +71,7 @@ def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Mod
 
 
 def _by_entry_point() -> Iterator[Candidate]:
-    for point in usable(entry_points(group=MODULES_GROUP)):
+    for point in usable_points(MODULES_GROUP):
         title, remedy = f"'{point.name}' ({point.value})", ""
         if (package := package_of(point)) is not None:
             title = f"{title} of {package.title},"

@@ -3,7 +3,6 @@
 import logging
 from collections.abc import Callable, Mapping
 from functools import cache
-from importlib.metadata import entry_points
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -18,7 +17,7 @@ from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged
 from vrut_lite.numeric_types import FloatArray, Vector
-from vrut_lite.package_facts import load_fitting, usable
+from vrut_lite.package_facts import load_fitting, usable_points
 
 GROUP = "vrut_lite.frame_parts"
 # GLSL of parts, which `//!include HOOK.glsl` brings: of one installed part, or of several.
@@ -39,7 +38,7 @@ class FoundParts(NamedTuple):
 def find_parts() -> FoundParts:
     """Load the installed parts, once for each process."""
     found = FoundParts({}, {})
-    for point in usable(entry_points(group=GROUP)):
+    for point in usable_points(GROUP):
         try:
             part = load_fitting(point)
             if not (isinstance(part, type) and issubclass(part, FramePart)):

@@ -5,8 +5,14 @@ In safe mode, which the environment carries on to other processes, packages of o
 
 import os
 from collections.abc import Iterable
-from functools import lru_cache
-from importlib.metadata import Distribution, EntryPoint, PackageMetadata, entry_points
+from functools import cache, lru_cache
+from importlib.metadata import (
+    Distribution,
+    EntryPoint,
+    EntryPoints,
+    PackageMetadata,
+    entry_points,
+)
 from typing import Any
 
 import msgspec
@@ -111,9 +117,19 @@ def is_own(package: str) -> bool:
     return canonicalize_name(package) in OWN
 
 
-def usable(points: Iterable[EntryPoint]) -> list[EntryPoint]:
-    """Entry points by name; in safe mode only those of our own packages."""
-    in_order = sorted(points, key=lambda point: point.name)
+@cache
+def installed_points() -> EntryPoints:
+    """All entry points, read once: every reading opens the metadata of each installed package.
+
+    A process keeps the modules that it has loaded, so that what is installed later counts from the
+    next start.
+    """
+    return entry_points()
+
+
+def usable_points(group: str) -> list[EntryPoint]:
+    """A group's entry points by name; in safe mode only those of our own packages."""
+    in_order = sorted(installed_points().select(group=group), key=lambda point: point.name)
     if in_safe_mode():
         return [point for point in in_order if package_of(point) is None]
     return in_order

@@ -77,7 +77,7 @@ def install(monkeypatch):
             EntryPoint(name, f"{__name__}:{part.__name__}", installed_parts.GROUP)
             for name, part in parts.items()
         ]
-        monkeypatch.setattr(installed_parts, "entry_points", lambda group: points)
+        monkeypatch.setattr(installed_parts, "usable_points", lambda group: points)
         for cached in CACHES:
             cached.cache_clear()
 

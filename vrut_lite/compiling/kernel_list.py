@@ -8,7 +8,6 @@ import importlib
 import json
 import re
 from collections.abc import Iterator
-from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +16,7 @@ import msgspec
 
 from vrut_lite import compiled_code
 from vrut_lite.njit import types
-from vrut_lite.package_facts import MODULES_GROUP, usable
+from vrut_lite.package_facts import MODULES_GROUP, usable_points
 
 FILE = Path("data") / "kernels.json"
 _NAMED = re.compile(r"\w+(\.\w+)+:\w+")
@@ -94,7 +93,7 @@ def announced_kernels() -> Announced:
 
 def packages() -> tuple[str, ...]:
     """The host, and the packages of installed modules."""
-    points = usable(entry_points(group=MODULES_GROUP))
+    points = usable_points(MODULES_GROUP)
     return ("vrut_lite", *sorted({point.value.partition(".")[0] for point in points}))
 
 

@@ -5,8 +5,8 @@ two eyes in one file: `StereoMode` is the one of Google's films, `GSpherical`, w
 write and read in `GPano` too.
 """
 
+from html import escape
 from typing import NamedTuple
-from xml.sax.saxutils import quoteattr
 
 _GPANO = "http://ns.google.com/photos/1.0/panorama/"
 _GSPHERICAL = "http://ns.google.com/videos/1.0/spherical/"
@@ -57,5 +57,5 @@ class PhotoSphere(NamedTuple):
             values["xmlns:GSpherical"] = _GSPHERICAL
             values["GSpherical:ProjectionType"] = "equirectangular"
             values["GSpherical:StereoMode"] = "top-bottom"
-        attributes = " ".join(f"{key}={quoteattr(str(value))}" for key, value in values.items())
+        attributes = " ".join(f'{key}="{escape(str(value))}"' for key, value in values.items())
         return _PACKET.format(attributes=attributes).encode()

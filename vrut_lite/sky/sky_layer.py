@@ -7,7 +7,6 @@ A module brings one by an entry point of the group `vrut_lite.sky_layers` that n
 import logging
 from abc import ABC, abstractmethod
 from functools import cache
-from importlib.metadata import entry_points
 from typing import Any, ClassVar, NamedTuple
 
 from vrut_lite.errors import UserError
@@ -16,7 +15,7 @@ from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import Vector
-from vrut_lite.package_facts import load_fitting, usable
+from vrut_lite.package_facts import load_fitting, usable_points
 
 GROUP = "vrut_lite.sky_layers"
 _log = logging.getLogger(__name__)
@@ -64,7 +63,7 @@ class SkyLayer(ABC):
 def sky_layers() -> dict[str, SkyLayer]:
     """Layers by the names of their entry points; one that fails to load is left out, warned."""
     found = {}
-    for point in usable(entry_points(group=GROUP)):
+    for point in usable_points(GROUP):
         try:
             layer = load_fitting(point)
             if not (isinstance(layer, type) and issubclass(layer, SkyLayer)):

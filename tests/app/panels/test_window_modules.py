@@ -241,7 +241,7 @@ def test_a_module_brings_a_panel_and_a_bad_one_is_told(qtbot, tmp_path, monkeypa
         "not_installed": "no_such_package:Panel",
     }
     points = [EntryPoint(name, value, docks.PANEL_GROUP) for name, value in panels.items()]
-    monkeypatch.setattr(docks, "entry_points", lambda group: points)
+    monkeypatch.setattr(docks, "usable_points", lambda group: points)
     driver = WindowDriver(qtbot, HeadlessStage, tmp_path)
     assert driver.panel("panel clouds").text() == (
         f"of {len(driver.session.catalogue.modules)} modules"

@@ -9,7 +9,6 @@ when the window is ready, so that the rest of a module needs no Qt.
 
 from collections.abc import Callable
 from functools import partial
-from importlib.metadata import entry_points
 from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt
@@ -32,7 +31,7 @@ from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.package_facts import load_fitting, usable
+from vrut_lite.package_facts import load_fitting, usable_points
 from vrut_lite.scene.settings import SCENE
 
 PANEL_GROUP = "vrut_lite.panels"
@@ -116,7 +115,7 @@ def module_docks(catalogue: ModuleCatalogue) -> ModulePanels:
         if module.specs and SHOWN_SLOT not in module.provides
     ]
     failures = []
-    for point in usable(entry_points(group=PANEL_GROUP)):
+    for point in usable_points(PANEL_GROUP):
         if point.name.partition(".")[0] in catalogue.modules:
             try:
                 docks.append(_own_dock(point.name, load_fitting(point)))
