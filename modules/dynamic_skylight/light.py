@@ -7,6 +7,7 @@ import numpy as np
 
 from dynamic_skylight.air import TOP_ALTITUDE_M, air_is_seen, air_volume
 from dynamic_skylight.daylight import Daylight
+from dynamic_skylight.gpu_twilight import gpu_twilight_job
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
@@ -58,15 +59,18 @@ class HosekWilkieLight(Sky):
         cube, scale = self.daylight.encoded_background(size)
         return Background(cube, self.daylight.ground_rgb, scale)
 
-    def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background] | None:
-        """By day the formula is the GPU's too; twilight is not the formula's alone."""
+    def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background]:
+        """The same by one program: by day the formula alone."""
         light = self.daylight
         if light.model is None:
-            return None
-        asked = light.sun_azimuth_rad, light.ground_rgb, size, light.half_scale
-        job = gpu_cube_job(NAME, CUBE_JOB, light.model, *asked, format=format)
+            asked = light.sky, light.sun_azimuth_rad, light.ground_rgb, size
+            job, scale = gpu_twilight_job(NAME, CUBE_JOB, *asked, format=format)
+        else:
+            scale = light.half_scale
+            by_day = light.sun_azimuth_rad, light.ground_rgb, size, scale
+            job = gpu_cube_job(NAME, CUBE_JOB, light.model, *by_day, format=format)
         texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
-        return job, Background(texture, light.ground_rgb, light.half_scale)
+        return job, Background(texture, light.ground_rgb, scale)
 
     def sun(self) -> SunDisc:
         """The sun's light, with the mean radius of the year."""

@@ -3,8 +3,9 @@
 import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.published.gpu_single_scattering import atmosphere_uniforms, quadrature_uniforms
-from bruneton_sky.shader_source import expand_includes
 from numpy.typing import NDArray
+
+from vrut_lite.sky.shader_text import expand_includes
 
 _GROUP = 64
 PREAMBLE = """#version 430

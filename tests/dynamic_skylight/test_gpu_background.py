@@ -4,6 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from card_stage import apart
+from dynamic_skylight.daylight import Daylight
+from dynamic_skylight.gpu_twilight import gpu_twilight_job
 from dynamic_skylight.module import DynamicSkyLight
 from noon_in_prague import PRAGUE, clock
 
@@ -38,12 +41,25 @@ def test_the_ground_and_the_scale_are_known_before_the_texture(sky):
     assert min(background.ground_radiance_rgb) > 0.0
 
 
-def test_twilight_is_the_cpus(sky):
-    """Below the blend the CPU computes the sky, because the GPU has the formula alone."""
-    sky.sun(0.0)
-    (background,) = sky.taken()
-    assert isinstance(background.cube, Array)
-    assert sky.counters.skipped["GpuJob: an hour for the CPU"] == 1
+@pytest.mark.gl
+@pytest.mark.parametrize("size", [33, 64])
+@pytest.mark.parametrize("sun_deg", [0.45, 0.0, -1.0, -2.4, -3.0, -8.0, -17.0, -30.0])
+def test_twilight_is_the_processors(compute, sun_deg, size):
+    """In single precision on both: 5e-6 of the larger of a texel and a hundredth of the largest."""
+    light = Daylight(3.0, (0.1, 0.2, 0.3), "air", np.radians(sun_deg), 0.7, 0.0)
+    asked = light.sky, 0.7, light.ground_rgb, size
+    job, scale = gpu_twilight_job("test", "cube", *asked, format="rgba32f", read_back=True)
+    card, processor = scale * compute(job), light.background(size)
+    assert card.min() > 0.0
+    assert apart(card, processor) < 5e-6
+
+
+def test_the_scale_of_twilight_leaves_room(sky):
+    """In half precision no texel overflows, and the brightest keeps all its bits."""
+    for sun_deg in (0.0, -2.0, -6.0, -20.0):
+        light = Daylight(3.0, 0.1, "air", np.radians(sun_deg), 0.7, 0.0)
+        _, scale = gpu_twilight_job("test", "cube", light.sky, 0.7, light.ground_rgb, 16)
+        assert 2.0**12 < light.background(64).max() / scale < 2.0**15
 
 
 def test_back_on_the_cpu_a_late_texture_is_not_shown(sky):

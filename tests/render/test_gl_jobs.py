@@ -191,10 +191,10 @@ def test_buffers_stay_known_where_the_next_cannot_be_made():
         return msgspec.structs.replace(Keeper.job, buffers=tuple(arrays))
 
     buffers, context = JobBuffers(), Context()
-    buffers.bind(context, job([1.0]))
+    buffers.send(context, job([1.0]))
     with pytest.raises(ValueError, match="of nothing"):
-        buffers.bind(context, job([2.0], []))
-    buffers.bind(context, job([3.0]))
+        buffers.send(context, job([2.0], []))
+    buffers.send(context, job([3.0]))
     assert [buffer.released for buffer in context.made] == [True, True, False]
 
 

@@ -100,10 +100,11 @@ def sky_on_gpu():
     give(*START, Demand(consumer="gpu", message="GpuJob"), setting("cube_device", "gpu"))
     give(done(jobs[0]), clock(2), clock(4))
     give(done(jobs[2]), done(jobs[1]))  # The earlier one comes too late.
-    give(clock(9), clock(0))  # Twilight is the CPU's.
-    give(failed(jobs[3]), clock(1))  # From here on the CPU serves.
+    give(clock(9))  # Twilight is another program.
+    give(done(jobs[3]), clock(0))
+    give(failed(jobs[4]), clock(1))  # From here on the CPU serves.
     give(setting("cube_device", "cpu"), setting("cube_device", "gpu"))
-    give(done(jobs[4]))
+    give(done(jobs[5]))
     kernel.close()
     return inputs
 
@@ -122,9 +123,10 @@ def sky_on_card():
     give(*START)
     give(RendererTried(renderer="a card", trial_ns=0.1), Demand(consumer="gpu", message="GpuJob"))
     give(done(jobs[0]), clock(2))
-    give(done(jobs[1]), clock(9), clock(0))  # Twilight is the CPU's.
-    give(done(jobs[2]), setting("cube_device", "cpu"), setting("cube_device", "auto"))
-    give(done(jobs[3]), RendererTried(renderer="llvmpipe", trial_ns=90.0, is_software=True))
+    give(done(jobs[1]), clock(9), clock(0))  # Twilight is another program.
+    give(done(jobs[2]), done(jobs[3]))
+    give(setting("cube_device", "cpu"), setting("cube_device", "auto"))
+    give(done(jobs[4]), RendererTried(renderer="llvmpipe", trial_ns=90.0, is_software=True))
     kernel.close()
     return inputs
 

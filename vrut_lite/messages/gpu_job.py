@@ -25,6 +25,21 @@ UniformValue = Number | tuple[Number, ...]
 _MOST_GROUPS = 65535
 
 
+class GpuPass(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A further program of a `GpuJob`; its fields are those of the job's first program."""
+
+    compute_shader: str
+    uniforms: dict[str, UniformValue]
+    groups: tuple[int, int, int] = (1, 1, 1)
+    buffers: tuple[tuple[int, Array], ...] = ()
+
+    def check(self) -> None:
+        """Checks all fields; only OpenGL can tell whether the shader compiles."""
+        checks.text(self, "compute_shader")
+        checks.shader_inputs(self)
+        checks.wholes(self, "groups", 1, _MOST_GROUPS, most=3)
+
+
 class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     """A compute shader that writes a texture; its completion comes back as a `JobResult`.
 
@@ -35,6 +50,10 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     it too. Of a module's waiting jobs of one name only the latest is run. The result is an `Array`
     (6, size, size, 4), (size, size, 4) or (depth, height, width, 4) of float32 if `read_back`,
     else a `GpuTexture`, without a copy.
+
+    Programs of `then` run after the first, one after the other, and may also read image unit 0.
+    With `scratch`, unit 1 holds a second image of that size and format, undefined at first, for all
+    programs of the job. `reads` is another job's texture, at unit 2.
     """
 
     module: str
@@ -47,6 +66,9 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     groups: tuple[int, int, int] = (1, 1, 1)
     read_back: bool = False
     buffers: tuple[tuple[int, Array], ...] = ()
+    then: tuple[GpuPass, ...] = ()
+    scratch: bool = False
+    reads: GpuTexture | None = None
 
     def key(self) -> str:
         """One pending job per module and name."""
@@ -62,14 +84,39 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
         if len(sizes) != 3 or not all(checks.is_whole(n) and 0 < n <= LARGEST_EDGE for n in sizes):
             checks.refuse(self, "size", f"be a whole number from 1 to {LARGEST_EDGE}, or three")
         checks.wholes(self, "groups", 1, _MOST_GROUPS, most=3)
-        checks.flag(self, "read_back")
+        checks.flag(self, "read_back", "scratch")
+        checks.instance(self, "then", tuple)
+        for step in self.then:
+            if not isinstance(step, GpuPass):
+                checks.refuse(self, "then", "be programs")
+            step.check()
+        checks.instance(self, "reads", (GpuTexture, type(None)))
+
+    @property
+    def programs(self) -> tuple[GpuPass, ...]:
+        """All programs, in order."""
+        first = GpuPass(
+            compute_shader=self.compute_shader,
+            uniforms=self.uniforms,
+            groups=self.groups,
+            buffers=self.buffers,
+        )
+        return first, *self.then
 
     @cached_property
     def recipe(self) -> str:
         """Hexadecimal BLAKE2b-128 of everything that determines the texels."""
-        buffers = [(binding, array.digest) for binding, array in self.buffers]
+        then = [
+            (step.compute_shader, step.uniforms, step.groups, _digests(step.buffers))
+            for step in self.then
+        ]
+        reads = None if self.reads is None else self.reads.recipe
         return recipe_of(self.compute_shader, self.uniforms, self.output, self.size, self.format,
-                         self.groups, buffers)  # fmt: skip
+                         self.groups, _digests(self.buffers), then, reads)  # fmt: skip
+
+
+def _digests(buffers: tuple[tuple[int, Array], ...]) -> list[tuple[int, str]]:
+    return [(binding, array.digest) for binding, array in buffers]
 
 
 def in_format(compute_shader: str, format: TexelFormat) -> str:
@@ -84,9 +131,13 @@ def in_format(compute_shader: str, format: TexelFormat) -> str:
 
 
 def recipe_of(*made_of: Any) -> str:
-    """Digest of a job's shader, uniforms, output, size, format, groups and buffers.
+    """Digest of a job's shader, uniforms, output, size, format, groups, buffers, further programs
+    and the recipe of the texture that it reads.
 
-    Buffers are pairs of a binding and an array's digest.
+    Buffers are pairs of a binding and an array's digest. What is empty at the end does not count,
+    so that jobs keep the recipes that they had in earlier versions.
     """
-    text = msgspec.json.encode(made_of if made_of[-1] else made_of[:-1], order="sorted")
+    while not made_of[-1]:
+        made_of = made_of[:-1]
+    text = msgspec.json.encode(made_of, order="sorted")
     return hashlib.blake2b(text, digest_size=16).hexdigest()

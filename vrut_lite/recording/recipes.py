@@ -47,8 +47,17 @@ class Recipes:
 def recipe_of_plain(job: dict[str, Any]) -> str | None:
     """The recipe of a plain `GpuJob`; None of one of other fields."""
     try:
-        buffers = [(binding, handle["$array"]) for binding, handle in job["buffers"]]
         names = ("compute_shader", "uniforms", "output", "size", "format", "groups")
-        return recipe_of(*(job[name] for name in names), buffers)
+        then = [
+            (*(step[name] for name in ("compute_shader", "uniforms", "groups")), _digests(step))
+            for step in job.get("then", ())
+        ]
+        reads = job.get("reads")
+        read = None if reads is None else reads["recipe"]
+        return recipe_of(*(job[name] for name in names), _digests(job), then, read)
     except (KeyError, TypeError, ValueError):
         return None
+
+
+def _digests(program: dict[str, Any]) -> list[tuple[int, str]]:
+    return [(binding, handle["$array"]) for binding, handle in program["buffers"]]

@@ -11,7 +11,7 @@ from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob, GpuPass
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.render.gl_owner import GlOwner
@@ -71,19 +71,31 @@ class GlJobs(Module):
     def _compute(self, context: Any, job: GpuJob) -> Array | GpuTexture:
         handle = self._pools[job.key()].take(context, job)
         texture = handle.opaque
-        if job.compute_shader not in self._programs:
-            self._programs[job.compute_shader] = context.compute_shader(job.compute_shader)
-        program = self._programs[job.compute_shader]
-        for name, value in job.uniforms.items():
+        # Lent until the end: the next job of the key may write it again.
+        scratch = self._pools[f"{job.key()}.scratch"].take(context, job) if job.scratch else None
+        if kept := self._buffers.send(context, job):
+            self.counters.skip("gpu job's buffer: still there", kept)
+        for number, step in enumerate(job.programs):
+            program = self._program(context, step)
+            texture.bind_to_image(0, read=number > 0, write=True)
+            if scratch is not None:
+                scratch.opaque.bind_to_image(1, read=True, write=True)
+            if job.reads is not None:
+                job.reads.opaque.bind_to_image(2, read=True, write=False)
+            self._buffers.bind(job, number)
+            run_compute(program, *step.groups)
+            context.memory_barrier()
+        return Array(_read(texture, job)) if job.read_back else handle
+
+    def _program(self, context: Any, step: GpuPass) -> Any:
+        if step.compute_shader not in self._programs:
+            self._programs[step.compute_shader] = context.compute_shader(step.compute_shader)
+        program = self._programs[step.compute_shader]
+        for name, value in step.uniforms.items():
             # A uniform that the compiler found unused is not an error.
             if name in program:
                 program[name].value = value
-        if kept := self._buffers.bind(context, job):
-            self.counters.skip("gpu job's buffer: still there", kept)
-        texture.bind_to_image(0, read=False, write=True)
-        run_compute(program, *job.groups)
-        context.memory_barrier()
-        return Array(_read(texture, job)) if job.read_back else handle
+        return program
 
 
 def _read(texture: Any, job: GpuJob) -> np.ndarray:

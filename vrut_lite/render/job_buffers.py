@@ -7,7 +7,8 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.messages.gpu_job import GpuJob
 
-_Sent = dict[int, tuple[Array, Any]]
+# By the program's number in the job and the binding.
+_Sent = dict[tuple[int, int], tuple[Array, Any]]
 
 
 class JobBuffers:
@@ -16,27 +17,34 @@ class JobBuffers:
     def __init__(self) -> None:
         self._sent: dict[str, _Sent] = {}
 
-    def bind(self, context: Any, job: GpuJob) -> int:
-        """Bind a job's buffers; returns how many of them were reused."""
+    def send(self, context: Any, job: GpuJob) -> int:
+        """Upload a job's buffers; returns how many of them were there already."""
         before, now = self._sent.pop(job.key(), {}), _Sent()
         # All buffers stay listed, also where making the next one fails.
         self._sent[job.key()] = now
         try:
-            return self._bind_all(context, job, before, now)
+            return self._send_all(context, job, before, now)
         finally:
             for _, buffer in before.values():
                 buffer.release()
 
-    def _bind_all(self, context: Any, job: GpuJob, before: _Sent, now: _Sent) -> int:
+    def bind(self, job: GpuJob, number: int) -> None:
+        """Bind the buffers of the job's program of that number."""
+        for (program, binding), (_, buffer) in self._sent[job.key()].items():
+            if program == number:
+                buffer.bind_to_storage_buffer(binding)
+
+    def _send_all(self, context: Any, job: GpuJob, before: _Sent, now: _Sent) -> int:
         kept = 0
-        for binding, content in job.buffers:
-            # Compared by identity: comparing contents might take longer than the upload.
-            if binding in before and before[binding][0] is content:
-                now[binding] = before.pop(binding)
-                kept += 1
-            else:
-                now[binding] = content, _buffer(context, content)
-            now[binding][1].bind_to_storage_buffer(binding)
+        for number, program in enumerate(job.programs):
+            for binding, content in program.buffers:
+                place = number, binding
+                # Compared by identity: comparing contents might take longer than the upload.
+                if place in before and before[place][0] is content:
+                    now[place] = before.pop(place)
+                    kept += 1
+                else:
+                    now[place] = content, _buffer(context, content)
         return kept
 
 

@@ -16,15 +16,17 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.atmosphere.refraction import horizon_elevation
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.encoding import encode_float16, float16_scale
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.messages.air import AirVolume, SecondLight
+from vrut_lite.messages.gpu_job import GpuJob, TexelFormat
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.night import NO_ECLIPSE, MoonLight
 from vrut_lite.messages.sky import NO_LAMPS
 from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.air_volume import light_of
+from vrut_lite.sky.cube_sum import glow_pass, scale_of_sum, sum_of_parts
 from vrut_lite.sky.night_glow import glow_cube
 from vrut_lite.sky.night_kernels import add_halves
 from vrut_lite.sky.sky_of_hour import (
@@ -49,6 +51,8 @@ _LEFT_IN_TOTALITY = 1e-4
 # Share of the key light's air below which the other body's is left out. Near the moon its air is a
 # hundred times as bright as on average: a thousandth of all at most.
 _LEAST_SHARE = 1e-5
+# Work of a texel of the glow's program, in trial pixels (`device_choice`).
+_GLOW_TRIALS = 0.25
 
 
 def night_share(sun: SunMoved) -> float:
@@ -128,7 +132,7 @@ class SkyAtNight(Sky):
     def _dark_cube(self, like: Background, horizon_rad: float) -> Float32Array:
         """The glow's share over lit ground, a copy that may be changed."""
         assert not isinstance(like.cube, GpuTexture)
-        if self.glow is None or self.share == 0.0:
+        if self.glow is None or not self._glows:
             return np.zeros(like.cube.shape, np.float32)
         glow = glow_cube(self.glow, like.cube.shape[1], self._lit_ground, horizon_rad)
         return glow * np.float32(self.share)
@@ -148,26 +152,78 @@ class SkyAtNight(Sky):
         """The sum of the cubes for an observer on the ground."""
         return self._sum(lambda sky: sky.background_on_ground(size))
 
+    def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background] | None:
+        """The sum of the skies' own programs and the glow's, in single precision."""
+        made = [(sky.gpu_background(size, "rgba32f"), share) for sky, share in self._lights]
+        known = [(*asked, share) for asked, share in made if asked is not None]
+        if len(known) < len(made):
+            return None
+        scales = [seen.scale * float(share.max()) for _, seen, share in known]
+        if self._glows:
+            assert self.glow is not None
+            scales.append(float16_scale(self.share * float(self.glow.values.max())))
+        scale = scale_of_sum(scales)
+        job = sum_of_parts([(job, share * seen.scale / scale) for job, seen, share in known])
+        if job is None:
+            return None
+        if self._glows:
+            assert self.glow is not None
+            where = size, self._lit_ground, self.share, scale, self.horizon_rad
+            job = msgspec.structs.replace(job, then=(*job.then, glow_pass(self.glow, *where)))
+        texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
+        return job, self._together([seen for _, seen, _ in known], texture, scale)
+
+    def card_cube_trials(self) -> float:
+        """Those of the skies and of the glow."""
+        of_skies = sum(sky.card_cube_trials() for sky, _ in self._lights)
+        return of_skies + (_GLOW_TRIALS if self._glows else 0.0)
+
+    def card_makes(self, product: str) -> bool:
+        """The cube where the card makes that of the sun's sky; of the air it has no sum."""
+        return product == "gpu_background" and self.by_sun.card_makes(product)
+
     def _sum(
         self, background_of: Callable[[Sky], Background], horizon_rad: float = 0.0
     ) -> Background:
-        # After the sun's light is gone, the moon's sky states whether the ground is behind air.
-        base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
-        first = background_of(base)
-        share = self._moon_share if base is self.by_moon else self._sun_left
-        ground = share * np.asarray(first.ground_rgb, float)
-        seen = None if first.seen_sun_rgb is None else share * first.seen_sun_rgb
-        cube = self._dark_cube(first, horizon_rad)
-        _add(cube, first, share)
-        if self.by_moon is not None and base is not self.by_moon:
-            by_moon = background_of(self.by_moon)
-            _add(cube, by_moon, self._moon_share)
-            ground = ground + self._moon_share * by_moon.ground_rgb
-            if self.key == "moon" and by_moon.seen_sun_rgb is not None:
-                seen = self._moon_share * by_moon.seen_sun_rgb
+        skies = self._lights
+        backgrounds = [background_of(sky) for sky, _ in skies]
+        cube = self._dark_cube(backgrounds[0], horizon_rad)
+        for more, (_, share) in zip(backgrounds, skies, strict=True):
+            _add(cube, more, share)
+        return self._together(backgrounds, cube)
+
+    @property
+    def _lights(self) -> list[tuple[Sky, FloatArray]]:
+        """The skies and their shares (3,).
+
+        After the sun's light is gone, the moon's sky states whether the ground is behind air.
+        """
+        by_sun = [(self.by_sun, self._sun_left)]
+        if self.by_moon is None:
+            return by_sun
+        return [*(by_sun if self.sunlit else []), (self.by_moon, self._moon_share)]
+
+    @property
+    def _glows(self) -> bool:
+        return self.glow is not None and self.share > 0.0
+
+    def _together(
+        self,
+        backgrounds: list[Background],
+        cube: Float32Array | GpuTexture,
+        scale: float = 1.0,
+    ) -> Background:
+        """The background of the skies' backgrounds, with the sum of their cubes."""
+        ground, seen = np.zeros(3), None
+        for number, (one, (sky, share)) in enumerate(zip(backgrounds, self._lights, strict=True)):
+            ground = ground + share * one.ground_rgb
+            is_key = number == 0 or (sky is self.by_moon and self.key == "moon")
+            if is_key and one.seen_sun_rgb is not None:
+                seen = share * one.seen_sun_rgb
         if self.glow is not None:
             ground = ground + self.share * self._glow_ground
-        return Background(cube, ground, 1.0, first.ground_through_air, seen_sun_rgb=seen)
+        through_air = backgrounds[0].ground_through_air
+        return Background(cube, ground, scale, through_air, seen_sun_rgb=seen)
 
     def sun(self) -> SunDisc:
         """The key light."""

@@ -474,12 +474,12 @@ class SkyModule(Module):
     def _chosen(self, kind: type[Derived], sky: Sky, demand: Demand) -> DeviceChoice:
         """The device of background or air; all else is the processor's."""
         made_by = {BackgroundChanged: "gpu_background", AirChanged: "gpu_air"}.get(kind)
-        if made_by is None or getattr(type(sky), made_by) is getattr(Sky, made_by):
+        if made_by is None or not sky.card_makes(made_by):
             return DeviceChoice(False, "the card has no program for it")
         setting: DeviceSetting = getattr(self.settings, "cube_device", "cpu")
         tried = self.link.last(RendererTried)
         if kind is BackgroundChanged:
-            chosen = choose_for_cube(setting, tried, sky.cube_trials)
+            chosen = choose_for_cube(setting, tried, sky.card_cube_trials())
         else:
             chosen = choose(setting, tried, sky.air_trials)
         if not chosen.on_card:

@@ -290,6 +290,7 @@ class Sky:
     def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background] | None:
         """The job `CUBE_JOB` that makes the cube, and the background without the texture.
 
+        Its one program stores each texel once; so the base can sum skies by night (`cube_sum`).
         None where the CPU must make it.
         """
         return None
@@ -297,3 +298,11 @@ class Sky:
     def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
         """The job `AIR_JOB` that makes the air's light, and the volume without the texture."""
         return None
+
+    def card_cube_trials(self) -> float:
+        """Work of a texel by `gpu_background` in this hour, in trial pixels."""
+        return self.cube_trials
+
+    def card_makes(self, product: str) -> bool:
+        """Whether there is a program for a product, "gpu_background" or "gpu_air"."""
+        return getattr(type(self), product) is not getattr(Sky, product)

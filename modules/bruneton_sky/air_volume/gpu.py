@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.air_volume.kernels import SLICE_FLOATS, pack_slices
 from bruneton_sky.air_volume.volume import AirSizes, Matter, matter_before, volume_of
 from bruneton_sky.field_tables import table_of_field
-from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.sky_view.table import channel_phases
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
@@ -19,6 +18,7 @@ from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from vrut_lite.array import Array
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob, GpuTexture, Number
+from vrut_lite.sky.shader_text import floats, shader_source
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.later_order_kernels import Source
@@ -61,7 +61,7 @@ def air_volume_job(
     made = GpuJob(
         module=module,
         job=job,
-        compute_shader=shader_source("air_volume.comp"),
+        compute_shader=shader_source("air_volume.comp", "bruneton_sky"),
         uniforms={
             **tables.uniforms,
             "shape": (count.slices, rows, count.columns),

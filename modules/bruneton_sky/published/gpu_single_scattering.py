@@ -10,10 +10,10 @@ from bruneton_sky.phase import mie_phase_parameters
 from bruneton_sky.published.classical_rules import checked_intervals
 from bruneton_sky.published.single_scattering import Rule
 from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
-from bruneton_sky.shader_source import shader_source
 from bruneton_sky.tables.sizes import refuse_unpublished
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.messages.gpu_job import GpuJob, UniformValue
+from vrut_lite.sky.shader_text import shader_source
 
 WAVELENGTHS, MOST_ABSORBER_NODES, MOST_GAUSS_NODES = 3, 8, 32
 _RULE_NUMBERS: dict[str, int] = {"gauss-legendre": 0, "midpoint": 1, "trapezoid": 2, "simpson": 3}

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.sky_view.table import SkyView, level_direction
 from bruneton_sky.sun_light import DiscLight
 from vrut_lite.array import Array
@@ -11,7 +10,9 @@ from vrut_lite.geometry.encoding import float16_scale
 from vrut_lite.messages.gpu_job import GpuJob, TexelFormat, in_format
 from vrut_lite.messages.sky import ViewShader
 from vrut_lite.numeric_types import Number
+from vrut_lite.sky.shader_text import floats, shader_source
 
+_PACKAGE = "bruneton_sky"
 _NODES_BINDING, _SUNLIGHT_BINDING, _BANDS_BINDING = 1, 2, 3
 _GROUP = 8
 _ALL_FACES = (0, 1, 2, 3, 4, 5)
@@ -45,7 +46,7 @@ def sky_view_job(
     made = GpuJob(
         module=module,
         job=job,
-        compute_shader=in_format(shader_source("sky_view_cube.comp"), format),
+        compute_shader=in_format(shader_source("sky_view_cube.comp", _PACKAGE), format),
         uniforms={
             **_look_up_uniforms(view),
             "ground": floats(ground_radiance_rgb),
@@ -84,7 +85,7 @@ def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
     roots = np.zeros((len(disc.irradiance_rgb), 4), np.float32)
     roots[:, :3] = disc.irradiance_rgb**0.25
     return ViewShader(
-        source=shader_source("sky_view_background.glsl"),
+        source=shader_source("sky_view_background.glsl", _PACKAGE),
         uniforms={
             **_look_up_uniforms(view),
             # The difference, because 1 + mu would lose digits in float32.

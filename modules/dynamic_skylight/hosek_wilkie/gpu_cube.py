@@ -1,10 +1,7 @@
 """The Hosek-Wilkie cube map as a GPU job; the formula's numbers are its uniforms."""
 
-from functools import lru_cache
-from importlib.resources import files
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dynamic_skylight.hosek_wilkie.fast_formula import (
     ANGLE_POLYNOMIAL,
@@ -15,6 +12,8 @@ from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.messages.gpu_job import GpuJob, TexelFormat, UniformValue, in_format
+from vrut_lite.numeric_types import FloatArray
+from vrut_lite.sky.shader_text import floats, shader_source
 
 # In the order of `fold`, as the shader calls them.
 _NUMBERS = (
@@ -41,11 +40,13 @@ def gpu_cube_job(
     not wanted are left undefined.
     """
     groups = -(-size // _GROUP)
+    formula = sky.rgb_distribution, sky.rgb_mean_radiance, sky.sun_elevation_rad
+    uniforms = formula_uniforms(*formula, sun_azimuth_rad, ground_rgb, scale)
     return GpuJob(
         module=module,
         job=job,
-        compute_shader=in_format(_shader(), format),
-        uniforms=_uniforms(sky, sun_azimuth_rad, ground_rgb, scale, wanted),
+        compute_shader=in_format(formula_shader(), format),
+        uniforms={**uniforms, "faces": (*wanted, *(0,) * (len(ALL_FACES) - len(wanted)))},
         output="cube",
         size=size,
         format=format,
@@ -54,32 +55,28 @@ def gpu_cube_job(
     )
 
 
-def _uniforms(
-    sky: HosekWilkieSky,
+def formula_uniforms(
+    distribution: FloatArray,
+    mean_radiance: FloatArray,
+    sun_elevation_rad: float,
     sun_azimuth_rad: float,
     ground_rgb: ArrayLike,
     scale: float,
-    wanted: tuple[int, ...],
 ) -> dict[str, UniformValue]:
-    numbers = fold(sky.rgb_distribution, sky.rgb_mean_radiance / scale)
-    sun = world_from_enu(direction_from_angles(sun_azimuth_rad, sky.sun_elevation_rad))
+    """The uniforms of hosek_wilkie.comp, for all faces; the distribution is that of `HourSky`."""
+    numbers = fold(distribution, mean_radiance / scale)
+    sun = world_from_enu(direction_from_angles(sun_azimuth_rad, sun_elevation_rad))
     return {
-        "faces": (*wanted, *(0,) * (len(ALL_FACES) - len(wanted))),
-        "sun": _floats(sun),
-        "ground": _floats(np.asarray(ground_rgb) / scale),
-        "angle_polynomial": _floats(np.array(ANGLE_POLYNOMIAL)),
-        "exp2m1_polynomial": _floats(np.array(EXP2M1_POLYNOMIAL)),
+        "faces": ALL_FACES,
+        "sun": floats(sun),
+        "ground": floats(np.asarray(ground_rgb) / scale),
+        "angle_polynomial": floats(ANGLE_POLYNOMIAL),
+        "exp2m1_polynomial": floats(EXP2M1_POLYNOMIAL),
         "horizon_offset": HORIZON_OFFSET,
-        **{name: _floats(column) for name, column in zip(_NUMBERS, numbers.T, strict=True)},
+        **{name: floats(column) for name, column in zip(_NUMBERS, numbers.T, strict=True)},
     }
 
 
-def _floats(values: NDArray[np.floating]) -> tuple[float, ...]:
-    # In single precision, as the shader reads them: the last bits of float64 differ between
-    # processors and would change the job's recipe, so that a journal would not replay elsewhere.
-    return tuple(float(value) for value in values.astype(np.float32))
-
-
-@lru_cache(maxsize=1)
-def _shader() -> str:
-    return (files("dynamic_skylight") / "shaders" / "hosek_wilkie.comp").read_text("utf-8")
+def formula_shader() -> str:
+    """The text of the formula's program, for half precision."""
+    return shader_source("hosek_wilkie.comp", "dynamic_skylight")

@@ -8,8 +8,8 @@ from bruneton_sky.published.pipeline.setting import (
     RAY_INTERVALS,
     TRANSMITTANCE_INTERVALS,
 )
-from bruneton_sky.shader_source import shader_source
 from bruneton_sky.tables.sizes import TableSizes
+from vrut_lite.sky.shader_text import shader_source
 
 NAMES = (
     "transmittance",

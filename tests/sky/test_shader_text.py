@@ -5,7 +5,8 @@ import re
 import pytest
 from bruneton_sky.path_kernels import ERFCX
 from bruneton_sky.published.gpu_single_scattering import MOST_ABSORBER_NODES, MOST_GAUSS_NODES
-from bruneton_sky.shader_source import expand_includes, shader_source
+
+from vrut_lite.sky.shader_text import expand_includes, shader_source
 
 REFERENCE = "bruneton_sky.published"
 
