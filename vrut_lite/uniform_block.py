@@ -16,6 +16,8 @@ _LAYOUT = {
     "vec4": (4, 4),
     "mat4": (16, 4),
 }
+# Types that lie alike in std140 and std430.
+_ALIKE = ("float", "vec2", "vec3", "vec4")
 
 
 class UniformBlock(NamedTuple):
@@ -37,9 +39,19 @@ class UniformBlock(NamedTuple):
 
     def glsl(self) -> str:
         """Its declaration."""
+        return self._declared(f"layout(std140, binding = {self.binding}) uniform")
+
+    def glsl_of_buffer(self, binding: int) -> str:
+        """Its declaration as a storage buffer of the same bytes, for programs of a `GpuJob`.
+
+        The fields are no arrays and no matrices, which the two layouts space differently.
+        """
+        assert all(kind in _ALIKE for kind, _ in self.fields.values())
+        return self._declared(f"layout(std430, binding = {binding}) restrict readonly buffer")
+
+    def _declared(self, head: str) -> str:
         lines = [f"    {kind} {name};  // {text}" for name, (kind, text) in self.fields.items()]
-        head = f"layout(std140, binding = {self.binding}) uniform {self.name} {{"
-        return "\n".join([head, *lines, f"}} {self.instance};\n"])
+        return "\n".join([f"{head} {self.name} {{", *lines, f"}} {self.instance};\n"])
 
     def packed(self, **values: Any) -> bytes:
         """The bytes of a value for each field; matrices (..., 4, 4) as mathematics writes them.

@@ -162,8 +162,7 @@ def _seen(
     # Transmittance of the nearer layers, and the share of the clear sky's light of the air so far.
     passed = np.ones((len(directions), 1))
     kept, own, air_so_far = np.zeros((3, len(directions), 3))
-    lit_layers = zip(layers, lights_on(layers, light), strict=True)
-    for layer, light_on in sorted(lit_layers, key=lambda lit: _distance_m(lit[0], eye_m[1])):
+    for layer, light_on in from_nearest(layers, lights_on(layers, light), eye_m[1]):
         seen = clouds_seen(layer, light_on, eye_m, directions, 0.5 * np.pi / size)
         before, all_of_it = _air_depths(light.haze, eye_m[1], directions[:, 1], seen.distance_m)
         share = -np.expm1(-before) / np.maximum(-np.expm1(-all_of_it), 1e-9)
@@ -185,6 +184,22 @@ def _sun_share(
     return float(np.prod(shares))
 
 
+def from_nearest(
+    layers: tuple[CloudLayer, ...], lights: tuple[ClearLight, ...], altitude_m: float
+) -> list[tuple[CloudLayer, ClearLight]]:
+    """Layers and the light on each, from the nearest to an altitude on."""
+    lit_layers = zip(layers, lights, strict=True)
+    return sorted(lit_layers, key=lambda lit: _distance_m(lit[0], altitude_m))
+
+
+def air_kinds(haze: tuple[HazeLayer, ...]) -> list[tuple[float, FloatArray]]:
+    """Scale height (m) and extinction (3,) per m at sea level of molecules and of low haze."""
+    # Clouds lie below the stratosphere's aerosol.
+    low = [layer for layer in haze if layer.peak_m is None]
+    of_haze = [(layer.height_m, layer.depth_at(_RGB_NM) / layer.height_m) for layer in low]
+    return [(COLUMN_M, molecules_per_m(_RGB_NM)), *of_haze]
+
+
 def _distance_m(layer: CloudLayer, altitude_m: float) -> float:
     return max(layer.base_m - altitude_m, altitude_m - layer.top_m, 0.0)
 
@@ -198,11 +213,8 @@ def _air_depths(
     """
     horizontal_m = distance_m * np.sqrt(np.maximum(1.0 - mu * mu, 0.0))
     far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * GROUND_RADIUS_M)
-    # Clouds lie below the stratosphere's aerosol.
-    low = [layer for layer in haze if layer.peak_m is None]
-    of_haze = [(layer.height_m, layer.depth_at(_RGB_NM) / layer.height_m) for layer in low]
     before, whole = np.zeros((2, len(mu), 3))
-    for scale_m, per_m in [(COLUMN_M, molecules_per_m(_RGB_NM)), *of_haze]:
+    for scale_m, per_m in air_kinds(haze):
         in_m = distance_m * _mean_density(eye_altitude_m, far_altitude_m, scale_m)
         before += in_m[:, None] * per_m
         # Along the horizon there is as much as along so many scale heights.

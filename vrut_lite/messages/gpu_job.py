@@ -23,6 +23,8 @@ TexelFormat = Literal["rgba16f", "rgba32f"]
 UniformValue = Number | tuple[Number, ...]
 # Work groups along one axis that every OpenGL 4.3 can start.
 _MOST_GROUPS = 65535
+# OpenGL 4.3 has eight image units.
+_MOST_SCRATCH = 6
 
 
 class GpuPass(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -52,8 +54,8 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     else a `GpuTexture`, without a copy.
 
     Programs of `then` run after the first, one after the other, and may also read image unit 0.
-    With `scratch`, unit 1 holds a second image of that size and format, undefined at first, for all
-    programs of the job. `reads` is another job's texture, at unit 2.
+    `reads` is another job's texture, at unit 1. So many `scratch` images of the output's size and
+    format, undefined at first, are at units 2 and on, for all programs of the job.
     """
 
     module: str
@@ -67,7 +69,7 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     read_back: bool = False
     buffers: tuple[tuple[int, Array], ...] = ()
     then: tuple[GpuPass, ...] = ()
-    scratch: bool = False
+    scratch: int = 0
     reads: GpuTexture | None = None
 
     def key(self) -> str:
@@ -84,7 +86,8 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
         if len(sizes) != 3 or not all(checks.is_whole(n) and 0 < n <= LARGEST_EDGE for n in sizes):
             checks.refuse(self, "size", f"be a whole number from 1 to {LARGEST_EDGE}, or three")
         checks.wholes(self, "groups", 1, _MOST_GROUPS, most=3)
-        checks.flag(self, "read_back", "scratch")
+        checks.flag(self, "read_back")
+        checks.whole(self, "scratch", 0, _MOST_SCRATCH)
         checks.instance(self, "then", tuple)
         for step in self.then:
             if not isinstance(step, GpuPass):

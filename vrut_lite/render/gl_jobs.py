@@ -71,17 +71,18 @@ class GlJobs(Module):
     def _compute(self, context: Any, job: GpuJob) -> Array | GpuTexture:
         handle = self._pools[job.key()].take(context, job)
         texture = handle.opaque
-        # Lent until the end: the next job of the key may write it again.
-        scratch = self._pools[f"{job.key()}.scratch"].take(context, job) if job.scratch else None
+        # Lent until the end: the next job of the key may write them again.
+        pool = self._pools[f"{job.key()}.scratch"]
+        scratch = [pool.take(context, job) for _ in range(job.scratch)]
         if kept := self._buffers.send(context, job):
             self.counters.skip("gpu job's buffer: still there", kept)
         for number, step in enumerate(job.programs):
             program = self._program(context, step)
             texture.bind_to_image(0, read=number > 0, write=True)
-            if scratch is not None:
-                scratch.opaque.bind_to_image(1, read=True, write=True)
             if job.reads is not None:
-                job.reads.opaque.bind_to_image(2, read=True, write=False)
+                job.reads.opaque.bind_to_image(1, read=True, write=False)
+            for unit, image in enumerate(scratch, 2):
+                image.opaque.bind_to_image(unit, read=True, write=True)
             self._buffers.bind(job, number)
             run_compute(program, *step.groups)
             context.memory_barrier()

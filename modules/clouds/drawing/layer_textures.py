@@ -117,7 +117,7 @@ class CloudsOnGpu:
             self._light(*sun_of)
             self._sun_of = sun_of
         inputs = light, sky_irradiance, around, plane, covered_share
-        self._numbers.write(_packed(self._block, self.layer, *inputs))
+        self._numbers.write(packed_numbers(self._block, self.layer, *inputs))
         self.bind_again()
 
     def bind_again(self) -> None:
@@ -177,7 +177,7 @@ class CloudsOnGpu:
         self._noises = []
 
 
-def _packed(
+def packed_numbers(
     block: UniformBlock,
     layer: CloudLayer,
     light: ClearLight,

@@ -43,6 +43,17 @@ def cloud_field(layer: CloudLayer, eye_m: Vector) -> Field:
     )
 
 
+def noise_array(layer: CloudLayer) -> Array:
+    """The `texels` of a layer's field, the same object for the same noises."""
+    return _noise_array(layer.weather, layer.shape, layer.detail)
+
+
+@lru_cache(maxsize=4)
+def _noise_array(*noises: Array) -> Array:
+    # A copy: an `Array` may not be written to, and kernels are compiled for those that may.
+    return Array(_mips(*noises)[0].copy())
+
+
 @lru_cache(maxsize=4)
 def _mips(*noises: Array) -> tuple[NDArray[np.float32], NDArray[np.int64], list[int]]:
     """All noises and their levels as `Field` has them, and how many levels each has."""

@@ -124,15 +124,15 @@ def lights_on(layer: CloudLayer, light: ClearLight, eye_m: Vector, pixel_rad: fl
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=_phase_seen(layer.particles, pixel_rad),
-        volume=_volume(layer, eye_m, light.sun_direction),
+        volume=light_volume_of(layer, eye_m, light.sun_direction),
         source=tables.source,
         diffused=scatterer(layer.particles).diffused,
     )
 
 
 @lru_cache(maxsize=4)
-def _volume(layer: CloudLayer, eye_m: Vector, sun: Vector) -> LightVolume:
-    """Kept for the next picture: of another size, or of a sky that changed without its sun."""
+def light_volume_of(layer: CloudLayer, eye_m: Vector, sun: Vector) -> LightVolume:
+    """The light in a layer around an eye, cached for the next picture of the same sun."""
     field = cloud_field(layer, eye_m)
     return light_volume(field, np.asarray(sun, dtype=float), scatterer(layer.particles).diffused)
 

@@ -1,9 +1,6 @@
 // Density of clouds: the twin of model/cloud_density.py, which explains it, and within the width
-// of a sample of model/cloud_density_kernels.py.
-
-layout(binding = 0) uniform sampler2D cloud_weather;
-layout(binding = 1) uniform sampler3D cloud_shape;
-layout(binding = 2) uniform sampler3D cloud_detail;
+// of a sample of model/cloud_density_kernels.py. Noises come from cloud_textures.glsl or
+// cloud_buffers.glsl.
 
 const float PLANET_RADIUS_M = 6.36e6;
 const float WEATHER_TURN_RAD = 0.65;
@@ -36,18 +33,18 @@ struct Column {
 
 Column cloud_column(vec2 level, float width_m) {
     float log_width = log2(max(width_m, 1.0));
-    vec2 texels_m = clouds.weather_periods_m / float(textureSize(cloud_weather, 0).x);
+    vec2 texels_m = clouds.weather_periods_m / weather_edge();
     vec2 lod = max(log_width - log2(texels_m), 0.0);
     vec2 along = clouds.warp_origin.zw + level * WEATHER_WAVES / clouds.weather_periods_m.x;
     vec2 waves = WEATHER_WARP * wave(along);
     vec2 first = clouds.weather_origin.xy + level / clouds.weather_periods_m.x + waves;
     vec2 second = clouds.weather_origin.zw
                 + turned(level, WEATHER_TURN_RAD) / clouds.weather_periods_m.y + waves;
-    float weather = mix(textureLod(cloud_weather, first, lod.x).r,
-                        textureLod(cloud_weather, second, lod.y).r, clouds.second_share);
+    float weather = mix(weather_at(first, lod.x),
+                        weather_at(second, lod.y), clouds.second_share);
     vec2 narrow = exp2(clouds.spread_power * (clouds.spread_log_half - log_width));
     vec2 ranges = clouds.spread_most / (1.0 + narrow);
-    vec4 above = weather - clouds.threshold + ranges.x * vec4(-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0);
+    vec4 above = weather - clouds.threshold + weather_steps(ranges.x);
     vec4 growth = clamp(above / clouds.growth, 0.0, 1.0);
     return Column(above / clouds.side_fade,
                   clouds.least_height + (1.0 - clouds.least_height) * growth * (2.0 - growth),
@@ -66,9 +63,8 @@ vec4 cloud_envelope(Column column, float height) {
     return max(cloud, clamp(column.side + reach, 0.0, 1.0) * within);
 }
 
-float cloud_noise(sampler3D volume, vec3 at, float period_m, float width_m) {
-    float lod = log2(max(width_m * float(textureSize(volume, 0).x) / period_m, 1e-6));
-    return textureLod(volume, at, lod).r;
+float noise_lod(float edge, float period_m, float width_m) {
+    return log2(max(width_m * edge / period_m, 1e-6));
 }
 
 // Integral from 0 of a density that rises to 1 at x = 1.
@@ -88,12 +84,13 @@ vec2 cloud_density(vec4 envelope, float noise_range, vec2 level, float over_base
     vec2 waves = wave(clouds.warp_origin.xy + WARP_WAVES * at_base.yx / period_m);
     vec3 in_shape = vec3(clouds.noise_origin.xy + at / period_m + WARP * waves,
                          over_base_m / period_m);
-    float kept = cloud_noise(cloud_shape, in_shape, period_m, width_m) - 1.0;
+    float kept = shape_at(in_shape, noise_lod(shape_edge(), period_m, width_m)) - 1.0;
     if (envelope.w + kept + noise_range <= 0.0) return vec2(0.0);
     if (envelope.x + kept - noise_range < clouds.fraying + 1.0 / clouds.sharpness) {
         period_m = clouds.noise_periods_m.y;
         vec3 in_detail = vec3(clouds.noise_origin.zw + at / period_m, over_base_m / period_m);
-        kept -= clouds.fraying * cloud_noise(cloud_detail, in_detail, period_m, width_m);
+        float lod = noise_lod(detail_edge(), period_m, width_m);
+        kept -= clouds.fraying * detail_at(in_detail, lod);
     }
     vec3 middle = 0.5 * (envelope.xyz + envelope.yzw) + kept, rise = envelope.yzw - envelope.xyz;
     vec3 half_range = max(sqrt(0.25 * rise * rise + noise_range * noise_range), NARROWEST);

@@ -1,11 +1,5 @@
-// Light from a point in a cloud towards the eye: the twin of model/cloud_march_kernels.py.
-
-layout(binding = 3) uniform sampler2D sunlight_at_altitude;       // the sun at base and top, by its height
-layout(binding = 5) uniform sampler3D light_volume;    // depths to the sun, up, down
-// Fluence; flux along x, up and z.
-//!sampler sampler3D light_diffuse
-layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
-layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: 3 rows
+// Light from a point in a cloud towards the eye: the twin of model/cloud_march_kernels.py. Tables
+// come from cloud_light_textures.glsl or cloud_buffers.glsl.
 
 // Near depths come from the density itself, the volume is coarse: steps in free paths of full
 // density, of at most LONGEST_UNIT of the thickness.
@@ -32,11 +26,9 @@ struct CloudRay {
 CloudRay cloud_ray(vec3 d) {
     vec3 chord = d - clouds.sun_direction;
     float squared = dot(chord, chord);
-    float angles = float(textureSize(droplets_phase, 0).x);
-    float place = (min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5) / angles;
-    vec3 wide = textureLod(droplets_phase, vec2(place, 1.0 / 6.0), 0.0).rgb;
-    vec3 peak = textureLod(droplets_phase, vec2(place, 0.5), 0.0).rgb;
-    float log_twice = textureLod(droplets_phase, vec2(place, 5.0 / 6.0), 0.0).r;
+    float node = min(0.5 * sqrt(squared), 1.0) * (phase_angles() - 1.0);
+    vec3 wide = phase_nodes(node, 0), peak = phase_nodes(node, 1);
+    float log_twice = phase_nodes(node, 2).r;
     return CloudRay(d, 1.0 - 0.5 * squared, wide / clouds.diffused, peak / clouds.diffused,
                     log_twice);
 }
@@ -49,8 +41,7 @@ vec2 depth_nodes(vec2 scaled) {
 vec4 transport_at(float sine_node, vec2 above_below, float mu) {
     vec2 depths = depth_nodes(above_below);
     float view = (asin(clamp(mu, -1.0, 1.0)) / HALF_PI * 0.5 + 0.5) * (VIEWS - 1.0);
-    vec3 at = vec3(view, depths.x, sine_node * DEPTHS + depths.y) + 0.5;
-    return textureLod(cloud_transport, at / vec3(VIEWS, DEPTHS, (SINES + 1.0) * DEPTHS), 0.0);
+    return transport_nodes(vec3(view, depths.x, sine_node * DEPTHS + depths.y));
 }
 
 // Of a sun of irradiance 1, sr^-1; `sine` and `mu` are cosines to the slab's normal.
@@ -68,7 +59,7 @@ float sun_source(vec2 above_below, float sine, float mu, CloudRay ray) {
 vec3 in_volume(vec2 level, float height) {
     vec2 grid = level + clouds.shadow_origin_m;
     vec2 place = grid / (clouds.volume_near_m + clouds.volume_growth * abs(grid));
-    float edges = float(textureSize(light_volume, 0).z);
+    float edges = volume_edges();
     float edge = clamp(height, 0.0, 1.0) * (edges - 1.0) + 0.5;
     return vec3(0.5 * place + 0.5, edge / edges);
 }
@@ -76,10 +67,10 @@ vec3 in_volume(vec2 level, float height) {
 // Share of the sun that is scattered above a place, and depths to the sun and up: lines within
 // each cell of the grid, as what the grid holds is.
 vec3 in_grid(vec2 level, float height) {
-    float cells = float(textureSize(light_volume, 0).z - 1);
+    float cells = volume_edges() - 1.0;
     float place = clamp(height, 0.0, 1.0) * cells, under = min(floor(place), cells - 1.0);
-    vec2 low = textureLod(light_volume, in_volume(level, under / cells), 0.0).rg;
-    vec2 high = textureLod(light_volume, in_volume(level, (under + 1.0) / cells), 0.0).rg;
+    vec2 low = depths_at(in_volume(level, under / cells)).rg;
+    vec2 high = depths_at(in_volume(level, (under + 1.0) / cells)).rg;
     float share = place - under;
     float lit = mix(exp(-clouds.diffused * low.r), exp(-clouds.diffused * high.r), share);
     return vec3(1.0 - lit, mix(low, high, share));
@@ -99,8 +90,7 @@ vec2 plane_light(vec2 above_below, float there, float facing) {
 // The sun sinks and rises with the way along the planet.
 vec3 sun_at(float sine, float height) {
     float row = sqrt(clamp((sine - LOWEST_SUN) / (1.0 - LOWEST_SUN), 0.0, 1.0));
-    vec2 size = vec2(textureSize(sunlight_at_altitude, 0));
-    return textureLod(sunlight_at_altitude, (vec2(row, height) * (size - 1.0) + 0.5) / size, 0.0).rgb;
+    return sun_nodes(row, height);
 }
 
 // Radiance per diffused optical depth, W m^-2 sr^-1.
@@ -116,8 +106,8 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
         reach_m += step_m;
     }
     near *= clouds.extinction_per_m;
-    vec3 depths = textureLod(light_volume, in_volume(level + sun.xz * reach_m, (over_base_m
-                             + sun.y * reach_m) / clouds.thickness_m), 0.0).rgb;
+    vec3 depths = depths_at(in_volume(level + sun.xz * reach_m,
+                                      (over_base_m + sun.y * reach_m) / clouds.thickness_m));
     float to_sun = near + depths.r, upright = depths.g + depths.b;
     float sine = sun.y + dot(level, sun.xz) / PLANET_RADIUS_M;
     float rise = ray.d.y + at_m / PLANET_RADIUS_M;
@@ -134,7 +124,7 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
     above = mix(grid.z, grid.y * low, counts);
     vec2 coarse = clouds.diffused * vec2(above, upright - above);
     vec2 level_flux = plane_light(max(coarse, LEAST_DEPTH), grid.x, low);
-    vec4 light = textureLod(light_diffuse, in_volume(level, height), 0.0);
+    vec4 light = diffuse_at(in_volume(level, height));
     float along = -dot(light.gba, vec3(ray.d.x, rise, ray.d.z));
     float here = max(light.r + 3.0 * MEAN_COSINE * along, LEAST_SHARE * light.r);
     float plane = max(level_flux.x + 3.0 * MEAN_COSINE * level_flux.y * rise,

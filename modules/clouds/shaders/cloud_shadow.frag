@@ -2,6 +2,7 @@
 // The cloud shadow map: a layer's optical depth along the sun, from places at the lowest base.
 
 //!include cloud_block.glsl
+//!include cloud_textures.glsl
 //!include cloud_density.glsl
 
 // From the lowest base to this layer's.

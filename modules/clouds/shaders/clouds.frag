@@ -4,7 +4,9 @@
 
 //!include cloud_block.glsl
 //!include cloud_ray.glsl
+//!include cloud_textures.glsl
 //!include cloud_density.glsl
+//!include cloud_light_textures.glsl
 //!include cloud_light.glsl
 #ifdef THROUGH_AIR
 //!include through_air.glsl
@@ -30,9 +32,6 @@ const float OPAQUE = 0.01;
 // Share of the visible cloud in a part, whose light is looked up once.
 const float PART = 0.15;
 const int MOST_PARTS = 10;
-// Width of billows in a period of the shape.
-const float BILLOW = 0.3;
-const float PARTED = 1e-6;
 
 // What a ray has met so far.
 struct Seen {
@@ -70,40 +69,12 @@ vec4 through_air_of(vec3 gathered, Seen cloud, vec3 d) {
     return vec4(radiance, seen);
 }
 
-struct Place {
-    vec2 level;
-    float over_base_m;
-    float width_m;
-};
-
 float fine_step_m(float t) {
     return max(min(FINE * clouds.thickness_m, FINEST_M), FINE_OF_DISTANCE * t);
 }
 
-Place place_at(LayerRay ray, float at_m, float fine_m) {
-    // Over the base, the difference of squares factored.
-    float rise = at_m * (2.0 * ray.along + at_m);
-    float radius = sqrt(clouds.eye_radius_m * clouds.eye_radius_m + rise);
-    float over_base_m = clouds.eye_altitude_m - clouds.base_m
-                      + rise / (clouds.eye_radius_m + radius);
-    // Places keep their area (Lambert's projection).
-    float upright = clouds.eye_radius_m + at_m * ray.d.y;
-    return Place(ray.d.xz * (at_m * sqrt(2.0 * radius / (radius + upright))), over_base_m, max(clouds.pixel_rad * at_m, 0.25 * fine_m));
-}
-
 void end_part(inout March march) {
     if (march.gathered[march.parts].x > 0.0) march.parts = min(march.parts + 1, MOST_PARTS - 1);
-}
-
-// A wide ray is many, some in clouds and some beside them. From one sample to the next the fewest
-// cross a side; with the way they are mixed (Hogan and Illingworth 2000, "Deriving cloud overlap
-// statistics from radar").
-void enter_share(inout March march, float share, float way) {
-    float beside = march.seen.transmittance - march.in_share, grown = share - march.share;
-    march.in_share += grown * (grown > 0.0 ? beside / max(1.0 - march.share, PARTED)
-                                           : march.in_share / max(march.share, PARTED));
-    march.in_share = mix(share * march.seen.transmittance, march.in_share, 1.0 / (1.0 + way));
-    march.share = share;
 }
 
 void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
@@ -128,7 +99,7 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             march.parts_at_mesh = march.parts;
             march.at_mesh = march.seen;
         }
-        Place place = place_at(ray, at_m, fine_m);
+        Place place = place_at(ray.d, ray.along, at_m, fine_m);
         float height = clamp(place.over_base_m / clouds.thickness_m, 0.0, 1.0);
         Column column = cloud_column(place.level, place.width_m);
         vec4 envelope = cloud_envelope(column, height);
@@ -156,7 +127,9 @@ void march_piece(inout March march, LayerRay ray, vec2 piece, float dither) {
             halvings = SURFACE_HALVINGS;
             continue;
         }
-        enter_share(march, share, step_m / min(place.width_m, clouds.noise_periods_m.x * BILLOW));
+        march.in_share = entered(march.in_share, march.seen.transmittance, march.share, share,
+                                 billows_in(step_m, place.width_m));
+        march.share = share;
         if (density > 0.0) {
             // Light is constant over a step: its integral is exact (Hillaire 2016, "Physically
             // Based Sky, Atmosphere and Cloud Rendering in Frostbite").
@@ -215,7 +188,7 @@ void main() {
     for (int i = 0; i < MOST_PARTS && march.gathered[i].x > 0.0; ++i) {
         vec2 part = march.gathered[i];
         float at_m = part.y / part.x;
-        Place place = place_at(seen, at_m, fine_step_m(at_m));
+        Place place = place_at(seen.d, seen.along, at_m, fine_step_m(at_m));
         radiance += part.x * cloud_source(view, at_m, place.level, place.over_base_m,
                                           place.width_m);
         if (i < march.parts_at_mesh) radiance_at_mesh = radiance;
