@@ -20,10 +20,11 @@ from clouds.model.cloud_march_kernels import Lights
 from clouds.model.cloud_transport import transport_tables
 from clouds.model.cloud_view import light_volume_of
 from clouds.model.cloud_view import lights_on as lights_of_march
-from clouds.sky_under_clouds import air_kinds, from_nearest
+from clouds.sky_under_clouds import air_kinds, from_nearest, light_of
 from vrut_lite.array import Array
 from vrut_lite.messages.clouds import CloudLayer
 from vrut_lite.messages.gpu_job import GpuPass, UniformValue
+from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import Vector
 from vrut_lite.sky.shader_text import floats, shader_source
 
@@ -82,6 +83,13 @@ def cloud_passes(
             )
         )
     return tuple(passes)
+
+
+def clouds_on_card(
+    layers: tuple[CloudLayer, ...], clear: SkyLightChanged, eye_m: Vector, size: int, scale: float
+) -> tuple[GpuPass, ...]:
+    """`cloud_passes` under the light of a clear sky."""
+    return cloud_passes(layers, light_of(clear), eye_m, size, scale)
 
 
 def _numbers(layer: CloudLayer, light: ClearLight, eye_m: Vector, size: int) -> Array:

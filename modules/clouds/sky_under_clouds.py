@@ -36,7 +36,7 @@ _RGB_NM = np.array([635.0, 550.0, 465.0])
 
 
 # An eye higher than this share of the clouds' base sees them otherwise than the ground does.
-_NEAR_GROUND = 0.1
+NEAR_GROUND = 0.1
 
 
 class _OnGround(NamedTuple):
@@ -67,8 +67,7 @@ def light_under_clouds(
     """
     assert clear.radiance is not None
     sun = clear.key_light
-    ambient = clear.ambient
-    light = clear_light(sun, ambient.irradiance_sh_rgb.values, ambient.lamps_rgb)
+    light = light_of(clear)
     share = _sun_share(layers, sun.direction, view.middle_m, view.half_width_m)
     on_ground = _on_ground(layers, light, clear.radiance, view.middle_m, share)
     texels, scale = encode_float16(on_ground.cube)
@@ -78,7 +77,7 @@ def light_under_clouds(
         ground_radiance_rgb=vector(on_ground.share * clear.radiance.ground_radiance_rgb),
         source=source,
     )
-    near_ground = view.eye_m[1] - view.middle_m[1] <= _NEAR_GROUND * layers[0].base_m
+    near_ground = view.eye_m[1] - view.middle_m[1] <= NEAR_GROUND * layers[0].base_m
     if near_ground and size <= len(texels[0]):
         cube, scale = radiance.cube, radiance.radiance_scale
     else:
@@ -106,6 +105,12 @@ def light_under_clouds(
         layers=("cloud layer",) * len(layers),
         source=source,
     )
+
+
+def light_of(clear: SkyLightChanged) -> ClearLight:
+    """The light of a clear sky on clouds."""
+    ambient = clear.ambient
+    return clear_light(clear.key_light, ambient.irradiance_sh_rgb.values, ambient.lamps_rgb)
 
 
 def _on_ground(

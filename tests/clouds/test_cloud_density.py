@@ -23,7 +23,8 @@ COUNT = 512
 
 def probe(context, body):
     """A compute shader that gives a number for each point of a buffer."""
-    sources = [shader_source(SHADERS / name) for name in ("cloud_density.glsl", "sun_factor.glsl")]
+    names = "cloud_density.glsl", "cloud_textures.glsl", "sun_factor.glsl"
+    sources = [shader_source(SHADERS / name) for name in names]
     return context.compute_shader(
         "\n".join(
             [

@@ -53,9 +53,10 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
     `layers` names them. Without layers the parts are the clear sky's own messages.
 
     Attributes:
-        background: the sky from the eye's height, for display. With layers its cube is an array,
-            it has no `view`, and `seen_sun_irradiance_rgb` is the sun's irradiance at the eye
-            behind the layers.
+        background: the sky from the eye's height, for display. With layers it has no `view`,
+            `seen_sun_irradiance_rgb` is the sun's irradiance at the eye behind the layers, and the
+            cube is an array where a demand names its encoding; else it may be a card's texture of
+            the sky as seen from the ground.
         key_light: its irradiance behind the layers, the mean over the scene.
         ambient: irradiance by sky, layers and ground, at the ground.
         radiance: of the sky that lights the scene, seen from the ground in its middle. Without

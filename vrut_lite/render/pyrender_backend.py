@@ -254,9 +254,14 @@ class PyrenderBackend:
         radiance = light.radiance
         assert radiance is not None
         self._mirrored_polarised.show(context, light.polarisation)
-        texture = self._summed_cube.holding(context, radiance.cube)
-        texture.filter = (context.LINEAR, context.LINEAR)
-        self._mirrored = SkyTexture(texture, radiance.radiance_scale, radiance)
+        seen = light.background
+        if isinstance(seen.cube, GpuTexture):
+            # Of the card, as seen from the ground.
+            self._mirrored = SkyTexture(seen.cube.opaque, seen.radiance_scale, seen)
+        else:
+            texture = self._summed_cube.holding(context, radiance.cube)
+            self._mirrored = SkyTexture(texture, radiance.radiance_scale, radiance)
+        self._mirrored.texture.filter = (context.LINEAR, context.LINEAR)
 
     def _draw(
         self, context: Any, state: SceneState, still: bool, is_given_up: IsGivenUp | None

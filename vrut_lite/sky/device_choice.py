@@ -14,6 +14,8 @@ DeviceSetting = Literal["auto", "cpu", "gpu"]
 BUDGET_S = 2e-3
 # Edges of a card's cube map, the largest that the budget allows.
 CARD_EDGES = (1024, 512, 256)
+# The same with clouds; a smaller cube of them is no finer than the processor's.
+CLOUDY_EDGES = (512, 256, 128)
 _FACES = 6
 
 
@@ -37,18 +39,21 @@ class DeviceChoice(NamedTuple):
 
 
 def choose_for_cube(
-    setting: DeviceSetting, tried: RendererTried | None, trials_a_texel: float
+    setting: DeviceSetting,
+    tried: RendererTried | None,
+    trials_a_texel: float,
+    edges: tuple[int, ...] = CARD_EDGES,
 ) -> DeviceChoice:
-    """The device of a cube map, and its edge on a card.
+    """The device of a cube map, and its edge on a card: the largest of `edges` that it can take.
 
     `trials_a_texel`: work of a texel, in trial pixels.
     """
     if (chosen := _without_trial(setting, tried)) is not None:
         return chosen
     assert tried is not None
-    for edge in CARD_EDGES:
+    for edge in edges:
         took_s = _FACES * edge**2 * trials_a_texel * tried.trial_ns * 1e-9
-        if took_s <= BUDGET_S or (setting == "gpu" and edge == CARD_EDGES[-1]):
+        if took_s <= BUDGET_S or (setting == "gpu" and edge == edges[-1]):
             return DeviceChoice(True, _expected(setting, tried, took_s), edge)
     return DeviceChoice(False, _expected(setting, tried, took_s))
 

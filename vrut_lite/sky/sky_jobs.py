@@ -11,12 +11,13 @@ from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.sky.sky_of_hour import Prepared, Work
 
 SOLVE = "solve"
 # Jobs of one name: one runs, one waits.
 _RUNS_AND_WAITS = 2
-Awaiting = BackgroundChanged | AirChanged
+Awaiting = BackgroundChanged | AirChanged | SkyLightChanged
 
 
 class Preparation:
@@ -119,6 +120,10 @@ class AwaitedTextures:
         waiting[job.recipe] = message
         return job
 
+    def awaits(self, name: str, job: GpuJob) -> bool:
+        """Whether a job's texture is the next that a message under the name is shown with."""
+        return next(reversed(self._messages.get(name, {})), "") == job.recipe
+
     def next(self, name: str, texture: GpuTexture) -> Derived | None:
         """The message that waited for a texture; None if it or a newer one was posted before."""
         waiting = self._messages.get(name, {})
@@ -134,6 +139,9 @@ class AwaitedTextures:
 def _with(message: Awaiting, texture: GpuTexture) -> Derived:
     if isinstance(message, BackgroundChanged):
         return msgspec.structs.replace(message, cube=texture)
+    if isinstance(message, SkyLightChanged):
+        seen = msgspec.structs.replace(message.background, cube=texture)
+        return msgspec.structs.replace(message, background=seen)
     volume = message.volume
     assert volume is not None
     return msgspec.structs.replace(message, volume=msgspec.structs.replace(volume, light=texture))

@@ -13,6 +13,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Derived
+from vrut_lite.messages.gpu_job import GpuPass
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.numeric_types import Vector
 from vrut_lite.package_facts import load_fitting, usable_points
@@ -57,6 +58,24 @@ class SkyLayer(ABC):
 
         Runs in a background job; `size`: approximate edge of the background in texels.
         """
+
+    def card_trials(self, message: Any, eye_height_m: float) -> float | None:
+        """Work of a texel by `card_passes` (`device_choice`); None where there is no program.
+
+        `eye_height_m` is the eye's above the ground: a card's cube is that of the ground.
+        """
+        return None
+
+    def card_passes(
+        self, message: Any, clear: SkyLightChanged, view: Viewpoint, size: int, scale: float
+    ) -> tuple[GpuPass, ...]:
+        """Programs of a `GpuJob` that put the layer before the sky, as seen from `view.middle_m`.
+
+        Runs in a background job, beside `light_under`. Image unit 0 holds the cube map of the sky
+        behind the layer, in radiance over `scale`, and below the horizon the ground under it;
+        units 2 and 3 hold two images for what the programs keep.
+        """
+        raise NotImplementedError
 
 
 @cache

@@ -1,18 +1,21 @@
 """The module that posts the complete light of the sky, for all consumers."""
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
 
 from vrut_lite import __version__
 from vrut_lite.array import Array
+from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
-from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
+from vrut_lite.kernel.messages import Demand, Derived, Encoding, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.gpu_job import GpuJob, GpuPass
 from vrut_lite.messages.gpu_texture import GpuTexture
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import SceneNeeds, SceneOpened
 from vrut_lite.messages.sky import (
     AmbientChanged,
@@ -22,10 +25,14 @@ from vrut_lite.messages.sky import (
 )
 from vrut_lite.messages.sky_light import LIGHT, SkyGlowAdded, SkyLightChanged
 from vrut_lite.messages.sun import KeyLightChanged
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import Vector, vector
+from vrut_lite.sky.cube_sum import glow_pass
+from vrut_lite.sky.device_choice import CARD_EDGES, CLOUDY_EDGES, DeviceChoice, choose_for_cube
+from vrut_lite.sky.shader_text import floats, shader_source
 from vrut_lite.sky.sky_glow import with_glow
+from vrut_lite.sky.sky_jobs import AwaitedTextures
 from vrut_lite.sky.sky_layer import SkyLayer, Viewpoint, sky_layers
-from vrut_lite.sky.sky_of_hour import polarisation_message
+from vrut_lite.sky.sky_of_hour import CUBE_JOB, polarisation_message
 
 NAME = "sky_sum"
 JOB = "sum"
@@ -35,6 +42,15 @@ CUBE_SIZE = 64
 # the same.
 _UNSEEN_SHARE = 0.02
 _LEAST_DISTANCE_M = 50.0
+# Height (m) up to which an eye sees a glow as the ground does.
+_GROUND_EYE_M = 100.0
+# Work of a texel of the clear sky's part or of a glow, in trial pixels: timed on llvmpipe.
+_GLOW_TRIALS = 0.25
+# How much brighter than the small cube of the light a texel of a finer one may be, in half
+# precision, to which reflections filter it.
+_HEADROOM = 4.0
+_GROUP = 8
+_DARK: Vector = (0.0, 0.0, 0.0)
 # Radiance of an even sky that outshines all layers, to measure how much of it they transmit.
 _OUTSHINES = 2.0**24
 Layers = dict[SkyLayer, Derived]
@@ -49,8 +65,11 @@ class SkySum(Module):
     """Posts `SkyLightChanged` where it is demanded.
 
     Without layers its parts are the clear sky's own messages, in the same transaction; with a
-    layer (`SkyLayer`) or a glow (`SkyGlowAdded`) a background job sums. The counters count "sum"
-    posted, and skips "sum: no layers", "sum: unwanted" and "sum: no change to be seen".
+    layer (`SkyLayer`) or a glow (`SkyGlowAdded`) a background job sums. Where the card has the
+    clear sky's cube and a program for each layer, and is fast enough (`device_choice`), it makes
+    the background's cube, as seen from the ground; numbers are the job's on either device. The
+    counters count "sum" posted, and skips "sum: no layers", "sum: unwanted", "sum: no change to be
+    seen", "sum: its cube is on the card" and "GpuJob outdated".
     """
 
     speaks = (SumOutdated,)
@@ -67,6 +86,12 @@ class SkySum(Module):
         # Glows by the modules that add them.
         self._glows: dict[str, SkyGlowAdded] = {}
         self._height_m = 0.0
+        # What the card adds to the clear sky's cube, once its numbers are summed.
+        self._on_card: CardSum | None = None
+        self._textures = AwaitedTextures()
+        self._card_failed = False
+        # Where the sum's cube was computed last, by the type's name; for the profiler.
+        self.devices: dict[str, DeviceChoice] = {}
 
     # --- sources -------------------------------------------------------------------------
 
@@ -113,6 +138,7 @@ class SkySum(Module):
     @handles(SceneOpened)
     @handles(SceneNeeds)
     @handles(MoveCamera)
+    @handles(RendererTried)
     def parts_changed(self, _message: Any) -> None:
         """Sum when all parts of this change were heard: parts of two hours have no sum."""
         self.link.post(SumOutdated())
@@ -124,21 +150,67 @@ class SkySum(Module):
 
     @handles(JobResult)
     def summed(self, result: JobResult) -> None:
-        """Post a sum; the kernel posts a Fault for a failed job."""
-        if result.error:
+        """Post a sum; the kernel posts a Fault for a failed job.
+
+        Raises:
+            UserError: the card could not make its cube; from now on the processor does.
+        """
+        if result.job == CUBE_JOB:
+            self._texture_made(result)
+        elif result.error:
             self._made_from = ()
+        elif isinstance(result.value, CardSum):
+            self._on_card = result.value
+            self._ask_card()
         else:
             self._post(result.value)
+
+    def _texture_made(self, result: JobResult) -> None:
+        if result.error:
+            self._card_failed = True
+            self._forget()
+            self._want_sky()
+            self.link.post(SumOutdated())
+            raise UserError(
+                f"the card could not add clouds to the sky ({result.error}): the processor does"
+            )
+        message = self._textures.next(CUBE_JOB, GpuTexture.of(result.value))
+        if isinstance(message, SkyLightChanged):
+            self._post(message)
+        else:
+            self.counters.skip("GpuJob outdated")
 
     # --- summing -------------------------------------------------------------------------
 
     def _want_sky(self) -> None:
-        """Demand the clear sky; nothing is read back from the GPU, so it is made as an array."""
-        wanted, exact = self._wanted, bool(self._there() or self._glows)
+        """Demand the clear sky: as an array where the processor sums, for nothing is read back."""
+        wanted, layers = self._wanted, self._there()
+        exact = bool(layers or self._glows) and wanted is not None
+        encoding: Encoding = "float16" if exact and not self._choice(layers).on_card else ""
         for kind in LIGHT:
-            size = 0 if wanted is None else wanted.size
-            self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
-        self.link.demand(SkyRadianceChanged, None if exact and wanted is not None else 0)
+            self.link.demand(kind, 0 if wanted is None else wanted.size, encoding)
+        self.link.demand(SkyRadianceChanged, None if exact else 0)
+
+    def _choice(self, layers: Layers) -> DeviceChoice:
+        """The device that makes the cube of a sum, where the clear sky's is on the card."""
+        assert self._wanted is not None
+        height_m = self._eye_height_m()
+        trials = [layer.card_trials(now, height_m) for layer, now in layers.items()]
+        known = [each for each in trials if each is not None]
+        if len(known) < len(trials) or (self._glows and height_m > _GROUND_EYE_M):
+            return DeviceChoice(False, "the card has no program for it")
+        work = sum(known) + _GLOW_TRIALS * (1 + len(self._glows))
+        edges = CLOUDY_EDGES if layers else CARD_EDGES
+        chosen = choose_for_cube("auto", self.link.last(RendererTried), work, edges)
+        if not chosen.on_card:
+            return chosen
+        if self._wanted.encoding:
+            return DeviceChoice(False, "its numbers are read here")
+        if self.link.wanted(GpuJob) is None:
+            return DeviceChoice(False, "nobody runs GPU jobs")
+        if self._card_failed:
+            return DeviceChoice(False, "the card failed")
+        return chosen
 
     def _there(self) -> Layers:
         """Messages of the layers that are before the sky."""
@@ -166,8 +238,17 @@ class SkySum(Module):
         layers = self._there()
         if not layers and not self._glows:
             self._post_clear(clear)
-        elif radiance is not None and not isinstance(background.cube, GpuTexture):
-            self._start(layers, clear)
+            return
+        self._want_sky()
+        chosen = self._choice(layers)
+        has_texture = isinstance(background.cube, GpuTexture)
+        if radiance is None or has_texture > chosen.on_card:
+            # The clear sky follows as it was demanded.
+            return
+        if chosen.on_card and not has_texture:
+            chosen = DeviceChoice(False, "the clear sky is an array")
+        self.devices[SkyLightChanged.__name__] = chosen
+        self._start(layers, clear, chosen.edge)
 
     def _last_wanted(self, kind: type[D]) -> D | None:
         """The last message, if anybody wants it: else nobody updates it."""
@@ -175,10 +256,11 @@ class SkySum(Module):
 
     def _forget(self) -> None:
         self.link.cancel_job(JOB)
-        self._made_from = ()
+        self._made_from, self._on_card = (), None
 
     def _post_clear(self, clear: SkyLightChanged) -> None:
         """Without layers the sum is the clear sky."""
+        self.devices.clear()
         if _same(_parts(clear), self._made_from):
             return
         self.counters.skip("sum: no layers")
@@ -186,23 +268,42 @@ class SkySum(Module):
         self._made_from = _parts(clear)
         self._post(clear)
 
-    def _start(self, layers: Layers, clear: SkyLightChanged) -> None:
-        """Sum in the background, unless the change is invisible."""
+    def _start(self, layers: Layers, clear: SkyLightChanged, card_edge: int) -> None:
+        """Sum in the background, unless the change is invisible.
+
+        `card_edge`: of the cube by the card, where it makes one; else 0.
+        """
         assert self._wanted is not None
         layers, scene = self._unless_unseen(layers), self.link.last(SceneOpened)
         self._height_m = self._seen_from(layers)
-        size = self._wanted.size or CUBE_SIZE
+        size = self._wanted.size or card_edge or CUBE_SIZE
         glows = tuple(glow.glow_rgb for glow in self._glows.values() if glow.glow_rgb is not None)
-        made_from = (*_parts(clear), *layers.values(), scene, self._height_m, size, *glows)
+        parts = _parts(clear)[1:] if card_edge else _parts(clear)
+        made_from = (*parts, *layers.values(), scene, self._height_m, size, card_edge, *glows)
         if _same(made_from, self._made_from):
             self.counters.skip("sum: no change to be seen")
+            # The clear sky's texture may be another.
+            self._ask_card()
             return
-        self._made_from, self._layers = made_from, layers
+        self._made_from, self._layers, self._on_card = made_from, layers, None
         middle_m, half_width_m = _square(scene)
         eye_m = (middle_m[0], self._height_m, middle_m[2])
+        function = sum_for_card if card_edge else sum_up
         self.link.start_job(
-            JOB, sum_up, layers, glows, clear, eye_m, middle_m, half_width_m, size, role="awaited"
+            JOB, function, layers, glows, clear, eye_m, middle_m, half_width_m, size, role="awaited"
         )
+
+    def _ask_card(self) -> None:
+        """Have the card add to the clear sky's texture, unless it has or does."""
+        background, added = self.link.last(BackgroundChanged), self._on_card
+        if background is None or added is None or not isinstance(background.cube, GpuTexture):
+            return
+        job, light = added.over(background, self.manifest.name)
+        if self._textures.awaits(CUBE_JOB, job) or _shows(self.link.last(SkyLightChanged), job):
+            self.counters.skip("sum: its cube is on the card")
+            return
+        self.link.await_result(CUBE_JOB)
+        self.link.post(self._textures.first(CUBE_JOB, job, light))
 
     def _unless_unseen(self, layers: Layers) -> Layers:
         """The layers, or the earlier ones that look the same."""
@@ -216,15 +317,22 @@ class SkySum(Module):
 
     def _seen_from(self, layers: Layers) -> float:
         """The eye's height, at least 0, or the earlier one where the difference is invisible."""
-        needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
-        height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
-        height_m = max(height_m, 0.0)
+        height_m = self._eye_y_m()
         levels_m = [level for layer, now in layers.items() for level in layer.levels_m(now)]
         if not levels_m:
             return 0.0
         distance_m = max(min(abs(level - height_m) for level in levels_m), _LEAST_DISTANCE_M)
         risen_m = abs(height_m - self._height_m)
         return self._height_m if risen_m < _UNSEEN_SHARE * distance_m else height_m
+
+    def _eye_y_m(self) -> float:
+        needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
+        height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
+        return max(height_m, 0.0)
+
+    def _eye_height_m(self) -> float:
+        """The eye's height above the scene's ground."""
+        return self._eye_y_m() - _square(self.link.last(SceneOpened))[0][1]
 
     def _post(self, message: SkyLightChanged) -> None:
         self.link.post(message)
@@ -248,6 +356,106 @@ def sum_up(
         light = layer.light_under(message, light, view, size, NAME)
     polarised = _behind(layers, clear, view) if layers else clear.polarisation
     return msgspec.structs.replace(light, polarisation=polarised)
+
+
+class CardSum(NamedTuple):
+    """A sum whose cube the card is to make of the clear sky's.
+
+    Attributes:
+        light: the sum, its background from the ground and as small as its radiance.
+        ground_share: (3,) of the clear sky's light on the ground.
+        steps: the programs that add glows and layers to the clear sky.
+        size: edge of the cube.
+        scale: of its texels, a power of two.
+    """
+
+    light: SkyLightChanged
+    ground_share: Vector
+    steps: tuple[GpuPass, ...]
+    size: int
+    scale: float
+
+    def over(self, clear: BackgroundChanged, module: str) -> tuple[GpuJob, SkyLightChanged]:
+        """The card's job over a clear sky on the card, and the light without its texture."""
+        assert isinstance(clear.cube, GpuTexture)
+        groups = -(-self.size // _GROUP)
+        job = GpuJob(
+            module=module,
+            job=CUBE_JOB,
+            compute_shader=shader_source("clear_sky.comp").replace(
+                "CLEAR_FORMAT", clear.cube.format
+            ),
+            uniforms={
+                "ground_share": floats(self.ground_share),
+                "clear_scale": clear.radiance_scale / self.scale,
+            },
+            output="cube",
+            size=self.size,
+            format="rgba32f",
+            groups=(groups, groups, 6),
+            then=self.steps,
+            scratch=2,
+            reads=clear.cube,
+        )
+        seen = msgspec.structs.replace(self.light.background, radiance_scale=self.scale)
+        return job, msgspec.structs.replace(self.light, background=seen)
+
+
+def sum_for_card(
+    layers: Layers,
+    glows: tuple[Array, ...],
+    clear: SkyLightChanged,
+    eye_m: Vector,
+    middle_m: Vector,
+    half_width_m: float,
+    size: int,
+) -> CardSum:
+    """The background job where the card makes the background's cube: its numbers and programs."""
+    radiance = clear.radiance
+    assert radiance is not None
+    view = Viewpoint(eye_m, middle_m, half_width_m)
+    # As bright as the sum may be: known before the programs' scale.
+    small = radiance.cube.shape[1]
+    below = _seen_from_ground(clear)
+    where = below, eye_m, middle_m, half_width_m, small
+    summed = sum_up(layers, glows, *where)
+    assert summed.radiance is not None
+    scale = _HEADROOM * summed.radiance.radiance_scale
+    before = np.asarray(radiance.ground_radiance_rgb)
+    after = np.asarray(summed.radiance.ground_radiance_rgb)
+    share = np.where(before > 0.0, after / np.where(before > 0.0, before, 1.0), 1.0)
+    steps: list[GpuPass] = []
+    light = below
+    for glow in glows:
+        steps.append(glow_pass(glow, size, _DARK, 1.0, scale))
+        light = with_glow(light, glow, NAME)
+    for layer, message in layers.items():
+        steps += layer.card_passes(message, light, view, size, scale)
+        light = layer.light_under(message, light, view, small, NAME)
+    for step in steps:
+        for _, array in step.buffers:
+            # For the recipe, which the kernel's thread needs.
+            _ = array.digest
+    return CardSum(summed, vector(share), tuple(steps), size, scale)
+
+
+def _seen_from_ground(clear: SkyLightChanged) -> SkyLightChanged:
+    """The clear light with its radiance on the ground as the background: numbers, no texture."""
+    radiance = clear.radiance
+    assert radiance is not None
+    background = BackgroundChanged(
+        cube=radiance.cube,
+        radiance_scale=radiance.radiance_scale,
+        ground_radiance_rgb=radiance.ground_radiance_rgb,
+        source=clear.background.source,
+    )
+    return msgspec.structs.replace(clear, background=background)
+
+
+def _shows(light: SkyLightChanged | None, job: GpuJob) -> bool:
+    """Whether a light has the cube of a job."""
+    cube = None if light is None else light.background.cube
+    return isinstance(cube, GpuTexture) and cube.recipe == job.recipe
 
 
 def _behind(

@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.messages.gpu_job import GpuJob
+from vrut_lite.messages.gpu_job import GpuJob, GpuPass
 from vrut_lite.render.gl_environment import probe_gl
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_lab.bench.bench_path import WALL_TIME, Spent, Work, WorkClock, cpu_spent
@@ -107,35 +107,35 @@ class GlWork:
 
 
 class GlTexture(GlWork):
-    """A job's shader, run again and again into one texture, of a cube or of three dimensions.
+    """A job's programs, run again and again into one texture, of a cube or of three dimensions.
 
-    `scale` multiplies texels when they are read.
+    `scale` multiplies texels when they are read; `reads` made the texture that the job reads.
     """
 
-    def __init__(self, job: GpuJob, scale: float = 1.0):
-        self._job, self._scale = job, scale
+    def __init__(self, job: GpuJob, scale: float = 1.0, reads: "GlTexture | None" = None):
+        self._job, self._scale, self._reads = job, scale, reads
         super().__init__(self._prepare)
 
     def _prepare(self, context: Any) -> Callable[[], None]:
         job = self._job
-        program = context.compute_shader(job.compute_shader)
-        for name, value in job.uniforms.items():
-            if name in program:
-                program[name].value = value
-        buffers = {
-            binding: context.buffer(array.values.tobytes()) for binding, array in job.buffers
-        }
-        kind = "f2" if job.format == "rgba16f" else "f4"
-        if isinstance(job.size, tuple):
-            self._texture = context.texture3d(job.size, 4, dtype=kind)
-        else:
-            self._texture = context.texture_cube((job.size, job.size), 4, dtype=kind)
+        images = [_texture(context, job) for _ in range(1 + job.scratch)]
+        self._texture, *scratch = images
+        steps = [_prepared(context, step) for step in job.programs]
 
         def work() -> None:
-            self._texture.bind_to_image(0, read=False, write=True)
-            for binding, buffer in buffers.items():
-                buffer.bind_to_storage_buffer(binding)
-            program.run(*job.groups)
+            self._texture.bind_to_image(0, read=True, write=True)
+            if self._reads is not None:
+                self._reads._texture.bind_to_image(1, read=True, write=False)
+            for unit, image in enumerate(scratch, 2):
+                image.bind_to_image(unit, read=True, write=True)
+            for number, (program, values, buffers, groups) in enumerate(steps):
+                if number > 0:
+                    context.memory_barrier()
+                for name, value in values.items():
+                    program[name].value = value
+                for binding, buffer in buffers.items():
+                    buffer.bind_to_storage_buffer(binding)
+                program.run(*groups)
 
         return work
 
@@ -153,6 +153,21 @@ class GlTexture(GlWork):
             faces = [np.frombuffer(self._texture.read(face), kind) for face in range(6)]
             texels = np.stack(faces).reshape(6, size, size, 4)
         return texels[..., :3].astype(float)
+
+
+def _texture(context: Any, job: GpuJob) -> Any:
+    kind = "f2" if job.format == "rgba16f" else "f4"
+    if isinstance(job.size, tuple):
+        return context.texture3d(job.size, 4, dtype=kind)
+    return context.texture_cube((job.size, job.size), 4, dtype=kind)
+
+
+def _prepared(context: Any, step: GpuPass) -> tuple[Any, dict[str, Any], dict[int, Any], Any]:
+    """The program, the values that it reads, its buffers by binding, and its groups."""
+    program = context.compute_shader(step.compute_shader)
+    values = {name: value for name, value in step.uniforms.items() if name in program}
+    sent = {binding: context.buffer(array.values.tobytes()) for binding, array in step.buffers}
+    return program, values, sent, step.groups
 
 
 class GlTextures:

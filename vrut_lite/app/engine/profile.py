@@ -8,12 +8,18 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.messages.air import AirChanged
 from vrut_lite.messages.sky import BackgroundChanged
+from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.render.device import Device
 from vrut_lite.sky.device_choice import DeviceChoice
 from vrut_lite.sky.sky_module import SkyModule
+from vrut_lite.sky.sky_sum import SkySum
 
 FRAME = "frame"
-_PRODUCTS = {BackgroundChanged.__name__: "sky", AirChanged.__name__: "air"}
+_PRODUCTS = {
+    BackgroundChanged.__name__: "sky",
+    AirChanged.__name__: "air",
+    SkyLightChanged.__name__: "sky with clouds",
+}
 
 
 class Profile(NamedTuple):
@@ -68,11 +74,14 @@ class Profiler:
 
     def _devices(self) -> dict[str, DeviceChoice]:
         kernel = self._stage.kernel
-        seat = kernel.seats.get(kernel.slots.holder("sky"))
-        sky = None if seat is None else seat.module
-        if not isinstance(sky, SkyModule):
-            return {}
-        return {_PRODUCTS[name]: chosen for name, chosen in sky.devices.items()}
+        names = kernel.slots.holder("sky"), SkySum.manifest.name
+        seats = filter(None, map(kernel.seats.get, names))
+        return {
+            _PRODUCTS[name]: chosen
+            for seat in seats
+            if isinstance(seat.module, SkyModule | SkySum)
+            for name, chosen in seat.module.devices.items()
+        }
 
     def _modules_ms(self, since_ns: int) -> dict[str, float]:
         spent: Counter[str] = Counter()
