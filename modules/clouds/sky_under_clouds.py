@@ -123,7 +123,7 @@ def _on_ground(
     clear = _radiance(radiance.cube, radiance.radiance_scale)
     upper = texel_directions(clear.shape[1])[..., 1] > 0.0
     added = np.zeros(clear.shape)
-    added[upper] = _seen(layers, light, clear, upper, place_m) - clear[upper]
+    added[upper] = sky_behind_clouds(layers, light, clear, upper, place_m) - clear[upper]
     sky = np.maximum(light.by_sky + horizontal_irradiance(added), 0.0)
     share = (sun_share * light.by_sun + sky) / light.on_ground
     added[~upper] = clear[~upper] * (share - 1.0)
@@ -147,14 +147,14 @@ def _from_eye(
     lower = texel_directions(cube.shape[1])[..., 1] <= 0.0
     cube[lower] *= ground_share
     everywhere = np.ones(lower.shape, bool)
-    return _seen(layers, light, cube, everywhere, view.eye_m).reshape(cube.shape)
+    return sky_behind_clouds(layers, light, cube, everywhere, view.eye_m).reshape(cube.shape)
 
 
 def _radiance(cube: Array, scale: float) -> FloatArray:
     return np.asarray(cube.values, dtype=float) * scale
 
 
-def _seen(
+def sky_behind_clouds(
     layers: tuple[CloudLayer, ...],
     light: ClearLight,
     clear: NDArray[np.floating],

@@ -30,6 +30,7 @@ from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.messages.sun import KeyLightChanged, SunMoved
 from vrut_lite.recording.recorder import Recorder
+from vrut_lite.sky.sky_sum import SkySum
 from vrut_lite.write_atomic import atomic_output
 
 HERE = Path(__file__).parent
@@ -38,6 +39,7 @@ PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 CUBE_SIZE = 8
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 WITH_FAILING_SUN = ("module_failing", "slots_switched")
+WITH_SUM = ("clouds_on_card",)
 
 
 class FailingSun(Module):
@@ -63,7 +65,8 @@ class FailingSun(Module):
 
 def modules(script):
     """The modules of a script, in load order."""
-    return [*discover()[0], *([FailingSun] if script in WITH_FAILING_SUN else [])]
+    more = [FailingSun] if script in WITH_FAILING_SUN else []
+    return [*discover()[0], *more, *([SkySum] if script in WITH_SUM else [])]
 
 
 def kernel_of(script):
@@ -127,6 +130,27 @@ def sky_on_card():
     give(done(jobs[2]), done(jobs[3]))
     give(setting("cube_device", "cpu"), setting("cube_device", "auto"))
     give(done(jobs[4]), RendererTried(renderer="llvmpipe", trial_ns=90.0, is_software=True))
+    kernel.close()
+    return inputs
+
+
+def clouds_on_card():
+    """Clouds over an evening's sky, both by a card, which then fails."""
+    kernel, jobs, inputs = kernel_of("clouds_on_card"), [], []
+    kernel.tap(lambda message, _: jobs.append(message) if isinstance(message, GpuJob) else None)
+
+    def give(*messages):
+        for message in messages:
+            inputs.append(message)
+            kernel.inject(message)
+            kernel.pump_until_idle()
+
+    give(*START, Demand(consumer="test", message="SkyLightChanged", size=CUBE_SIZE))
+    give(RendererTried(renderer="a card", trial_ns=0.1), Demand(consumer="gpu", message="GpuJob"))
+    give(clock(8.5), done(jobs[-1]))
+    give(setting("coverage", 0.5, module="clouds"))
+    give(done(jobs[-1]), setting("coverage", 0.6, module="clouds"))
+    give(failed(jobs[-1]))
     kernel.close()
     return inputs
 
@@ -199,6 +223,7 @@ SCRIPTS = {
     ],
     "sky_on_gpu": sky_on_gpu(),
     "sky_on_card": sky_on_card(),
+    "clouds_on_card": clouds_on_card(),
     "slots_switched": [
         *START,
         ChooseSlot(slot="sky", module="bruneton_sky"),

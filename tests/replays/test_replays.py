@@ -16,9 +16,10 @@ from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.message_codec import to_plain
 from vrut_lite.messages.sky import BackgroundChanged
 from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.recipes import recipe_of_plain
 from vrut_lite.recording.replay import Replay
 
-LARGEST_BYTES = 32_000
+LARGEST_BYTES = 48_000
 # Made by numpy's matrix products, which round otherwise without CPU features.
 BY_VALUE = ("bruneton_sky",)
 
@@ -62,7 +63,7 @@ def test_the_journal_is_of_its_script(name):
 
 
 def _of_background_job(entry):
-    return entry.type_name == "JobResult" and entry.message["job"] == "solve"
+    return entry.type_name == "JobResult" and entry.message["job"] in ("solve", "layers", "sum")
 
 
 @pytest.mark.parametrize("name", journal_scripts.SCRIPTS)
@@ -139,6 +140,20 @@ def test_a_session_with_a_card_replays_without_one():
     on_card = ["recipe" in cube for cube in cubes]
     assert on_card == [False, True, True, True, True, False, True, False]
     assert {cube["format"] for cube in cubes if "recipe" in cube} == {"rgba32f"}
+
+
+def test_clouds_on_a_card_replay_without_one():
+    """The sum's cube is the card's by its recipe, over a clear sky by its own; after a failure the
+    processor's array."""
+    entries = list(Journal(journal_scripts.journal_path("clouds_on_card")).entries())
+    sums = [e.message for e in entries if e.type_name == "SkyLightChanged"]
+    cloudy = [light["background"]["cube"] for light in sums if light["layers"]]
+    assert ["recipe" in cube for cube in cloudy] == [True, False]
+    jobs = [e.message for e in entries if e.type_name == "GpuJob"]
+    added = [job for job in jobs if job["module"] == "sky_sum"]
+    skies = {recipe_of_plain(job) for job in jobs if job["module"] == "dynamic_skylight"}
+    assert {job["reads"]["recipe"] for job in added} <= skies
+    assert cloudy[0]["recipe"] in {recipe_of_plain(job) for job in added}
 
 
 def test_the_failing_module_fails_over():

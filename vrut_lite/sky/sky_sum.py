@@ -97,7 +97,9 @@ class SkySum(Module):
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
-        """Pass demands for the sum on to the sky and its layers."""
+        """Pass demands for the sum on to the sky and its layers; a card may come or go."""
+        if message.message == GpuJob.__name__:
+            self.link.post(SumOutdated())
         if message.message != SkyLightChanged.__name__:
             return
         self._wanted = self.link.wanted(SkyLightChanged)
