@@ -17,6 +17,7 @@ from bruneton_sky.published.gpu_single_scattering import single_scattering_cube_
 from bruneton_sky.published.pipeline.pipeline import run_pipeline
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.sky_view.gpu import sky_view_job
+from clouds.genera import Genus
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.sky import half_scale
@@ -30,9 +31,11 @@ from vrut_lite_lab.bench.gl import GlTexture, close_gl, gl_owner
 from vrut_lite_lab.bench.paths.sky_view import solved
 from vrut_lite_lab.bench.paths.tables import DEMO, SIZES, air
 from vrut_lite_lab.bench.skies import sun_at
+from vrut_lite_lab.card_check import night_and_clouds
 from vrut_lite_lab.card_check.parts import Keep
 
 _SUNS_DEG = (60.0, 4.0, -4.0)
+_TWILIGHT_DEG = (0.0, -2.0, -8.0, -30.0)
 _BLACK = np.zeros(3)
 _OF_LARGEST = 1e-2
 # Sizes and formats: the processor's, and a card's own.
@@ -59,6 +62,12 @@ def _products() -> dict[str, Callable[[], dict[str, Any]]]:
     for size, format in _HOSEK_WILKIE:
         name = f"Hosek and Wilkie's cube {size}², {_TEXELS[format]}"
         made[name] = partial(_hosek_wilkie, size, format)
+    for sun_deg in _TWILIGHT_DEG:
+        name = f"twilight's cube 512², float32, sun {sun_deg:g}°"
+        made[name] = partial(_twilight, sun_deg)
+    made["moonlit night's cube 256², float32"] = _night
+    for genus in night_and_clouds.GENERA:
+        made[f"clouds in a cube 64², {genus}"] = partial(_clouds, genus)
     for sun_deg in _SUNS_DEG:
         for size, format in _SKY_VIEW:
             name = f"sky-view cube {size}², {_TEXELS[format]}, sun {sun_deg:g}°"
@@ -93,6 +102,26 @@ def _hosek_wilkie(size: int, format: TexelFormat) -> dict[str, Any]:
     cube = GlTexture(job, scale)().read()
     up = texel_directions(size)[..., 1] > 0.0
     return _difference(np.where(up[..., None], cube, 0.0), sky.cube_map(size, 0.5) * up[..., None])
+
+
+def _twilight(sun_deg: float) -> dict[str, Any]:
+    light = night_and_clouds.evening(sun_deg)
+    job, scale = night_and_clouds.twilight_job(light, 512)
+    return _difference(GlTexture(job, scale)().read(), light.background(512))
+
+
+def _night() -> dict[str, Any]:
+    night = night_and_clouds.moonlit_night()
+    asked = night.gpu_background(256, "rgba32f")
+    assert asked is not None
+    job, background = asked
+    made = GlTexture(job, background.scale)().read()
+    return _difference(made, np.asarray(night.background(256).cube))
+
+
+def _clouds(genus: Genus) -> dict[str, Any]:
+    made = GlTexture(night_and_clouds.cloud_job(genus, 64))().read()
+    return _difference(made, night_and_clouds.sky_behind(genus, 64))
 
 
 def _sky_view(sun_deg: float, size: int, format: TexelFormat) -> dict[str, Any]:
