@@ -204,6 +204,16 @@ class Screen(Protocol):
         """Free it before the part goes."""
 
 
+class ComputePass(Protocol):
+    """A compute shader."""
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a uniform, a number or numbers, unless the compiler found it unused."""
+
+    def run(self, x: int, y: int = 1, z: int = 1) -> None:
+        """Run so many work groups; passes and pictures that follow see what they wrote."""
+
+
 class Tiles(Protocol):
     """A pass that may be given up while it is drawn."""
 
@@ -247,6 +257,12 @@ class PartGl(Protocol):
 
     def program(self, vertex_shader: Path, fragment_shader: Path) -> Any:
         """moderngl's program of a module's own shaders."""
+
+    def compute(self, shader: Path, defines: tuple[str, ...] = ()) -> ComputePass:
+        """A compute shader of a module's own; it includes as fragment shaders do."""
+
+    def report(self, job: str, error: str) -> None:
+        """Send the part's module a failed `JobResult`; the part stays in pictures."""
 
     def tiles(self, most: int | None = None) -> Tiles:
         """A slow pass drawn in pieces of at most `most` of the renderer's tiles."""

@@ -55,9 +55,9 @@ class Host:
         self.kernel.add_module(SceneManager, view=self._view, cube_size=cube_size)
         self.settle()
 
-    def _part_failed(self, name: str, error: str) -> None:
+    def _part_failed(self, name: str, work: str, error: str) -> None:
         """A frame part's failure becomes its module's Fault."""
-        self.kernel.inject(JobResult(module=name, job="frame part", value=None, error=error))
+        self.kernel.inject(JobResult(module=name, job=work, value=None, error=error))
 
     def settle(self) -> None:
         """Pump until no work is left, GPU jobs included.

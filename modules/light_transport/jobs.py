@@ -32,6 +32,7 @@ from vrut_lite.array_cache import Arrays
 from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.job import JobControl
+from vrut_lite.late_array import LateArray
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged, SkyRadianceChanged
@@ -253,6 +254,33 @@ def lit(
         source=NAME,
         mirrors=encoded.get("mirrors"),
         visible_sky=encoded["visible_sky"],
+        sky_level=sky_light.ambient.level,
+    )
+
+
+def lit_by_card(
+    transport: Unwritten[SceneTransport], layout_key: str, sky_light: SkyLightChanged
+) -> SurfaceLightChanged:
+    """The light of an hour that a card computes, and the processor where its numbers are read."""
+    own, hour = transport.value, hour_of(sky_light)
+    recipe = own.card_hour(hour)
+    tables = recipe.tables
+    computed = Unwritten(lambda: own.light(hour))
+
+    def late(shape: tuple[int, ...], name: str) -> LateArray:
+        return LateArray(shape, recipe.inputs).by(lambda: getattr(computed.value, name), recipe)
+
+    nx, ny, nz = tables.probe_counts
+    target = tables.target
+    return SurfaceLightChanged(
+        layout_key=layout_key,
+        texels=late((*tables.shown.shape, 4), "texels"),
+        probes=None if tables.probes is None else late((nz, ny, nx, 6, 4), "probes"),
+        radiance_scale=1.0,
+        rays=own.rays,
+        source=NAME,
+        mirrors=None if target is None else late((*target.shape[:-1], 4), "mirrors"),
+        visible_sky=own.cache.visible_sky,
         sky_level=sky_light.ambient.level,
     )
 

@@ -8,6 +8,8 @@ from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.light_map import LightMapLaid
 
 NAME = "light_transport"
+# The job whose failed result says that the graphics card could not compute the light of an hour.
+CARD_JOB = "light on the card"
 
 
 class BakeGrown(Derived, frozen=True, kw_only=True):

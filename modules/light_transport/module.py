@@ -8,19 +8,22 @@ out is lit by probes until the first rays of its map are traced.
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from light_transport.messages import NAME, BakeGrown, no_light_map
+from light_transport.messages import CARD_JOB, NAME, BakeGrown, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import TransportQuality, TransportSizes, looks_like, quality_for
 from vrut_lite import __version__
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.lazy import lazy
+from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.light_map import SLOT, LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import SkyRadianceChanged
 from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.messages.tolerance import SetTolerance, tolerance_of
 from vrut_lite.messages.view_light import StillAsked, ViewLightChanged
+from vrut_lite.sky.device_choice import DeviceChoice, choose
 
 if TYPE_CHECKING:
     from light_transport.jobs import (
@@ -34,6 +37,8 @@ if TYPE_CHECKING:
 # Imported at the first job: rays take a tenth of a second to import.
 _jobs = lazy("light_transport.jobs")
 PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
+# Work of an hour on a graphics card, in the renderer's trial pixels a ray, measured on llvmpipe.
+_TRIALS_A_RAY = 0.2
 # Charts of more triangles take longer than half a second.
 _MANY_TRIANGLES = 30_000
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
@@ -48,6 +53,7 @@ class _Asked(NamedTuple):
     hour: SkyLightChanged
     layout_key: str
     rays: int
+    on_card: bool
 
 
 class LightTransport(Module):
@@ -90,6 +96,9 @@ class LightTransport(Module):
         self._posted: LightMapLaid | None = None
         self._asked: _Asked | None = None
         self._hours_under_way = 0
+        self._card_failed = False
+        # Where the light of the last hour was computed; for the profiler.
+        self.devices: dict[str, DeviceChoice] = {}
 
     # --- whether there is anything to do --------------------------------------------------
 
@@ -98,6 +107,9 @@ class LightTransport(Module):
         """Begin with the first demand for light on surfaces, and end with the last."""
         if message.message == SurfaceLightChanged.__name__:
             self._consider()
+            self._choose_again()
+        elif message.message == GpuJob.__name__:
+            self._choose_again()
         elif message.message == ViewLightChanged.__name__:
             self._light_view()
 
@@ -110,6 +122,9 @@ class LightTransport(Module):
         """Switch on or off, or begin again in other sizes."""
         if name == "on":
             self._consider()
+        elif name == "device":
+            self._card_failed = False
+            self._choose_again()
         else:
             self._sizes_changed()
 
@@ -117,6 +132,11 @@ class LightTransport(Module):
     def on_tolerance(self, message: SetTolerance) -> None:
         """Other sizes, unless they are named."""
         self._sizes_changed()
+
+    @handles(RendererTried)
+    def on_renderer(self, message: RendererTried) -> None:
+        """Another renderer may compute the light, or may not."""
+        self._choose_again()
 
     @handles(SceneOpened)
     def on_scene(self, message: SceneOpened) -> None:
@@ -184,7 +204,10 @@ class LightTransport(Module):
         """A layout, a round or an hour; the kernel posts a Fault for a failed job."""
         if result.job == HOUR:
             self._hours_under_way -= 1
-        if result.error:
+        if result.job == CARD_JOB:
+            self._card_failed = True
+            self._choose_again()
+        elif result.error:
             if result.job == HOUR:
                 self._asked = None
         elif result.job == PROBES:
@@ -283,20 +306,48 @@ class LightTransport(Module):
         if self._round.rays < self._least_rays:
             self.counters.skip("hour: more rays are awaited")
             return
-        layout_key = laid.message.layout_key
-        if self._asked is not None and self._asked[1:] == (layout_key, self._round.rays):
+        layout_key, of_still = laid.message.layout_key, self._least_rays > 0
+        chosen = self.devices["light"] = self._chosen(self._round)
+        asked = layout_key, self._round.rays, chosen.on_card
+        if self._asked is not None and self._asked[1:] == asked:
             quality = self._quality
             if looks_like(hour, self._asked.hour, quality.hour_change, quality.sun_rad):
                 self.counters.skip("hour: it looks like the one before")
                 return
-        self._asked = _Asked(hour, layout_key, self._round.rays)
+        self._asked = _Asked(hour, *asked)
         if self._hours_under_way == 2:
             self.counters.skip("hour: a newer one overtook it")
         else:
             self._hours_under_way += 1
-        of_still = self._least_rays > 0
-        asked = self._round.transport, layout_key, hour, of_still
-        self.link.start_job(HOUR, _jobs.lit, *asked, role="awaited")
+        inputs = self._round.transport, layout_key, hour
+        if chosen.on_card:
+            self.link.start_job(HOUR, _jobs.lit_by_card, *inputs, role="awaited")
+        else:
+            self.link.start_job(HOUR, _jobs.lit, *inputs, of_still, role="awaited")
+
+    def _choose_again(self) -> None:
+        """Light the scene again where another device should."""
+        asked, done = self._asked, self._round
+        if asked is None or done is None or self._chosen(done).on_card == asked.on_card:
+            return
+        self._light()
+
+    def _chosen(self, done: "TransportRound") -> DeviceChoice:
+        """The device of an hour's light."""
+        trials = _TRIALS_A_RAY * done.texels * done.rays
+        chosen = choose(self.settings.device, self.link.last(RendererTried), trials)
+        if not chosen.on_card:
+            return chosen
+        why = ""
+        if self._least_rays:
+            why = "a still's light is kept on disk"
+        elif self._laid is None or done.rays < self._quality.rays:
+            why = "the bake goes on"
+        elif self.link.wanted(GpuJob) is None:
+            why = "nobody draws with OpenGL"
+        elif self._card_failed:
+            why = "the card failed"
+        return DeviceChoice(False, why) if why else chosen
 
     def _light_view(self) -> None:
         """Light the points that a finished still shows, by the last rays, if somebody wants it."""

@@ -6,6 +6,7 @@ import msgspec
 
 from light_transport.tolerance import Rung
 from vrut_lite.kernel.settings import setting
+from vrut_lite.sky.device_choice import DeviceSetting
 
 
 class LightTransportSettings(msgspec.Struct, frozen=True):
@@ -33,3 +34,11 @@ class LightTransportSettings(msgspec.Struct, frozen=True):
         Rung | None,
         setting("Texels, rays, patches and bounces together; unless set, each by the tolerance"),
     ] = None
+    device: Annotated[
+        DeviceSetting,
+        setting(
+            "Where the light of an hour is computed: on the graphics card if it is quick enough, "
+            "or always on one of both",
+            label="Computed by",
+        ),
+    ] = "auto"

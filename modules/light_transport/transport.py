@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.giving_up import CancelCheck, always
+from light_transport.hour.card_tables import CardHour, CardTables, card_inputs, card_tables
 from light_transport.hour.halves import halves, largest
 from light_transport.hour.illumination import HourLight, Illumination
 from light_transport.hour.lamp_light import patch_lamp_light
@@ -98,6 +99,7 @@ class SceneTransport(RayScene):
         self.first_rays = 0
         self._layout = layout.message
         self._cache: TransportCache | None = None
+        self._card_tables: CardTables | None = None
         # The last hour that was computed.
         self._light: tuple[Illumination, HourLight] | None = None
         self._column_light: tuple[Illumination, Float32Array] | None = None
@@ -158,7 +160,7 @@ class SceneTransport(RayScene):
         self.mirrors = mirror_rays(
             parts, self.surfaces.part, self.tree, self.receivers, self.threads, go_on
         )
-        self._cache = self._light = self._column_light = None
+        self._cache = self._card_tables = self._light = self._column_light = None
 
     def refined(self, count: int, go_on: CancelCheck = always) -> "SceneTransport":
         """The transport with so many more rays of each row; this one stays as it is.
@@ -216,7 +218,7 @@ class SceneTransport(RayScene):
             self._make_patches(table, count)
         self.rays += count
         self.table = table
-        self._cache = self._light = self._column_light = None
+        self._cache = self._card_tables = self._light = self._column_light = None
 
     def _make_patches(self, table: RayRows, rays: int) -> None:
         self.first_rays = rays
@@ -254,6 +256,12 @@ class SceneTransport(RayScene):
         if self._light is None or self._light[0] is not hour:
             self._light = hour, hour_light(self, self.cache, hour)
         return self._light[1]
+
+    def card_hour(self, hour: Illumination) -> CardHour:
+        """What a graphics card computes the light of an hour from."""
+        if self._card_tables is None:
+            self._card_tables = card_tables(self, self.cache)
+        return CardHour(self._card_tables, card_inputs(self, self.cache, hour))
 
     def column_light(self, hour: Illumination) -> Float32Array:
         """`HourLight.column_light` alone, which takes less time than all of an hour's light."""

@@ -129,7 +129,7 @@ class CloudyStage(SkyStage):
 
     @property
     def choice(self):
-        return self.module("sky_sum").devices.get("SkyLightChanged")
+        return self.module("sky_sum").devices.get("sky with clouds")
 
     @property
     def skipped(self):

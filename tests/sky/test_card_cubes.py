@@ -143,7 +143,7 @@ def test_a_night_counts_the_work_of_all_its_programs(trial_ns, edge):
     from vrut_lite.messages.gpu_job import GpuJob
 
     stage.want(GpuJob)
-    chosen = stage.module("dynamic_skylight").devices["BackgroundChanged"]
+    chosen = stage.module("dynamic_skylight").devices["sky"]
     assert (chosen.on_card, chosen.edge) == (edge > 0, edge)
     assert [job.size for job in stage.jobs] == ([edge] if edge else [])
     stage.close()
@@ -156,7 +156,7 @@ def test_a_processor_renders_no_night_on_a_card():
     stage.want(BackgroundChanged, 16)
     software = RendererTried(renderer="llvmpipe", trial_ns=0.1, is_software=True)
     stage.tell(PRAGUE, software, SetClock(instant=FULL_MOON))
-    assert stage.module("dynamic_skylight").devices["BackgroundChanged"].why == (
+    assert stage.module("dynamic_skylight").devices["sky"].why == (
         "a processor renders"
     )
     stage.close()

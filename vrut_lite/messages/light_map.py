@@ -14,6 +14,7 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Derived
+from vrut_lite.late_array import LateArray
 from vrut_lite.messages.limits import LARGEST_EDGE, LARGEST_VOLUME, MOST_LIGHT, check_scale
 from vrut_lite.numeric_types import Float32Array, Vector
 
@@ -245,9 +246,11 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
 
     Attributes:
         layout_key: key of its layout.
-        texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in
-            W m^-2: of the sky and of light from surfaces, without the key light's direct part;
-            alpha is the share of the open sky's irradiance that arrives, 0 to 1.
+        texels: (height, width, 4) float16, or late float32 numbers, which a card computes for
+            pictures; probes and mirrors are late where texels are. RGB times `radiance_scale` is
+            irradiance, linear sRGB in W m^-2: of the sky and of light from surfaces, without the
+            key light's direct part; alpha is the share of the open sky's irradiance that arrives,
+            0 to 1.
         probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
             and -z; None where the layout has no probes.
         rays: number of rays of each texel.
@@ -264,12 +267,12 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     slot: ClassVar[str | None] = SLOT
 
     layout_key: str
-    texels: Array
-    probes: Array | None
+    texels: Array | LateArray
+    probes: Array | LateArray | None
     radiance_scale: float
     rays: int
     source: str
-    mirrors: Array | None = None
+    mirrors: Array | LateArray | None = None
     visible_sky: Array | None = None
     sky_level: float | None = None
 
@@ -278,19 +281,26 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         if self.sky_level is not None:
             checks.number(self, "sky_level", 0.0, MOST_LIGHT)
         checks.text(self, "layout_key", "source")
-        checks.arrays(self, {"texels": ("<f2", ("H", "W", 4))})
+        self._check_light("texels", ("H", "W", 4))
         _check_lengths(self, "texels", self.texels.shape[:2], 1, LARGEST_EDGE)
         if self.probes is not None:
-            checks.arrays(self, {"probes": ("<f2", ("Z", "Y", "X", _FACES, 4))})
+            self._check_light("probes", ("Z", "Y", "X", _FACES, 4))
             _check_lengths(self, "probes", self.probes.shape[:3], 2, _MOST_PROBES)
         if self.visible_sky is not None:
             height, width = self.texels.shape[:2]
             checks.arrays(self, {"visible_sky": ("<f2", (height, width, 4))})
         if self.mirrors is not None:
-            checks.arrays(self, {"mirrors": ("<f2", ("N", _FACES, "E", "E", 4))})
+            self._check_light("mirrors", ("N", _FACES, "E", "E", 4))
             _check_lengths(self, "mirrors", self.mirrors.shape[2:4], 1, LARGEST_EDGE)
         check_scale(self)
         checks.whole(self, "rays", 1, 2**40)
+
+    def _check_light(self, name: str, shape: tuple[int | str, ...]) -> None:
+        value = getattr(self, name)
+        if not isinstance(value, LateArray):
+            checks.arrays(self, {name: ("<f2", shape)})
+        elif len(value.shape) != len(shape) or not isinstance(self.texels, LateArray):
+            checks.refuse(self, name, f"be of shape {shape}, and late where texels are")
 
     def check_arrays(self) -> None:
         """Light within its bounds, and shares of the sky.

@@ -32,23 +32,28 @@ from vrut_lite.render.passes.programs import compile_error
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.reversed_depth import BEFORE_SKY, DepthTexture
-from vrut_lite.render.shader_files import Defines, shader_source
+from vrut_lite.render.shader_files import Defines, defined, shader_source
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.tiles import Patience, TiledPass
-from vrut_lite.render.unlocked import build_mipmaps
+from vrut_lite.render.unlocked import build_mipmaps, run_compute
 from vrut_lite.uniform_block import UniformBlock
 
-# Called with the name of a part that raised, and a sentence.
-PartFailed = Callable[[str, str], None]
+# Called with the name of a part, of the work that failed, and a sentence.
+PartFailed = Callable[[str, str, str], None]
+# The work whose failure leaves a part out of pictures.
+DRAWING = "frame part"
 T = TypeVar("T")
 _NOTHING: Heard = {}
 _UNITS = "GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS"
 _log = logging.getLogger(__name__)
 
 
-def warn_of_part(name: str, error: str) -> None:
+def warn_of_part(name: str, work: str, error: str) -> None:
     """Log a part's failure, where there is no kernel to post it."""
-    _log.warning("the frame part %s is left out of pictures: %s", name, error)
+    if work == DRAWING:
+        _log.warning("the frame part %s is left out of pictures: %s", name, error)
+    else:
+        _log.warning("the frame part %s: %s: %s", name, work, error)
 
 
 class PartDefines(NamedTuple):
@@ -97,7 +102,9 @@ class FrameParts:
 
     def _show(self, name: str, heard: Heard) -> None:
         if name not in self._parts:
-            self._made[name] = PartRenderer(self._context, self._counters, self._patience)
+            self._made[name] = PartRenderer(
+                self._context, self._counters, self._patience, partial(self._tell_failed, name)
+            )
             self._parts[name] = self._types[name](self._made[name])
         self._parts[name].show(heard)
 
@@ -212,7 +219,7 @@ class FrameParts:
     def _leave_out(self, name: str, sentence: str) -> None:
         self._parts.pop(name, None)
         self._failed.add(name)
-        self._tell_failed(name, sentence)
+        self._tell_failed(name, DRAWING, sentence)
 
     def drop_broken_glsl(self, surfaces: Iterable[PlacedSurface]) -> bool:
         """Leave out parts whose GLSL does not compile in the surfaces' shader; whether any."""
@@ -266,9 +273,16 @@ class PartRenderer:
 
     gl, before_sky = GL, BEFORE_SKY
 
-    def __init__(self, context: Any, counters: WorkCounters, patience: Patience):
+    def __init__(
+        self,
+        context: Any,
+        counters: WorkCounters,
+        patience: Patience,
+        report: Callable[[str, str], None],
+    ):
         self.context, self.counters = context, counters
         self._patience = patience
+        self._report = report
         self._made: list[Any] = []
 
     def screen(self, fragment_shader: Path, defines: Defines = ()) -> "_PartScreen":
@@ -276,6 +290,16 @@ class PartRenderer:
         screen = _PartScreen(self.context, fragment_shader, defines)
         self._made.append(screen)
         return screen
+
+    def compute(self, shader: Path, defines: Defines = ()) -> "_PartCompute":
+        """A compute shader of a module's own."""
+        made = _PartCompute(self.context, shader, defines)
+        self._made.append(made)
+        return made
+
+    def report(self, job: str, error: str) -> None:
+        """Send the part's module a failed `JobResult`."""
+        self._report(job, error)
 
     def tiles(self, most: int | None = None) -> TiledPass:
         """TiledPass of a slow pass."""
@@ -342,3 +366,27 @@ class _PartScreen(FullScreen):
             GL.glScissor(*box_px)
         super().draw()
         GL.glDisable(GL.GL_SCISSOR_TEST)
+
+
+class _PartCompute:
+    """A compute shader; work that follows sees what it wrote."""
+
+    def __init__(self, context: Any, shader: Path, defines: Defines):
+        self._context = context
+        source = defined(shader_source(shader), dict.fromkeys(defines, 1))
+        self._program = context.compute_shader(source)
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a uniform, a number or numbers, unless the compiler found it unused."""
+        if name in self._program:
+            number = isinstance(value, int | float)
+            self._program[name].value = value if number else tuple(map(float, value))
+
+    def run(self, x: int, y: int = 1, z: int = 1) -> None:
+        """Run so many work groups."""
+        run_compute(self._program, x, y, z)
+        self._context.memory_barrier()
+
+    def release(self) -> None:
+        """Free the program."""
+        self._program.release()

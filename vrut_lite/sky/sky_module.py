@@ -112,7 +112,7 @@ class SkyModule(Module):
         self._refused: tuple[object, ...] = ()
         self._textures = AwaitedTextures()
         self._gpu_failed = False
-        # Where background and air were computed last, by the type's name; for the profiler.
+        # Where sky and air were computed last; for the profiler.
         self.devices: dict[str, DeviceChoice] = {}
 
     # --- the sky -------------------------------------------------------------------------
@@ -452,12 +452,12 @@ class SkyModule(Module):
             if asked is None:
                 self.counters.skip("GpuJob: an hour for the CPU")
                 chosen = DeviceChoice(False, "an hour for the processor")
-        self.devices[BackgroundChanged.__name__] = chosen
+        self.devices["sky"] = chosen
         job, made = (None, sky.background(size)) if asked is None else asked
         return self._first(CUBE_JOB, job, made.message(self.manifest.name))
 
     def _air(self, sky: Sky, eye_height_m: float, reach_m: float, chosen: DeviceChoice) -> Derived:
-        self.devices[AirChanged.__name__] = chosen
+        self.devices["air"] = chosen
         asked = sky.gpu_air(eye_height_m, reach_m) if chosen.on_card else None
         job, volume = (None, sky.air(eye_height_m, reach_m)) if asked is None else asked
         message = AirChanged(volume=volume, source=self.manifest.name)

@@ -249,7 +249,7 @@ class SkySum(Module):
             return
         if chosen.on_card and not has_texture:
             chosen = DeviceChoice(False, "the clear sky is an array")
-        self.devices[SkyLightChanged.__name__] = chosen
+        self.devices["sky with clouds"] = chosen
         self._start(layers, clear, chosen.edge)
 
     def _last_wanted(self, kind: type[D]) -> D | None:

@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.drawing.hour_on_card import HourOnCard
 from light_transport.drawing.light_block import BLOCK, SURFACE_LIGHT
 from light_transport.drawing.mapped_scene import (
     FewerRaysLight,
@@ -20,6 +22,8 @@ from light_transport.drawing.reflection_probes import MirrorCubes
 from light_transport.drawing.surface_light import SAMPLERS, SurfaceLightOnGpu
 from light_transport.drawing.surface_look_up import reached_irradiance
 from light_transport.drawing.value_light import ValueLight
+from light_transport.messages import CARD_JOB
+from vrut_lite.array import Array
 from vrut_lite.frame_part import (
     GROUND,
     FramePart,
@@ -33,6 +37,7 @@ from vrut_lite.frame_part import (
     latest,
 )
 from vrut_lite.kernel.messages import Derived
+from vrut_lite.late_array import LateArray
 from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.light_map import NOT_MAPPED, LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
@@ -61,8 +66,11 @@ class LightMapPart(FramePart):
         self._counters = gl.counters
         # Made with the first light.
         self._gpu: SurfaceLightOnGpu | None = None
+        self._card: HourOnCard | None = None
         self._mirrors = MirrorCubes(gl)
         self._values = ValueLight()
+        # Late light that the card could not compute, and its numbers.
+        self._read: tuple[SurfaceLightChanged, SurfaceLightChanged] | None = None
         self._heard: Heard = {}
         self._laid: LightMapLaid | None = None
         self._charts: list[MeshChart | None] | None = None
@@ -135,11 +143,35 @@ class LightMapPart(FramePart):
         view_light = None
         if frame.is_still and drawn is lit:
             view_light = light_of_view(self._heard, frame.camera, frame.size_px)
-        self._gpu.show(drawn.light)
+        card, light = self._computed(drawn.light)
+        drawn = self._drawn = drawn._replace(light=light)
+        self._gpu.show(light, card)
         self._has_view_light = self._gpu.show_view(view_light)
         self._gpu.bind(drawn, frame)
-        self._mirrors.show(drawn.laid.mirrors, drawn.light)
+        self._mirrors.show(drawn.laid.mirrors, light, card)
         self._upload_mirrors(frame.seen)
+
+    def _computed(
+        self, light: SurfaceLightChanged
+    ) -> tuple[HourOnCard | None, SurfaceLightChanged]:
+        """The card, where it has computed this light, and the light to draw."""
+        texels = light.texels
+        if not isinstance(texels, LateArray):
+            return None, light
+        if self._read is None or self._read[0] is not light:
+            self._read = None
+            if self._card is None:
+                self._card = HourOnCard(self.gl)
+            try:
+                self._card.compute(texels.recipe)
+            except Exception as error:  # Drivers and moderngl raise exceptions of many types.
+                self._card.release()
+                self.gl.report(CARD_JOB, f"the card could not compute it: {error}")
+                self._read = light, _read(light)
+            else:
+                self._counters.did("hour on the card")
+                return self._card, light
+        return None, self._read[1]
 
     def _light_of(self, frame: PartFrame, lit: MappedScene) -> MappedScene | None:
         """The scene with light, or with the values in its place that the picture shows."""
@@ -173,10 +205,12 @@ class LightMapPart(FramePart):
             return True
         if part not in self._sees_sky:
             left, top = lit.laid.part_corner_px.values[part]
+            known = lit.light.visible_sky
+            texels = lit.light.texels.values[..., 3:] if known is None else known.values
             uv = lit.laid.shape(int(lit.laid.part_shape.values[part])).uv
             # Look-ups reach half a texel beyond.
             columns, rows = np.ceil(uv.max(axis=0, initial=0.0) + 0.5).astype(int)
-            share = lit.light.texels.values[top : top + rows, left : left + columns, 3]
+            share = texels[top : top + rows, left : left + columns]
             self._sees_sky[part] = bool(share.any())
         return self._sees_sky[part]
 
@@ -218,11 +252,20 @@ class LightMapPart(FramePart):
         self._mirrors.release()
         if self._gpu is not None:
             self._gpu.release()
+        if self._card is not None:
+            self._card.release()
 
 
 def _light(heard: Heard) -> SurfaceLightChanged | None:
     lit = mapped_scene(heard)
     return None if lit is None else lit.light
+
+
+def _read(light: SurfaceLightChanged) -> SurfaceLightChanged:
+    """Late light with its numbers, computed here."""
+    parts = {name: getattr(light, name) for name in ("texels", "probes", "mirrors")}
+    numbers = {name: Array(late.values) for name, late in parts.items() if late is not None}
+    return msgspec.structs.replace(light, **numbers)
 
 
 def _has_texels(laid: LightMapLaid, part: int) -> bool:

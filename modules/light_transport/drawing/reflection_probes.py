@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.drawing.hour_on_card import HourOnCard
 from vrut_lite.frame_part import PartGl
 from vrut_lite.messages.light_map import ReflectionProbes, SurfaceLightChanged
 
@@ -18,6 +19,8 @@ class MirrorCubes:
         self._gl, self._context = gl, gl.context
         self._mirrors: ReflectionProbes | None = None
         self._light: SurfaceLightChanged | None = None
+        self._card: HourOnCard | None = None
+        self._texels = ""
         # By number: radiance and nearness, with their light and layout.
         self._textures: dict[int, tuple[Any, Any]] = {}
         self._radiance_is_of: dict[int, SurfaceLightChanged] = {}
@@ -27,10 +30,17 @@ class MirrorCubes:
         """Whether there are cubes to reflect."""
         return self._mirrors is not None and self._light is not None
 
-    def show(self, mirrors: ReflectionProbes | None, light: SurfaceLightChanged | None) -> None:
-        """Take the light of an hour in place of the last."""
-        if mirrors is not self._mirrors:
+    def show(
+        self,
+        mirrors: ReflectionProbes | None,
+        light: SurfaceLightChanged | None,
+        card: HourOnCard | None,
+    ) -> None:
+        """Take the light of an hour in place of the last; a `card` has computed it."""
+        texels = "f4" if card is not None or light is None else _type_of(light)
+        if mirrors is not self._mirrors or texels != self._texels:
             self.release()
+        self._card, self._texels = card, texels
         has_light = light is not None and light.mirrors is not None
         self._mirrors, self._light = mirrors, light if has_light else None
 
@@ -40,14 +50,16 @@ class MirrorCubes:
         assert self._light is not None
         assert self._light.mirrors is not None
         if number not in self._textures:
-            nearness = self._mirrors.nearness.values[number]
-            self._textures[number] = (
-                self._cube(self._light.mirrors.values[number]),
-                self._cube(nearness[..., None]),
-            )
+            nearness = self._mirrors.nearness.values[number][..., None]
+            edge = nearness.shape[1]
+            self._textures[number] = self._cube(edge, 4, self._texels), self._cube(edge, 1, "f4")
+            _write(self._textures[number][1], nearness)
         radiance, _ = self._textures[number]
         if self._radiance_is_of.get(number) is not self._light:
-            _write(radiance, self._light.mirrors.values[number])
+            if self._card is None:
+                _write(radiance, self._light.mirrors.values[number])
+            else:
+                self._card.write_mirror(number, radiance)
             radiance.build_mipmaps()
             radiance.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
             self._radiance_is_of[number] = self._light
@@ -72,13 +84,16 @@ class MirrorCubes:
         self._textures.clear()
         self._radiance_is_of.clear()
 
-    def _cube(self, values: NDArray[Any]) -> Any:
-        """A cube map of values (6, e, e, C)."""
-        edge, channels = values.shape[2:]
-        data = np.ascontiguousarray(values).tobytes()
-        cube = self._context.texture_cube((edge, edge), channels, data, dtype=f"f{values.itemsize}")
+    def _cube(self, edge: int, channels: int, dtype: str) -> Any:
+        """A cube map."""
+        cube = self._context.texture_cube((edge, edge), channels, dtype=dtype)
         cube.filter = (self._context.LINEAR, self._context.LINEAR)
         return cube
+
+
+def _type_of(light: SurfaceLightChanged) -> str:
+    """Type of the texels of cubes that are uploaded."""
+    return "f2" if light.mirrors is None else f"f{light.mirrors.values.itemsize}"
 
 
 def _write(cube: Any, values: NDArray[Any]) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.drawing import reflection_probes
+from light_transport.drawing.hour_on_card import HourOnCard
 from light_transport.drawing.light_block import BLOCK
 from light_transport.drawing.mapped_scene import MappedScene
 from light_transport.drawing.open_irradiance import open_irradiance
@@ -40,18 +41,31 @@ class SurfaceLightOnGpu:
         self._view: Any = None
         self._view_is: ViewLightChanged | None = None
 
-    def show(self, light: SurfaceLightChanged) -> None:
-        """Upload the light of an hour in place of the last, unless it is there."""
+    def show(self, light: SurfaceLightChanged, card: HourOnCard | None) -> None:
+        """Upload the light of an hour in place of the last, unless it is there.
+
+        With a `card` that has computed it nothing of it is uploaded.
+        """
         if light is self._light:
             return
         self._light = light
-        self._map = self._written(self._map, light.texels.values, light.texels.shape[1::-1])
+        size_px = light.texels.shape[1::-1]
+        if card is None:
+            self._map = self._written(self._map, light.texels.values, size_px)
+        else:
+            self._map = self._made(self._map, size_px, 4, "f4")
+            card.write_map(self._map)
         self._show_visible_sky(light)
         if light.probes is not None:
             # The six faces one behind the other, each with all its slices.
-            faces = np.moveaxis(light.probes.values, 3, 0)
-            layers, rows, columns = faces.shape[0] * faces.shape[1], *faces.shape[2:4]
-            self._probes = self._written(self._probes, faces, (columns, rows, layers))
+            slices, rows, columns, faces = light.probes.shape[:4]
+            size = columns, rows, faces * slices
+            if card is None:
+                values = np.moveaxis(light.probes.values, 3, 0)
+                self._probes = self._written(self._probes, values, size)
+            else:
+                self._probes = self._made(self._probes, size, 4, "f4")
+                card.write_probes(self._probes)
 
     def show_view(self, light: ViewLightChanged | None) -> bool:
         """Upload the points of a view; returns whether there are any."""
@@ -156,15 +170,21 @@ class SurfaceLightOnGpu:
 
     def _written(self, texture: Any, values: NDArray[Any], size: tuple[int, ...]) -> Any:
         """Values in a texture of that size: the one given, or a new one in its place."""
-        if texture is None or texture.size != size:
+        texture = self._made(texture, size, values.shape[-1], f"f{values.itemsize}")
+        texture.write(np.ascontiguousarray(values).tobytes(), alignment=1)
+        return texture
+
+    def _made(self, texture: Any, size: tuple[int, ...], channels: int, dtype: str) -> Any:
+        """A texture of that size and type of texels: the one given, or a new one in its place."""
+        kind = size, channels, dtype
+        if texture is None or (texture.size, texture.components, texture.dtype) != kind:
             self._release(texture)
             make = self._context.texture3d if len(size) == 3 else self._context.texture
-            texture = make(size, values.shape[-1], dtype=f"f{values.itemsize}", alignment=1)
+            texture = make(size, channels, dtype=dtype, alignment=1)
             texture.filter = (self._context.LINEAR, self._context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
             if len(size) == 3:
                 texture.repeat_z = False
-        texture.write(np.ascontiguousarray(values).tobytes(), alignment=1)
         return texture
 
     def _release(self, texture: Any) -> None:

@@ -24,21 +24,14 @@ def asked_for_key_light(
 
 
 @hot
-def texel_radiance(rows, part, surfaces, triangle, light, key, hour, out):  # type: ignore[no-untyped-def]
-    """Fill out[: len(rows)] (U, 3): radiance (M + rho (E + the key light's)) / pi of texels.
+def seen_shares(rows, share, ray, links, out):  # type: ignore[no-untyped-def]
+    """Fill out[: len(rows)] (U,) with the key light's share of texels in view.
 
-    `surfaces` are reflectance and radiosity (F, 3); `light` the irradiance (N, 4) of texels and
-    whose each shows; `key` the shares of the key light (N,), the rays that asked for them, and
-    links between texels; `hour` the ground's albedo and the key light's irradiance (2, 3).
+    Every second texel has a shadow ray, `ray` (N,), and a share (N,); the others take the mean of
+    their neighbours' by `links` (N, 4).
     """
-    reflectance, emitted = surfaces
-    irradiance, source = light
-    share, ray, links = key
-    inverse_pi = np.float32(1.0 / np.pi)
     for i in range(len(rows)):
         row = rows[i]
-        t = triangle[row]
-        # Every second texel has a shadow ray; the others take their neighbours' share.
         lit, asked = np.float32(0.0), np.float32(0.0)
         if ray[row] < TRIED:
             lit, asked = share[row], np.float32(1.0)
@@ -48,10 +41,26 @@ def texel_radiance(rows, part, surfaces, triangle, light, key, hour, out):  # ty
                 if j >= 0 and ray[j] < TRIED:
                     lit += share[j]
                     asked += np.float32(1.0)
-        lit /= max(asked, np.float32(1.0))
+        out[i] = lit / max(asked, np.float32(1.0))
+
+
+@hot
+def texel_radiance(rows, part, surfaces, triangle, light, lit, hour, out):  # type: ignore[no-untyped-def]
+    """Fill out[: len(rows)] (U, 3): radiance (M + rho (E + the key light's)) / pi of texels.
+
+    `surfaces` are reflectance and radiosity (F, 3); `light` the irradiance (N, 4) of texels and
+    whose each shows; `lit` (U,) `seen_shares`; `hour` the ground's albedo and the key light's
+    irradiance (2, 3).
+    """
+    reflectance, emitted = surfaces
+    irradiance, source = light
+    inverse_pi = np.float32(1.0 / np.pi)
+    for i in range(len(rows)):
+        row = rows[i]
+        t = triangle[row]
         shown = source[row]
         for k in range(3):
-            falls = lit * hour[1, k]
+            falls = lit[i] * hour[1, k]
             if shown >= 0:
                 falls += irradiance[shown, k]
             rho = hour[0, k] if part[t] < 0 else reflectance[t, k]

@@ -26,7 +26,12 @@ from light_transport.hour.lamp_light import (
     lamps_in_radii,
     patch_lamp_light,
 )
-from light_transport.hour.mirror_light import asked_for_key_light, cubes, texel_radiance
+from light_transport.hour.mirror_light import (
+    asked_for_key_light,
+    cubes,
+    seen_shares,
+    texel_radiance,
+)
 from light_transport.hour.patch_transfer import (
     PatchTransfer,
     direct_sky,
@@ -62,7 +67,7 @@ from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Orientations that the open sky hardly lights are lit by surfaces around: this share of the
 # brightest orientation's light is the least by which light changes as a surface bends.
-_LEAST_OF_SKY = 0.05
+LEAST_OF_SKY = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +222,7 @@ def hour_light(scene: RayScene, cache: TransportCache, hour: Illumination) -> Ho
     texels = len(scene.texels.pixel)
     open_sky = open_luminance(hour.open_sky)
     # Where a surface bends, light changes as the open sky's does: their ratio is smooth.
-    bends = np.maximum(open_sky, _LEAST_OF_SKY * open_sky.max())
+    bends = np.maximum(open_sky, LEAST_OF_SKY * open_sky.max())
     scaled(light[:texels], 1.0 / bends, scene.orientation)
     smoothed(scene, light[:texels], cache.smoothing)
     np.maximum(light, 0.0, out=light)
@@ -302,8 +307,7 @@ def _bounced(
     assert scene.patches is not None
     patches = scene.patches
     column_light = np.zeros((NODES + len(patches.area) + 1, 4), np.float32)
-    radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
-    column_light[:NODES, :3], column_light[:NODES, 3] = radiances, luminance(radiances)
+    column_light[:NODES] = node_light(hour)
     light = np.empty((scene.rows, 4), np.float32)
     scene.over_rows(scene.rows, lambda a, b: sky_gathered(scene.table, column_light, a, b, light))
     direct = np.empty((len(patches.area), 3), np.float32)
@@ -320,12 +324,41 @@ def _bounced(
     return column_light, light
 
 
+def node_light(hour: Illumination) -> Float32Array:
+    """`HourLight.column_light` of the sky's nodes (NODES, 4)."""
+    radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
+    return np.column_stack([radiances, luminance(radiances)]).astype(np.float32)
+
+
+def texels_seen(scene: RayScene) -> int:
+    """How many of the rows that mirrors see are texels: the first ones."""
+    assert scene.mirrors is not None
+    return int(np.searchsorted(scene.mirrors.row, len(scene.texels.pixel)))
+
+
+def shares_of_seen(scene: RayScene, cache: TransportCache, shares: Float32Array) -> Float32Array:
+    """The key light's share of the texels that mirrors see, by `key_shares` (N,)."""
+    assert scene.mirrors is not None
+    seen = scene.mirrors.row[: texels_seen(scene)]
+    found = np.empty(len(seen), np.float32)
+    seen_shares(seen, shares, cache.key_shadows.rays.ray, scene.links, found)
+    return found
+
+
+def buried_probes(scene: RayScene, cache: TransportCache) -> BoolArray:
+    """Which probes (nz, ny, nx) lie inside bodies."""
+    assert scene.probes is not None
+    nx, ny, nz = scene.probes.counts
+    first = len(scene.texels.pixel)
+    good = cache.good[first : first + 6 * nx * ny * nz].reshape(nz, ny, nx, 6)
+    return np.asarray(~good.all(axis=-1))
+
+
 def _as_probes(scene: RayScene, cache: TransportCache, light: Float32Array) -> Float32Array | None:
     if scene.probes is None:
         return None
     nx, ny, nz = scene.probes.counts
-    buried = ~cache.good[len(scene.texels.pixel) :][: len(light)].reshape(nz, ny, nx, 6)
-    return without_buried(light.reshape(nz, ny, nx, 6, 4), np.asarray(buried.any(axis=-1)))
+    return without_buried(light.reshape(nz, ny, nx, 6, 4), buried_probes(scene, cache))
 
 
 def _as_cubes(
@@ -341,7 +374,7 @@ def _as_cubes(
         return None
     assert scene.patches is not None
     seen = scene.mirrors.row
-    texels = int(np.searchsorted(seen, len(scene.texels.pixel)))
+    texels = texels_seen(scene)
     radiance = np.empty((len(seen), 3), np.float32)
     texel_radiance(
         seen[:texels],
@@ -349,7 +382,7 @@ def _as_cubes(
         (scene.surfaces.reflectance_rgb, scene.surfaces.emitted_rgb),
         scene.colour_of,
         (light, cache.source),
-        (shares, cache.key_shadows.rays.ray, scene.links),
+        shares_of_seen(scene, cache, shares),
         np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
         radiance,
     )

@@ -6,20 +6,11 @@ from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.work_counters import WorkCounters
-from vrut_lite.messages.air import AirChanged
-from vrut_lite.messages.sky import BackgroundChanged
-from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.render.device import Device
 from vrut_lite.sky.device_choice import DeviceChoice
-from vrut_lite.sky.sky_module import SkyModule
 from vrut_lite.sky.sky_sum import SkySum
 
 FRAME = "frame"
-_PRODUCTS = {
-    BackgroundChanged.__name__: "sky",
-    AirChanged.__name__: "air",
-    SkyLightChanged.__name__: "sky with clouds",
-}
 
 
 class Profile(NamedTuple):
@@ -27,8 +18,8 @@ class Profile(NamedTuple):
 
     `modules` and `jobs` are sums over that time, `passes` those of a frame; `skipped`
     counts skipped work by the module or frame that skipped it and the kind of work. `device` is the
-    renderer, None without OpenGL. `devices` says of the sky's products, by name, whether card or
-    processor computes them and why.
+    renderer, None without OpenGL. `devices` says of products that a card may compute, by name,
+    whether card or processor computes them and why.
     """
 
     span_s: float
@@ -73,15 +64,13 @@ class Profiler:
         )
 
     def _devices(self) -> dict[str, DeviceChoice]:
+        """The choices of the slots' holders and of the sum of skies, which these keep in `devices`."""
         kernel = self._stage.kernel
-        names = kernel.slots.holder("sky"), SkySum.manifest.name
-        seats = filter(None, map(kernel.seats.get, names))
-        return {
-            _PRODUCTS[name]: chosen
-            for seat in seats
-            if isinstance(seat.module, SkyModule | SkySum)
-            for name, chosen in seat.module.devices.items()
-        }
+        found: dict[str, DeviceChoice] = {}
+        for name, seat in kernel.seats.items():
+            if kernel.slots.held_by(name) or name == SkySum.manifest.name:
+                found |= getattr(seat.module, "devices", {})
+        return found
 
     def _modules_ms(self, since_ns: int) -> dict[str, float]:
         spent: Counter[str] = Counter()

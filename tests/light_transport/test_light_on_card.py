@@ -1,0 +1,214 @@
+"""Pictures whose light between surfaces the card computes, in the real host."""
+
+import io
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+from light_transport.drawing.hour_on_card import HourOnCard
+from light_transport.drawing.surface_light import SurfaceLightOnGpu
+from light_transport.messages import NAME
+
+from vrut_lite.array import Array
+from vrut_lite.errors import UserError
+from vrut_lite.host import Host
+from vrut_lite.kernel.messages import ChooseSlot, Fault, SetClock, SetSetting
+from vrut_lite.late_array import LateArray
+from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.messages.picture import Resize, SetExposure
+from vrut_lite.messages.place import SetPlace
+from vrut_lite.messages.renderer import RendererTried
+from vrut_lite.messages.scene import LoadScene
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.recorder import Recorder
+from vrut_lite.recording.replay import Replay
+
+pytestmark = pytest.mark.gl
+
+SCENES = Path(__file__).parents[2] / "scenes"
+ROOM, SPHERES = str(SCENES / "work/room.glb"), str(SCENES / "spheres.glb")
+NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
+SIZE = Resize(width_px=96, height_px=64)
+INSIDE = MoveCamera(eye_m=(0.0, 1.6, 1.5), target_m=(0.0, 1.2, -2.0))
+BEGIN = (
+    SetSetting(module=NAME, name="quality", value="draft"),
+    SetPlace(latitude_deg=50.0, longitude_deg=14.4),
+    SetExposure(mode="manual", ev100=9.0),
+    SIZE,
+)
+CARD = RendererTried(renderer="a card", trial_ns=0.05)
+
+
+def by(device):
+    return SetSetting(module=NAME, name="device", value=device)
+
+
+@pytest.fixture
+def host():
+    with Host() as host:
+        host.inject(*BEGIN, SetClock(instant=NOON), LoadScene(path=ROOM), INSIDE, by("gpu"))
+        host.settle()
+        yield host
+
+
+def light(host):
+    return host.kernel.last(SurfaceLightChanged)
+
+
+def choice(host):
+    return host.kernel.seats[NAME].module.devices["light"]
+
+
+def apart(one, other):
+    """The largest difference of displayed bytes, and of radiance beside the mean."""
+    steps = np.abs(one.display.astype(int) - other.display).max()
+    return steps, np.abs(one.radiance - other.radiance).max() / other.radiance.mean()
+
+
+def check_same(host):
+    """The picture with the card's light is that with the processor's, whose texels are halves."""
+    assert isinstance(light(host).texels, LateArray)
+    card = host.draw()
+    host.inject(by("cpu"))
+    processor = host.draw()
+    assert isinstance(light(host).texels, Array)
+    steps, radiance = apart(card, processor)
+    assert steps <= 1
+    assert radiance < 5e-3
+    host.inject(by("gpu"))
+    host.settle()
+    return card
+
+
+def test_no_picture_shows_a_map_of_before(host):
+    """The hour moves, another module is the sky, a surface and the scene change: each picture has
+    the light that the processor finds."""
+    seen = [check_same(host)]
+    for change in (
+        SetClock(instant=NOON + timedelta(hours=6)),
+        ChooseSlot(slot="sky", module="bruneton_sky"),
+        SetSetting(module="clouds", name="coverage", value=1.0),
+        LoadScene(path=SPHERES),
+    ):
+        host.inject(change)
+        host.settle()
+        seen.append(check_same(host))
+    for before, after in zip(seen, seen[1:], strict=False):
+        assert apart(before, after)[0] > 1
+
+
+def test_a_moved_hour_uploads_no_texels(host, monkeypatch):
+    """Its map is written by the card: a call that would upload one is an error."""
+    first = host.draw(still=False)
+
+    def refused(*_):
+        raise AssertionError("texels were uploaded")
+
+    host.inject(SetClock(instant=NOON + timedelta(hours=5)))
+    host.settle()
+    monkeypatch.setattr(SurfaceLightOnGpu, "_open_sky_of", lambda self, _: self._open_sky)
+    monkeypatch.setattr(SurfaceLightOnGpu, "_written", refused)
+    monkeypatch.setattr(HourOnCard, "_upload", refused)
+    done = host.frame_counters.done["hour on the card"]
+    second = host.draw(still=False)
+    assert host.frame_counters.done["hour on the card"] == done + 1
+    assert host.state.skips is not None
+    assert apart(first, second)[0] > 1
+    assert not host.faults.raise_first()
+
+
+def test_numbers_are_the_processors_and_late(host, monkeypatch):
+    """Who reads lux under the pointer gets the processor's, computed then and not before."""
+    host.draw()
+    assert "values" not in vars(light(host).texels)
+    late = host.light_at_pixel(48, 60)
+    assert "values" in vars(light(host).texels)
+    host.inject(by("cpu"))
+    host.settle()
+    now = host.light_at_pixel(48, 60)
+    np.testing.assert_allclose(late, now, rtol=2e-3)
+    with pytest.raises(UserError, match="stay in the process"):
+        _ = LateArray((1, 1, 4), ()).values
+
+
+def test_the_processor_goes_on_where_the_card_fails(host, monkeypatch):
+    """The picture is the processor's at once, one line says why, and the card is asked no more."""
+    expected = host.draw()
+
+    def fails(*_):
+        raise RuntimeError("no such memory")
+
+    monkeypatch.setattr(HourOnCard, "compute", fails)
+    said = []
+    host.kernel.tap(lambda message, _: said.append(message))
+    host.inject(SetClock(instant=NOON + timedelta(hours=1)))
+    host.settle()
+    host.inject(SetClock(instant=NOON))
+    host.settle()
+    assert apart(host.draw_now(), expected)[0] <= 1
+    host.kernel.pump_until_idle()
+    faults = [message for message in said if isinstance(message, Fault)]
+    assert [(fault.module, "no such memory" in fault.error) for fault in faults] == [(NAME, True)]
+    assert isinstance(light(host).texels, Array)
+    assert choice(host) == (False, "the card failed", 0)
+    host.inject(by("cpu"), by("gpu"))
+    host.faults.clear()
+    monkeypatch.undo()
+    host.settle()
+    assert choice(host).on_card
+
+
+def test_auto_chooses_by_the_trial_once_the_bake_is_done(host):
+    """llvmpipe is no card; a card of 0.05 ns a pixel is, and a slow one is not."""
+    host.inject(by("auto"))
+    host.settle()
+    assert choice(host).why == "a processor renders"
+    host.inject(CARD)
+    host.settle()
+    assert choice(host).on_card
+    assert choice(host).why.endswith("of 2 ms, trial 0.05 ns")
+    assert isinstance(light(host).texels, LateArray)
+    host.inject(RendererTried(renderer="a slow card", trial_ns=9.0))
+    host.settle()
+    assert not choice(host).on_card
+    assert isinstance(light(host).texels, Array)
+
+
+def test_intermediate_rounds_and_stills_are_the_processors():
+    """Tables are uploaded once a bake; the light of a still is kept on disk."""
+    with Host() as host:
+        reasons = []
+        host.kernel.tap(lambda message, _: reasons.append((message, choice_of(host))))
+        host.inject(*BEGIN, SetClock(instant=NOON), by("gpu"), LoadScene(path=ROOM), INSIDE)
+        host.settle()
+    lights = [(light, why) for light, why in reasons if isinstance(light, SurfaceLightChanged)]
+    assert len(lights) >= 2
+    assert [isinstance(light.texels, LateArray) for light, _ in lights] == [
+        *(False for _ in lights[1:]),
+        True,
+    ]
+
+
+def choice_of(host):
+    seat = host.kernel.seats.get(NAME)
+    return None if seat is None else seat.module.devices.get("light")
+
+
+def test_a_session_on_a_card_replays_without_one(tmp_path):
+    """The journal has the inputs of the card's light; a replay that has no OpenGL finds the same."""
+    stream = io.BytesIO()
+    with Host() as host:
+        recorder = Recorder(host.kernel, stream)
+        host.inject(*BEGIN, SetClock(instant=NOON), by("gpu"), LoadScene(path=ROOM), INSIDE)
+        host.draw()
+        host.inject(SetClock(instant=NOON + timedelta(hours=3)))
+        host.draw()
+        assert isinstance(light(host).texels, LateArray)
+        recorder.close()
+    path = tmp_path / "session.mcap"
+    path.write_bytes(stream.getvalue())
+    outcome = Replay(Journal(path)).run()
+    assert outcome.difference is None
+    assert not outcome.by_value
