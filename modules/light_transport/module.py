@@ -12,6 +12,7 @@ from light_transport.messages import CARD_JOB, NAME, BakeGrown, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import TransportQuality, TransportSizes, looks_like, quality_for
 from vrut_lite import __version__
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.lazy import lazy
@@ -201,13 +202,18 @@ class LightTransport(Module):
 
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
-        """A layout, a round or an hour; the kernel posts a Fault for a failed job."""
+        """A layout, a round or an hour; the kernel posts a Fault for a failed job.
+
+        Raises:
+            UserError: a card could not compute an hour's light; from now on the processor does.
+        """
         if result.job == HOUR:
             self._hours_under_way -= 1
         if result.job == CARD_JOB:
             self._card_failed = True
             self._choose_again()
-        elif result.error:
+            raise UserError(f"{result.error}: the processor computes the light from now on")
+        if result.error:
             if result.job == HOUR:
                 self._asked = None
         elif result.job == PROBES:

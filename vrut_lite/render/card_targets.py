@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
+from vrut_lite.render.context_loss import ContextLostError
 from vrut_lite.render.graphics_memory import allocated
 from vrut_lite.render.reversed_depth import FloatDepth
 from vrut_lite.render.targets import SAMPLES
@@ -23,12 +24,9 @@ CallGl = Callable[[Callable[[Any], Any]], Any]
 LONGEST_S = 10.0
 
 
-def no_answer() -> UserError:
-    """The refusal of a card that does not finish a picture."""
-    return UserError(
-        f"the graphics card has not finished a picture in {LONGEST_S:g} s: its driver may have "
-        "been reset; start the program again"
-    )
+def no_answer() -> ContextLostError:
+    """A card that does not finish a picture is as good as lost."""
+    return ContextLostError(f"it has not finished a picture in {LONGEST_S:g} s")
 
 
 class LentRadiance:
@@ -41,12 +39,15 @@ class LentRadiance:
         """The radiance (h, w, 3), row 0 at the top; on any thread but that of GL.
 
         Raises:
-            UserError: it was released, or the host is closed.
+            UserError: it was released, its context was lost, or the host is closed.
         """
-        if self._texture is None:
-            raise UserError("the picture's radiance left the graphics card: draw it again")
-        found: NDArray[np.float32] = call_gl(lambda _: read_rgba(self._texture))
+        found: NDArray[np.float32] = call_gl(self._read)
         return found[::-1, :, :3]
+
+    def _read(self, context: Any) -> NDArray[np.float32]:
+        if self._texture is None or self._texture.ctx is not context:
+            raise UserError("the picture's radiance left the graphics card: draw it again")
+        return read_rgba(self._texture)
 
     def forget(self) -> None:
         """The texture is released."""
@@ -135,7 +136,7 @@ class Fence:
         """Wait until it is done.
 
         Raises:
-            UserError: the card does not answer.
+            ContextLostError: the card does not answer.
         """
         if not self._wait(round(1e9 * LONGEST_S)):
             raise no_answer()

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from vrut_lite.errors import UserError
 from vrut_lite.render.shader_files import shader_source
+from vrut_lite.render.software_names import is_software
 from vrut_lite.write_atomic import atomic_output
 
 _EDGE_PX, _ROUNDS = 256, 3
@@ -50,10 +51,6 @@ TABLE = (
 )
 
 
-# Parts of the names of renderers that draw on a processor.
-_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software", "swiftshader", "basic render")
-
-
 class Device(NamedTuple):
     """A renderer, its driver's version, and the trial's nanoseconds a pixel.
 
@@ -84,8 +81,7 @@ def device_of(context: Any, trial_ns: float | None = None) -> Device:
     if not isinstance(kept, float):
         kept = _trial_ns(context)
         _keep({**known, key: kept})
-    is_software = any(part in renderer.lower() for part in _SOFTWARE)
-    return Device(renderer, version, kept, is_software)
+    return Device(renderer, version, kept, is_software(renderer))
 
 
 def _trial_ns(context: Any) -> float:

@@ -20,6 +20,7 @@ from vrut_lite.messages.sky import ViewShader, mean_level
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.card_pictures import CardPictures, DrawnPicture
+from vrut_lite.render.context_loss import loss
 from vrut_lite.render.culling import has_glow, in_view
 from vrut_lite.render.device import Choices
 from vrut_lite.render.eye_pictures import EyePictures, EyesDrawn
@@ -152,9 +153,10 @@ class Frame:
             return draw()
         except GivenUp:
             raise
-        except Exception:
-            # A shader with a part's GLSL that does not compile shows nothing at all.
-            if not self._passes.parts.drop_broken_glsl(scene.placed):
+        except Exception as error:
+            # A shader with a part's GLSL that does not compile shows nothing at all, nor does a
+            # lost context.
+            if loss(error) or not self._passes.parts.drop_broken_glsl(scene.placed):
                 raise
             return draw()
 

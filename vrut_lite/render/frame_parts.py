@@ -24,6 +24,7 @@ from vrut_lite.frame_part import (
 from vrut_lite.installed_parts import HOOKS_OF_SEVERAL, PartsHeard, frame_parts, part_with
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.work_counters import WorkCounters
+from vrut_lite.render.context_loss import ContextLostError, loss
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.hook_glsl import hook_define
 from vrut_lite.render.part_slots import part_blocks, part_units
@@ -213,6 +214,9 @@ class FrameParts:
             raise
         except BaseException as error:
             pass_interrupt(error)
+            # In a lost context everything fails.
+            if loss(error):
+                raise
             self._leave_out(name, sentence_of(error))
             return None
 
@@ -298,7 +302,13 @@ class PartRenderer:
         return made
 
     def report(self, job: str, error: str) -> None:
-        """Send the part's module a failed `JobResult`."""
+        """Send the part's module a failed `JobResult`.
+
+        Raises:
+            ContextLostError: the context is lost, in which everything fails.
+        """
+        if why := loss():
+            raise ContextLostError(why)
         self._report(job, error)
 
     def tiles(self, most: int | None = None) -> TiledPass:

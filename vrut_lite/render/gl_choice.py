@@ -14,19 +14,24 @@ from typing import Any
 from vrut_lite import operating_system
 from vrut_lite.errors import UserError
 from vrut_lite.operating_system import has_egl
+from vrut_lite.render.reset_notice import told_of_resets
+from vrut_lite.render.software_names import is_software
 
 VARIABLE = "VRUT_LITE_GPU"
 _NEEDED, _OLDEST = 430, 330
 _WITHOUT = "skies (`vrut-lite sky`), numbers (`vrut-lite daylight`) and the path tracer need none"
 
 
-def open_context() -> Any:
-    """A context of OpenGL 4.3 with clip control, current to this thread.
+def open_context(only_software: bool = False) -> Any:
+    """A context of OpenGL 4.3 with clip control, current to this thread and told of resets.
+
+    Args:
+        only_software: whether a processor must draw, whatever the user's variable says.
 
     Raises:
         UserError: no device is sufficient, or the user's variable names no such device.
     """
-    wish = os.environ.get(VARIABLE, "").strip()
+    wish = "" if only_software else os.environ.get(VARIABLE, "").strip()
     seen: list[str] = []
     devices: Iterable[int] = count() if has_egl() else (0,)
     for index in devices:
@@ -43,9 +48,15 @@ def open_context() -> Any:
         name = context.info["GL_RENDERER"]
         lack = _lack(context)
         seen.append(f"{index}: {name}{lack and ' ' + lack}")
-        if not lack and _is_wished(wish, index, context):
-            return context
+        fits = is_software(name) if only_software else _is_wished(wish, index, context)
+        if not lack and fits:
+            return told_of_resets(context, _NEEDED)
         context.release()
+    if only_software:
+        raise UserError(
+            f"the graphics driver was reset again, and no software renderer is there "
+            f"({'; '.join(seen)}): install Mesa's llvmpipe, or start the program again"
+        )
     raise _refusal(wish, seen)
 
 

@@ -14,6 +14,8 @@ from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.messages.gpu_job import GpuJob, GpuPass
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.renderer import RendererTried
+from vrut_lite.render.context_loss import loss
+from vrut_lite.render.device import Device
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.job_buffers import JobBuffers
 from vrut_lite.render.texture_pool import NUMPY_TYPES, TexturePool
@@ -41,19 +43,18 @@ class GlJobs(Module):
         self._buffers = JobBuffers()
         self._programs: dict[str, Any] = {}
         self._latest: dict[str, GpuJob] = {}
+        # Those of them whose result was not sent.
+        self._unanswered: dict[str, GpuJob] = {}
         self.pending: list[Future[None]] = []
-        device = owner.opened.device
-        inject(
-            RendererTried(
-                renderer=device.renderer, trial_ns=device.trial_ns, is_software=device.is_software
-            )
-        )
+        self._tried = _tried(owner.opened.device)
+        inject(self._tried)
         inject(Demand(consumer=NAME, message=GpuJob.__name__))
+        owner.on_reset(self._rebuild)
 
     @handles(GpuJob)
     def on_job(self, job: GpuJob) -> None:
         """Queue a job; a failure, such as a shader that does not compile, is a result too."""
-        self._latest[job.key()] = job
+        self._latest[job.key()] = self._unanswered[job.key()] = job
         self.pending = [future for future in self.pending if not future.done()]
         self.pending.append(self._owner.submit(lambda context: self._run(context, job)))
 
@@ -64,13 +65,21 @@ class GlJobs(Module):
         try:
             value, error = self._compute(context, job), ""
         except Exception as failure:
+            if loss(failure):
+                raise
             value, error = None, f"{type(failure).__name__}: {failure}"
+        if loss():
+            return
+        self._unanswered.pop(job.key())
         self.counters.did("gpu job")
         self._inject(JobResult(module=job.module, job=job.job, value=value, error=error))
 
     def _compute(self, context: Any, job: GpuJob) -> Array | GpuTexture:
         handle = self._pools[job.key()].take(context, job)
-        texture = handle.opaque
+        self._fill(context, job, handle.opaque)
+        return Array(_read(handle.opaque, job)) if job.read_back else handle
+
+    def _fill(self, context: Any, job: GpuJob, texture: Any) -> None:
         # Lent until the end: the next job of the key may write them again.
         pool = self._pools[f"{job.key()}.scratch"]
         scratch = [pool.take(context, job) for _ in range(job.scratch)]
@@ -86,7 +95,6 @@ class GlJobs(Module):
             self._buffers.bind(job, number)
             run_compute(program, *step.groups)
             context.memory_barrier()
-        return Array(_read(texture, job)) if job.read_back else handle
 
     def _program(self, context: Any, step: GpuPass) -> Any:
         if step.compute_shader not in self._programs:
@@ -97,6 +105,26 @@ class GlJobs(Module):
             if name in program:
                 program[name].value = value
         return program
+
+    def _rebuild(self, context: Any) -> None:
+        """After a reset: compute the textures that are referred to again, and all unfinished."""
+        self._buffers = JobBuffers()
+        self._programs.clear()
+        for pool in self._pools.values():
+            for job, texture in pool.remade(context):
+                self._fill(context, job, texture)
+        for job in list(self._unanswered.values()):
+            self.on_job(job)
+        tried = _tried(self._owner.opened.device)
+        if tried != self._tried:
+            self._tried = tried
+            self._inject(tried)
+
+
+def _tried(device: Device) -> RendererTried:
+    return RendererTried(
+        renderer=device.renderer, trial_ns=device.trial_ns, is_software=device.is_software
+    )
 
 
 def _read(texture: Any, job: GpuJob) -> np.ndarray:

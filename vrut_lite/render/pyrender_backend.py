@@ -1,10 +1,13 @@
 """The scene backend on pyrender and moderngl: uploads changes and draws on the GL thread."""
 
+import logging
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from time import perf_counter, sleep
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -29,6 +32,7 @@ from vrut_lite.messages.sky_light import SkyLightChanged
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.card_pictures import DrawnPicture
 from vrut_lite.render.card_targets import LONGEST_S, no_answer
+from vrut_lite.render.context_loss import ContextLostError
 from vrut_lite.render.eye_pictures import EyesDrawn, HeadsetEye
 from vrut_lite.render.frame import EyeInputs, Frame
 from vrut_lite.render.frame_parts import PartFailed, warn_of_part
@@ -42,10 +46,18 @@ from vrut_lite.render.rays import SceneRays
 from vrut_lite.scene.backend import IsGivenUp
 from vrut_lite.scene.scene_state import NO_PARTS, SceneState
 
+T = TypeVar("T")
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 # Time between two looks at a picture that a card draws.
 _POLL_S = 3e-4
+# A picture is begun again after so many resets, of which the last leads to a software renderer.
+_MOST_RESETS = 3
+_log = logging.getLogger(__name__)
 _UNPOLARISED = np.zeros((2, 6, 1, 1, 3), np.float16)
+
+
+class _LostPictureError(Exception):
+    """The context of a picture that is being drawn was lost, and has been replaced."""
 
 
 class PyrenderBackend:
@@ -56,6 +68,7 @@ class PyrenderBackend:
 
     def __init__(self, owner: GlOwner, part_failed: PartFailed = warn_of_part):
         self._owner = owner
+        self._part_failed = part_failed
         choices = owner.opened.device.choices
         # The GL thread creates it while the caller continues.
         self._made = owner.submit(lambda context: Frame(context, choices, part_failed))
@@ -67,6 +80,12 @@ class PyrenderBackend:
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
         }
+        self._rays: tuple[SceneOpened, SceneRays] | None = None
+        self._begin_empty()
+        owner.on_reset(self._rebuild)
+
+    def _begin_empty(self) -> None:
+        """Nothing is uploaded."""
         # The uploaded parts; keeping a message keeps its GPU texture valid.
         nothing = {**dict.fromkeys(self._uploads), "parts": NO_PARTS}
         self._uploaded: dict[str, Any] = nothing
@@ -78,7 +97,14 @@ class PyrenderBackend:
         self._mirrored: SkyTexture | None = None
         # Q and U of the clear sky, and of the sky with its layers.
         self._polarised, self._mirrored_polarised = _OwnPolarisation(), _OwnPolarisation()
-        self._rays: tuple[SceneOpened, SceneRays] | None = None
+
+    def _rebuild(self, context: Any) -> None:
+        """After a reset: a new frame, to which the next picture uploads all it needs."""
+        self._begin_empty()
+        made: Future[Frame] = Future()
+        self._made = made
+        choices = self._owner.opened.device.choices
+        made.set_result(Frame(context, choices, self._part_failed))
 
     @property
     def _frame(self) -> Frame:
@@ -94,12 +120,12 @@ class PyrenderBackend:
         Raises:
             UserError: the background's own shader does not compile; its cube map is drawn.
         """
-        self._owner.call(lambda context: self._upload(context, state))
+        self._despite_resets(lambda: self._owner.call(lambda context: self._upload(context, state)))
 
     def draw(
         self, state: SceneState, still: bool = True, is_given_up: IsGivenUp | None = None
     ) -> Picture:
-        """Draw a frame.
+        """Draw a frame; again where the graphics driver was reset meanwhile.
 
         Raises:
             RuntimeError: scene, light or camera is still missing.
@@ -110,16 +136,41 @@ class PyrenderBackend:
             assert state.key_light is not None
             sun = msgspec.structs.replace(state.key_light, irradiance_rgb=(0.0, 0.0, 0.0))
             state = replace(state, key_light=sun)
+        picture = self._despite_resets(lambda: self._drawn(state, still, is_given_up))
+        if (reset := self._owner.untold_reset()) is not None:
+            _log.warning(
+                "the graphics driver failed: %s; %s shows the picture again after %.1f s",
+                reset.why,
+                reset.renderer,
+                perf_counter() - reset.at_s,
+            )
+        return picture
+
+    def _drawn(self, state: SceneState, still: bool, is_given_up: IsGivenUp | None) -> Picture:
+        resets = self._owner.resets
         drawn = self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
         if isinstance(drawn, Picture):
             return drawn
-        # The GL thread does other work, such as modules' jobs, while the card draws.
-        end_s = perf_counter() + LONGEST_S
-        while (taken := self._owner.call(lambda _: drawn.taken(self._owner.call))) is None:
+
+        def taken(_context: Any) -> Picture | None:
             if perf_counter() > end_s:
                 raise no_answer()
+            if self._owner.resets != resets:
+                raise _LostPictureError("a picture was lost with its context")
+            return drawn.taken(self._owner.call)
+
+        # The GL thread does other work, such as modules' jobs, while the card draws.
+        end_s = perf_counter() + LONGEST_S
+        while (picture := self._owner.call(taken)) is None:
             sleep(_POLL_S)
-        return taken
+        return picture
+
+    def _despite_resets(self, work: Callable[[], T]) -> T:
+        """Do work, and again in the context that took the place of a lost one."""
+        for _ in range(_MOST_RESETS):
+            with suppress(ContextLostError, _LostPictureError):
+                return work()
+        return work()
 
     def draw_eyes(self, state: SceneState, eyes: Sequence[HeadsetEye]) -> EyesDrawn:
         """Draw the scene for a headset's eyes, whose textures the card may still fill on return.
@@ -191,6 +242,7 @@ class PyrenderBackend:
     def close(self) -> None:
         """Free the GL objects."""
         self._owner.call(lambda context: self._release())
+        self._owner.forget(self._rebuild)
 
     def _release(self) -> None:
         self._frame.release()

@@ -1,6 +1,7 @@
 """Textures for the results of GPU jobs, reused once their handles are released."""
 
 import weakref
+from collections.abc import Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ Kind = tuple[str, int | tuple[int, int, int], str]
 
 class _Lent(NamedTuple):
     kind: Kind
+    job: GpuJob
     texture: Any
     handle: "weakref.ref[GpuTexture]"
 
@@ -33,8 +35,18 @@ class TexturePool:
         kind = (job.output, job.size, job.format)
         texture = self._free_one(kind) or _make(context, job)
         handle = GpuTexture(size=job.size, format=job.format, recipe=job.recipe).holding(texture)
-        self._lent.append(_Lent(kind, texture, weakref.ref(handle)))
+        self._lent.append(_Lent(kind, job, texture, weakref.ref(handle)))
         return handle
+
+    def remade(self, context: Any) -> Iterator[tuple[GpuJob, Any]]:
+        """New textures for all handles that are kept, with their jobs; the old ones are gone."""
+        before, self._lent = self._lent, []
+        for lent in before:
+            if (handle := lent.handle()) is not None:
+                texture = _make(context, lent.job)
+                handle.holding(texture)
+                self._lent.append(lent._replace(texture=texture))
+                yield lent.job, texture
 
     def _free_one(self, kind: Kind) -> Any:
         """A texture of this kind whose handles are released, or None."""

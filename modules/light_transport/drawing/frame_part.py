@@ -166,7 +166,7 @@ class LightMapPart(FramePart):
                 self._card.compute(texels.recipe)
             except Exception as error:  # Drivers and moderngl raise exceptions of many types.
                 self._card.release()
-                self.gl.report(CARD_JOB, f"the card could not compute it: {error}")
+                self.gl.report(CARD_JOB, f"the graphics card could not light surfaces ({error})")
                 self._read = light, _read(light)
             else:
                 self._counters.did("hour on the card")

@@ -80,14 +80,22 @@ class GlStage:
         self.host = Host(runner=WindowJobs(), gl=gl)
         self._measures_next = False
         self.pass_seconds: dict[str, float] = {}
-        self.renderer: str = self.host.gl.opened.renderer
-        self.device: Device | None = self.host.gl.opened.device
         self.failures: list[str] = self.host.failures
 
     @property
     def kernel(self) -> Kernel:
         """The host's kernel."""
         return self.host.kernel
+
+    @property
+    def renderer(self) -> str:
+        """The renderer's name; another after a reset, perhaps."""
+        return self.host.gl.opened.renderer
+
+    @property
+    def device(self) -> Device | None:
+        """The renderer, tried out."""
+        return self.host.gl.opened.device
 
     def measure_next(self) -> None:
         """Measure the next frame, whose passes wait for each other then."""
