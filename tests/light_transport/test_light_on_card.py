@@ -2,6 +2,7 @@
 
 import io
 from datetime import UTC, datetime, timedelta
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +97,7 @@ def test_no_picture_shows_a_map_of_before(host):
         host.inject(change)
         host.settle()
         seen.append(check_same(host))
-    for before, after in zip(seen, seen[1:], strict=False):
+    for before, after in pairwise(seen):
         assert apart(before, after)[1] > 0.1
 
 
@@ -198,7 +199,7 @@ def choice_of(host):
 
 
 def test_a_session_on_a_card_replays_without_one(tmp_path):
-    """The journal has the inputs of the card's light; a replay that has no OpenGL finds the same."""
+    """The journal has the inputs of the card's light; a replay without OpenGL finds the same."""
     stream = io.BytesIO()
     with Host() as host:
         recorder = Recorder(host.kernel, stream)

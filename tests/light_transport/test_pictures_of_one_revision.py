@@ -194,11 +194,11 @@ def flip(one, other):
     return float(flip_evaluator.evaluate(*scaled, "HDR")[1])
 
 
-def hurried(seed, count):
+def hurried(seed, count, more=()):
     """Pictures of a random session, with what they show, and its inputs."""
     chance, window = random.Random(seed), HurriedWindow()
     try:
-        window.engine.send(*BEGINNING)
+        window.engine.send(*BEGINNING, *more)
         window.rest()
         for number in range(count):
             window.engine.send(random_input(chance))
@@ -212,8 +212,8 @@ def hurried(seed, count):
     return window
 
 
-def check_session(seed, count):
-    window = hurried(seed, count)
+def check_session(seed, count, more=()):
+    window = hurried(seed, count, more)
     assert not window.problems, window.problems
     revisions = [shown.revision for shown, _ in window.pictures]
     assert revisions == sorted(revisions)
@@ -253,4 +253,14 @@ def test_every_picture_in_a_hurried_session_is_that_of_its_revision_at_rest():
 @pytest.mark.parametrize("seed", range(2, 22))
 def test_so_it_is_in_other_sessions(seed):
     errors = check_session(seed, 40)
+    assert max(errors)[0] <= LARGEST_FLIP
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_so_it_is_where_the_card_lights_surfaces(seed):
+    """Its light is computed when a picture of its revision is drawn."""
+    by_card = SetSetting(module="light_transport", name="device", value="gpu")
+    errors = check_session(seed, 15, (by_card,))
+    assert len(errors) >= 3
     assert max(errors)[0] <= LARGEST_FLIP

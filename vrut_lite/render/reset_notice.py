@@ -38,7 +38,7 @@ def told_of_resets(context: Any, version: int) -> Any:
     context.release()
     egl.eglMakeCurrent(display, None, None, made)
     moderngl.init_context(_Loader(egl))
-    found = moderngl.get_context()
+    found: Any = moderngl.get_context()
     found.own_egl = display, made
     return found
 

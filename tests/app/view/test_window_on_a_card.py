@@ -1,7 +1,9 @@
 """The window where a graphics card draws, which a trial's stated time says."""
 
+import numpy as np
 import pytest
 from house_fixtures import CARD_NS
+from lost_context import destroy_context
 from PySide6.QtCore import Qt
 from window_driver import NOON, SMALL, WindowDriver
 
@@ -39,4 +41,31 @@ def test_moving_pictures_stay_on_the_card_and_a_finished_one_is_read(driver):
     driver.until(lambda: "sky computed by" in {line.name for line in driver.window.profiler.lines})
     lines = {line.name: line.value for line in driver.window.profiler.lines}
     assert lines["sky computed by"].startswith("card, 1024")
+    assert "light computed by" in lines
+    assert driver.problems == []
+
+
+def test_a_reset_driver_leaves_the_window_its_picture(driver):
+    """It is drawn again with the next input, to the byte, with a line and without a problem."""
+    pictures, lines = [], []
+    driver.session.picture_shown.connect(lambda shown: pictures.append(shown))
+    driver.window._warnings.logged.connect(lines.append)
+    owner = driver.asked(lambda stage: stage.host.gl)
+
+    def finished():
+        return bool(pictures) and pictures[-1].still and not pictures[-1].refining
+
+    driver.session.send(SetClock(instant=NOON))
+    driver.until(finished)
+    driver.qtbot.wait(2000)
+    before = pictures[-1].picture
+    destroy_context(owner)
+    for minute in (40, NOON.minute):
+        pictures.clear()
+        driver.session.send(SetClock(instant=NOON.replace(minute=minute)))
+        driver.until(finished)
+    driver.qtbot.wait(2000)
+    assert owner.resets == 1
+    assert np.array_equal(pictures[-1].picture.radiance, before.radiance)
+    assert [line.split(":")[0] for line in lines] == ["the graphics driver failed"]
     assert driver.problems == []
