@@ -32,7 +32,7 @@ from vrut_lite.array_cache import Arrays
 from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.late_array import LateArray
+from vrut_lite.messages.late_array import LateArray
 from vrut_lite.messages.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged, SkyRadianceChanged

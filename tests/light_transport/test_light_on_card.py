@@ -16,7 +16,7 @@ from vrut_lite.commands.headless_scene import modules_for
 from vrut_lite.errors import UserError
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SetClock, SetSetting
-from vrut_lite.late_array import LateArray
+from vrut_lite.messages.late_array import LateArray
 from vrut_lite.messages.light_map import SurfaceLightChanged
 from vrut_lite.messages.picture import Resize
 from vrut_lite.messages.place import SetPlace

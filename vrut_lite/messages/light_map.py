@@ -14,7 +14,7 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Derived
-from vrut_lite.late_array import LateArray
+from vrut_lite.messages.late_array import LateArray
 from vrut_lite.messages.limits import LARGEST_EDGE, LARGEST_VOLUME, MOST_LIGHT, check_scale
 from vrut_lite.numeric_types import Float32Array, Vector
 

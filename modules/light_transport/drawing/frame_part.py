@@ -37,8 +37,8 @@ from vrut_lite.frame_part import (
     latest,
 )
 from vrut_lite.kernel.messages import Derived
-from vrut_lite.late_array import LateArray
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.late_array import LateArray
 from vrut_lite.messages.light_map import NOT_MAPPED, LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import AmbientChanged
