@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 from vrut_lite.errors import UserError
+from vrut_lite.render.reset_notice import has_context
 
 # Answers of glGetGraphicsResetStatus (OpenGL 4.5, GL_KHR_robustness).
 _REASONS = {
@@ -34,15 +35,14 @@ def loss(error: BaseException | None = None) -> str:
     Args:
         error: an error of work in it, which may say so.
     """
-    from OpenGL.platform import PLATFORM
-
     known: str = getattr(_known, "why", "")
     if known:
         return known
-    status = reset_status()
-    if not PLATFORM.GetCurrentContext():
+    if not has_context():
         _known.why = "its context is gone"
-    elif isinstance(error, ContextLostError):
+        return _known.why
+    status = reset_status()
+    if isinstance(error, ContextLostError):
         _known.why = str(error)
     elif status:
         _known.why = f"it was reset {_REASONS.get(status, hex(status))}"

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from OpenGL import GL
 
 from vrut_lite.errors import GivenUp, UserError
 from vrut_lite.foreign_errors import sentence_of
@@ -38,6 +37,8 @@ from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.tiles import Patience, TiledPass
 from vrut_lite.render.unlocked import build_mipmaps, run_compute
 from vrut_lite.uniform_block import UniformBlock
+
+from OpenGL import GL  # isort: skip  (after `reversed_depth`, which prepares it)
 
 # Called with the name of a part, of the work that failed, and a sentence.
 PartFailed = Callable[[str, str, str], None]

@@ -110,9 +110,10 @@ class GlJobs(Module):
         """After a reset: compute the textures that are referred to again, and all unfinished."""
         self._buffers = JobBuffers()
         self._programs.clear()
-        for pool in self._pools.values():
-            for job, texture in pool.remade(context):
-                self._fill(context, job, texture)
+        # All textures first: a job reads those of another, and pools drop the lost ones.
+        remade = [each for pool in self._pools.values() for each in pool.remade(context)]
+        for job, texture in remade:
+            self._fill(context, job, texture)
         for job in list(self._unanswered.values()):
             self.on_job(job)
         tried = _tried(self._owner.opened.device)

@@ -5,6 +5,7 @@ driver ends the process (EGL 1.5 section 3.7.1; GL_KHR_robustness).
 """
 
 import ctypes
+from functools import lru_cache
 from typing import Any
 
 from vrut_lite.operating_system import has_egl
@@ -15,6 +16,7 @@ _PROFILE_MASK, _CORE_PROFILE = 0x30FD, 0x1
 _RESET_STRATEGY, _LOSE_CONTEXT = 0x31BD, 0x31BF
 _NEEDED = b"EGL_KHR_create_context"
 _Pointer = ctypes.c_void_p
+_LEFT: list[Any] = []
 
 
 def told_of_resets(context: Any, version: int) -> Any:
@@ -34,8 +36,7 @@ def told_of_resets(context: Any, version: int) -> Any:
         return context
     import moderngl
 
-    # It unbinds itself.
-    context.release()
+    _leave(context)
     egl.eglMakeCurrent(display, None, None, made)
     moderngl.init_context(_Loader(egl))
     found: Any = moderngl.get_context()
@@ -59,7 +60,7 @@ class _Loader:
 
 def destroy(context: Any) -> None:
     """Release a context of this thread and end it with all its objects."""
-    context.release()
+    _leave(context)
     if not has_egl():
         return
     egl = _egl()
@@ -70,6 +71,15 @@ def destroy(context: Any) -> None:
         egl.eglDestroyContext(display, handle)
     # A context that is current to a thread lives on, with every texture that is left in it.
     egl.eglReleaseThread()
+
+
+def _leave(context: Any) -> None:
+    """Release a context, which unbinds whatever is current to this thread.
+
+    The object stays: to free it would do so again, at any moment and on any thread.
+    """
+    context.release()
+    _LEFT.append(context)
 
 
 def _made(egl: Any, display: Any, version: int) -> Any:
@@ -85,6 +95,12 @@ def _made(egl: Any, display: Any, version: int) -> Any:
     return egl.eglCreateContext(display, config, None, (ctypes.c_int * len(asked))(*asked))
 
 
+def has_context() -> bool:
+    """Whether a context is current to this thread; true where only the system could say."""
+    return not has_egl() or bool(_egl().eglGetCurrentContext())
+
+
+@lru_cache(maxsize=1)
 def _egl() -> Any:
     egl = ctypes.CDLL("libEGL.so.1")
     for name in ("eglGetCurrentDisplay", "eglGetCurrentContext", "eglCreateContext",

@@ -4,7 +4,7 @@ Differences are over the larger of the processor's value and a hundredth of its 
 """
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +21,22 @@ from clouds.genera import Genus
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.sky import half_scale
+from light_transport.rays.mirror_rays import mirror_parts
+from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.tolerance import TransportSizes
+from light_transport.transport import SceneTransport
 from numpy.typing import ArrayLike
 
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.messages.gpu_job import TexelFormat
+from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.packing import packed
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite_lab.bench.gl import GlTexture, close_gl, gl_owner
+from vrut_lite_lab.bench.light_on_card import LightOnCard
+from vrut_lite_lab.bench.paths.frame import SCENES
+from vrut_lite_lab.bench.paths.light_map import hour_of_bench
 from vrut_lite_lab.bench.paths.sky_view import solved
 from vrut_lite_lab.bench.paths.tables import DEMO, SIZES, air
 from vrut_lite_lab.bench.skies import sun_at
@@ -42,6 +51,8 @@ _OF_LARGEST = 1e-2
 _Cube = tuple[int, TexelFormat]
 _HOSEK_WILKIE: tuple[_Cube, ...] = ((256, "rgba16f"), (1024, "rgba16f"), (1024, "rgba32f"))
 _SKY_VIEW: tuple[_Cube, ...] = ((256, "rgba16f"), (512, "rgba32f"))
+_SCENES = ("work/indoor.glb", "street.obj", "pavilion.gltf")
+_TEXELS_OF_MAP, _RAYS, _PATCH_TEXELS, _BOUNCES_LEFT = 15_000, 64, 3.0, 1e-7
 _TEXELS: dict[TexelFormat, str] = {"rgba16f": "float16", "rgba32f": "float32"}
 
 
@@ -75,6 +86,9 @@ def _products() -> dict[str, Callable[[], dict[str, Any]]]:
         made[f"air volume, sun {sun_deg:g}°"] = partial(_air_volume, sun_deg)
     for sun_deg in _SUNS_DEG[:2]:
         made[f"light scattered once, cube 64², sun {sun_deg:g}°"] = partial(_once, sun_deg)
+    for scene in _SCENES:
+        for name in ("texels", "mirrors"):
+            made[f"light between surfaces, {scene}: {name}"] = partial(_light, scene, name)
     for table in ("transmittance", "irradiance", "scattering", "single_mie"):
         made[f"published table: {table}"] = partial(_table, table)
     return made
@@ -151,6 +165,23 @@ def _once(sun_deg: float) -> dict[str, Any]:
     light = single_scattering(clear, 0.0, towards[:, 1], sun[1], nu, samples=12)
     exact = np.asarray(light * three_sample_scale(clear.wavelength_nm, 3.0))
     return _difference(GlTexture(job)().read()[up], exact)
+
+
+def _light(scene: str, name: str) -> dict[str, Any]:
+    transport, found = _lit(scene)
+    return _difference(found[name], getattr(transport.light(hour_of_bench(60.0)), name))
+
+
+@lru_cache(maxsize=1)
+def _lit(scene: str) -> tuple[SceneTransport, dict[str, Any]]:
+    """A bake, and the light that the card computes of it; the processor's bounces converge."""
+    opened = packed(load_scene(str(SCENES / scene)))
+    surfaces = surfaces_of(opened)
+    sizes = TransportSizes(None, _TEXELS_OF_MAP, _PATCH_TEXELS, _BOUNCES_LEFT)
+    transport = SceneTransport.of_scene(opened, surfaces, sizes)
+    transport.add_mirrors(mirror_parts(opened, surfaces))
+    transport.add_rays(_RAYS)
+    return transport, LightOnCard(transport, hour_of_bench(60.0))().read()
 
 
 def _table(name: str) -> dict[str, Any]:

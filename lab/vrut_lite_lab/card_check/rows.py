@@ -12,12 +12,19 @@ from typing import Any
 from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite_lab.bench.bench_path import BenchPath, Group
 from vrut_lite_lab.bench.gl import close_gl
-from vrut_lite_lab.bench.paths import air, hosek_wilkie, single_scattering, sky_view, tables
+from vrut_lite_lab.bench.paths import (
+    air,
+    hosek_wilkie,
+    light_map,
+    single_scattering,
+    sky_view,
+    tables,
+)
 from vrut_lite_lab.bench.runner import QUICK, measure_group
 from vrut_lite_lab.card_check import night_and_clouds
 from vrut_lite_lab.card_check.parts import Keep
 
-_KINDS = (hosek_wilkie, sky_view, night_and_clouds, air, single_scattering, tables)
+_KINDS = (hosek_wilkie, sky_view, night_and_clouds, air, light_map, single_scattering, tables)
 
 
 def measure(_folder: Path, keep: Keep) -> None:

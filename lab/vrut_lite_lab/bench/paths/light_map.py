@@ -25,6 +25,8 @@ from vrut_lite.numeric_types import Float32Array
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
 from vrut_lite_lab.bench.bench_path import BenchPath, Errors, Group, Work, sizes_of
+from vrut_lite_lab.bench.gl import gl_clock, missing_gl
+from vrut_lite_lab.bench.light_on_card import LightOnCard
 from vrut_lite_lab.bench.paths.frame import SCENES
 from vrut_lite_lab.bench.skies import sun_at
 
@@ -70,7 +72,7 @@ def _layout(texels: int) -> Layout:
 
 
 @lru_cache
-def _hour(elevation_deg: float) -> Illumination:
+def hour_of_bench(elevation_deg: float) -> Illumination:
     """Hosek and Wilkie's sky, in units of its zenith, and a sun in proportion."""
     sun = sun_at(elevation_deg)
     sky = HosekWilkieSky(turbidity=3.0, albedo=0.2, sun_elevation_rad=np.radians(elevation_deg))
@@ -137,7 +139,9 @@ def _prepare(texels: int, rays: int, patch_texels: float, left: float) -> Work:
     def work() -> Lit:
         transport = SceneTransport(surfaces, layout, 1, patch_texels, left)
         transport.add_rays(rays)
-        return Lit(transport, [transport.light(_hour(each)).texels for each in ELEVATIONS_DEG])
+        return Lit(
+            transport, [transport.light(hour_of_bench(each)).texels for each in ELEVATIONS_DEG]
+        )
 
     return work
 
@@ -156,7 +160,7 @@ def _errors(quick: bool, lit: Lit) -> dict[str, Errors]:
         normals = texels.normal[chosen].astype(float)
         transport, rays = _true_bake(truth), truth.point_rays
         exact = light_at(
-            transport, places_m, normals, transport.light(_hour(each)), rays
+            transport, places_m, normals, transport.light(hour_of_bench(each)), rays
         ).irradiance_rgb
         found[f"sun {each:g}°"] = sizes_of(np.abs(light[row, column, :3] - exact) / exact.mean())
     return found
@@ -179,13 +183,13 @@ def _steps(texels: int, quick: bool) -> list[BenchPath]:
     def first() -> Lit:
         made = transport()
         made.add_rays(first_rays(made.rows))
-        return Lit(made, [made.light(_hour(60.0)).texels])
+        return Lit(made, [made.light(hour_of_bench(60.0)).texels])
 
     def hour() -> Work:
         made = transport()
         made.add_rays(rays)
         # The first hour also makes what follows from the rays alone.
-        made.light(_hour(60.0))
+        made.light(hour_of_bench(60.0))
         return HourWork(made)
 
     works: dict[str, Callable[[], Work]] = {
@@ -193,7 +197,7 @@ def _steps(texels: int, quick: bool) -> list[BenchPath]:
         "first light": lambda: first,
         f"an hour by {rays} rays": hour,
     }
-    return [
+    paths = [
         BenchPath(
             name=f"{name}, {texels} texels",
             family=name,
@@ -204,6 +208,25 @@ def _steps(texels: int, quick: bool) -> list[BenchPath]:
         )
         for name, prepare in works.items()
     ]
+    if missing_gl():
+        return paths
+
+    def on_card() -> Work:
+        made = transport()
+        made.add_rays(rays)
+        return LightOnCard(made, hour_of_bench(60.0))
+
+    by_card = BenchPath(
+        name=f"an hour by {rays} rays, GPU shaders, {texels} texels",
+        family="GPU",
+        prepare=on_card,
+        error=None,
+        parameters={"texels": texels},
+        clock=gl_clock(),
+        device="GPU",
+        batch="GPU",
+    )
+    return [*paths, by_card]
 
 
 class HourWork:
@@ -217,7 +240,7 @@ class HourWork:
     def __call__(self) -> HourLight:
         """The light of the sun 20 degrees high."""
         # A copy of the hour: the bake returns the light of its last hour without computing it.
-        light = self._bake.light(replace(_hour(20.0)))
+        light = self._bake.light(replace(hour_of_bench(20.0)))
         self.done += light is not self._last
         self._last = light
         return light
