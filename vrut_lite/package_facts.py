@@ -13,7 +13,7 @@ from importlib.metadata import (
     PackageMetadata,
     entry_points,
 )
-from typing import Any
+from typing import Any, cast
 
 import msgspec
 
@@ -124,7 +124,9 @@ def installed_points() -> EntryPoints:
     A process keeps the modules that it has loaded, so that what is installed later counts from the
     next start.
     """
-    return entry_points()
+    # Before Python 3.12 it is of another class, which selects alike.
+    points: Any = entry_points()
+    return cast(EntryPoints, points)
 
 
 def usable_points(group: str) -> list[EntryPoint]:

@@ -156,7 +156,5 @@ def test_a_processor_renders_no_night_on_a_card():
     stage.want(BackgroundChanged, 16)
     software = RendererTried(renderer="llvmpipe", trial_ns=0.1, is_software=True)
     stage.tell(PRAGUE, software, SetClock(instant=FULL_MOON))
-    assert stage.module("dynamic_skylight").devices["sky"].why == (
-        "a processor renders"
-    )
+    assert stage.module("dynamic_skylight").devices["sky"].why == ("a processor renders")
     stage.close()

@@ -64,7 +64,7 @@ class Profiler:
         )
 
     def _devices(self) -> dict[str, DeviceChoice]:
-        """The choices of the slots' holders and of the sum of skies, which these keep in `devices`."""
+        """The choices in `devices` of the slots' holders and of the sum of skies."""
         kernel = self._stage.kernel
         found: dict[str, DeviceChoice] = {}
         for name, seat in kernel.seats.items():
