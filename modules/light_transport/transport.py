@@ -146,7 +146,8 @@ class SceneTransport(RayScene):
     @property
     def memory_bytes(self) -> int:
         """Memory of all arrays, of the cache's where it is computed."""
-        own = sum({id(part): part.nbytes for part in self.arrays}.values())
+        tables = [] if self._card_tables is None else self._card_tables.arrays
+        own = sum({id(part): part.nbytes for part in (*self.arrays, *tables)}.values())
         return own + (0 if self._cache is None else self._cache.memory_bytes)
 
     # --- refine ---------------------------------------------------------------------------

@@ -118,6 +118,9 @@ class LightMapPart(FramePart):
             self._mirror_of = {part: number for number, part in enumerate(parts)}
         if self._lit is None and self._gpu is not None:
             self._gpu.free()
+        is_late = self._lit is not None and isinstance(self._lit.light.texels, LateArray)
+        if self._card is not None and not is_late:
+            self._card.release()
 
     @property
     def is_seen(self) -> bool:

@@ -26,7 +26,7 @@ from vrut_lite.frame_part import ComputePass, PartGl
 
 _SHADERS = Path(__file__).parent / "shaders"
 _GROUP, _GROUP_2D, _GROUP_3D = 64, 8, 4
-_ROW_BYTES = 16
+_ROW_BYTES, _WORD_BYTES = 16, 4
 _LARGEST_BUFFER = "GL_MAX_SHADER_STORAGE_BLOCK_SIZE"
 
 
@@ -244,12 +244,13 @@ class HourOnCard:
             "radiance": 0 if tables.seen is None else len(tables.seen),
         }
         for name, rows in kept.items():
-            self._put(name, np.zeros(rows * _ROW_BYTES // 4, np.float32))
+            self._put(name, np.zeros(rows * _ROW_BYTES, np.uint8))
         self._tables = tables
 
     def _put(self, name: str, values: NDArray[Any]) -> None:
-        """Write numbers into a buffer, which is made at its first use; none is empty."""
+        """Write numbers into a buffer of whole words, made at its first use; none is empty."""
         data = np.ascontiguousarray(values).tobytes() or bytes(_ROW_BYTES)
+        data += bytes(-len(data) % _WORD_BYTES)
         if name in self._buffers:
             self._buffers[name].write(data)
         else:

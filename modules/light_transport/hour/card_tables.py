@@ -56,7 +56,7 @@ class CardTables(NamedTuple):
     """What a bake has for all hours (N rows, T texels, M patches).
 
     Attributes:
-        entry: the table of rays in words of 32 bits; `is_wide`: an entry a word, otherwise two.
+        entry: the table of rays; `is_wide`: an entry has 32 bits, otherwise 16.
         rows: (N + 1, 4) uint32: a row's first entry, its first of a patch, its rays that count, its
             orientation; of the last only the first.
         texels: T. lit: rows that are shown, the texels and the sides of probes.
@@ -76,7 +76,7 @@ class CardTables(NamedTuple):
         target: (C, 6, e, e, rays) int32, the row of `seen` that each ray of a cube met, or -1.
     """
 
-    entry: UintArray
+    entry: NDArray[np.uint16] | NDArray[np.int32]
     is_wide: bool
     rows: UintArray
     texels: int
@@ -95,6 +95,13 @@ class CardTables(NamedTuple):
     probe_counts: tuple[int, int, int]
     seen: UintArray | None
     target: NDArray[np.int32] | None
+
+    @property
+    def arrays(self) -> list[NDArray]:
+        """All of them, some of which the bake has too."""
+        links = self.members, self.transfer, self.smoothing, self.probes
+        parts = [*self, *(part for each in links if each is not None for part in each)]
+        return [part for part in parts if isinstance(part, np.ndarray)]
 
 
 class CardInputs(NamedTuple):
@@ -148,7 +155,7 @@ def card_tables(scene: RayScene, cache: TransportCache) -> CardTables:
     border_of[cache.borders.row] = np.arange(len(cache.borders.row))
     mirrors = scene.mirrors
     return CardTables(
-        entry=_words(table.entry),
+        entry=table.entry,
         is_wide=table.entry.itemsize == 4,
         rows=rows,
         texels=texels,
@@ -199,11 +206,6 @@ def sweep_weights(largest: float) -> list[float]:
         before = 2.0 if sweep == 1 else weights[-1]
         weights.append(1.0 / (1.0 - 0.25 * largest**2 * before))
     return weights
-
-
-def _words(entry: NDArray[np.uint16] | NDArray[np.int32]) -> UintArray:
-    data = np.ascontiguousarray(entry).tobytes()
-    return np.frombuffer(data + bytes(-len(data) % 4), np.uint32)
 
 
 def _entries(other: NDArray[np.integer], weight: Float32Array) -> UintArray:
