@@ -157,9 +157,10 @@ def test_a_texture_that_is_let_go_at_any_moment_is_used_again():
             return None if self.asked > 1 else object()
 
     pool, dying = texture_pool.TexturePool(), Dying()
-    pool._lent.append(texture_pool._Lent(("cube", 8, "rgba16f"), "texture", dying))
-    assert pool._free_one(("cube", 8, "rgba16f")) is None
-    assert pool._free_one(("cube", 8, "rgba16f")) == "texture"
+    kind = "cube", 8, "rgba16f"
+    pool._lent.append(texture_pool._Lent(kind, None, "texture", dying))
+    assert pool._free_one(kind) is None
+    assert pool._free_one(kind) == "texture"
 
 
 def test_buffers_stay_known_where_the_next_cannot_be_made():

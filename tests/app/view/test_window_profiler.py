@@ -91,9 +91,10 @@ def test_passes_of_the_frame_and_work_that_frames_leave_out(drawn_window):
     passes = set(drawn_window.asked(lambda stage: stage.pass_seconds))
     assert len(passes) >= 3
     assert passes & {line.name for line in overlay.lines}
-    assert float(line(overlay, "Frame").value.split()[0]) > 0.0
+    assert float(line(overlay, "Frame").value.split()[0].replace(",", "")) > 0.0
     # "auto" with a renderer that draws as a processor does.
     assert line(overlay, "sky computed by").value == "processor"
+    assert line(overlay, "light computed by").value == "processor"
 
 
 # --- the parts, without a window -----------------------------------------------------------
