@@ -13,8 +13,9 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.message_codec import arrays_of, decode, to_plain
-from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
+from vrut_lite.messages.gpu_job import GpuJob, GpuPass, GpuTexture
 from vrut_lite.messages.picture import Resize
+from vrut_lite.recording.recipes import recipe_of_plain
 from vrut_lite.render import texture_pool
 
 pytestmark = pytest.mark.gl
@@ -348,6 +349,79 @@ def test_a_runner_of_jobs_demands_them(gl_owner):
     kernel.add_module(GlJobs, owner=gl_owner, inject=kernel.inject)
     kernel.pump()
     assert kernel.wanted(GpuJob) is not None
+
+
+DOUBLED = """
+#version 430
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) uniform imageCube sky;
+layout(rgba32f, binding = 1) readonly uniform imageCube other;
+layout(rgba32f, binding = 2) uniform imageCube kept;
+layout(std430, binding = 1) readonly buffer Added { float added[]; };
+uniform int number;
+void main() {
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    vec4 before = imageLoad(sky, at);
+    if (number == 0) {
+        imageStore(kept, at, 10.0 * before);
+        imageStore(sky, at, vec4(0.0));
+    } else {
+        imageStore(sky, at, imageLoad(kept, at) + imageLoad(other, at) + added[0]);
+    }
+}
+"""
+
+
+def steps(added):
+    """Two programs of one text: the first keeps ten times the image, the second adds to it."""
+    return tuple(
+        GpuPass(compute_shader=DOUBLED, uniforms={"number": number}, groups=(2, 2, 6),
+                buffers=((1, Array(np.full(1, value, np.float32))),))
+        for number, value in enumerate((0.0, added))
+    )  # fmt: skip
+
+
+def test_programs_of_a_job_run_one_after_the_other(gl_owner):
+    """On one image, with an image that they keep, another job's texture, and buffers of their own.
+
+    10 d + 2 d + 0.5 of each texel's direction d.
+    """
+    (other,) = run(gl_owner, type("Other", (Keeper,), {
+        "job": msgspec.structs.replace(Keeper.job, uniforms={"scale": 2.0}),
+    }))  # fmt: skip
+
+    class Several(Asker):
+        job = msgspec.structs.replace(
+            Keeper.job, then=steps(0.5), scratch=1, reads=other.value, read_back=True
+        )
+
+    (result,) = run(gl_owner, Several)
+    assert result.error == ""
+    expected = 12.0 * texel_directions(SIZE) + 0.5
+    np.testing.assert_allclose(result.value.values[..., :3], expected, atol=1e-5)
+
+
+def test_further_programs_are_part_of_the_recipe_and_of_a_journal():
+    """Their text, uniforms, groups and buffers, and the texture that is read."""
+    texture = GpuTexture(size=SIZE, format="rgba32f", recipe="that")
+    jobs = [
+        msgspec.structs.replace(Keeper.job, **more)
+        for more in (
+            {},
+            {"then": steps(0.5)},
+            {"then": steps(0.6)},
+            {"then": steps(0.5)[:1]},
+            {"reads": texture},
+            {"then": steps(0.5), "reads": texture},
+        )
+    ]
+    assert len({job.recipe for job in jobs}) == len(jobs)
+    for job in jobs:
+        job.check()
+        plain = to_plain(job)
+        assert recipe_of_plain(plain) == job.recipe
+        arrays = {array.digest: array for array in arrays_of(job)}
+        assert decode(GpuJob, plain, lambda handle, of=arrays: of[handle["$array"]]) == job
 
 
 def test_of_waiting_jobs_only_the_latest_is_run(gl_owner):
