@@ -258,7 +258,12 @@ class SkySum(Module):
 
     def _forget(self) -> None:
         self.link.cancel_job(JOB)
-        self._made_from, self._on_card = (), None
+        self._made_from = ()
+        self._leave_card()
+
+    def _leave_card(self) -> None:
+        """Show no texture that is still to come."""
+        self._on_card, self._textures = None, AwaitedTextures()
 
     def _post_clear(self, clear: SkyLightChanged) -> None:
         """Without layers the sum is the clear sky."""
@@ -288,6 +293,8 @@ class SkySum(Module):
             self._ask_card()
             return
         self._made_from, self._layers, self._on_card = made_from, layers, None
+        if not card_edge:
+            self._leave_card()
         middle_m, half_width_m = _square(scene)
         eye_m = (middle_m[0], self._height_m, middle_m[2])
         function = sum_for_card if card_edge else sum_up
