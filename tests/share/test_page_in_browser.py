@@ -84,3 +84,50 @@ def test_numbers_stand_in_the_scene_in_the_colours_of_their_legend(written, tmp_
         assert browser.errors == []
     finally:
         browser.close()
+
+
+@pytest.mark.long
+def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
+    """The same pixels, whether surfaces are lit as they are drawn or from what a draft keeps of
+    them, and texels that a draft leaves out are summed when the view turns."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T16:00")
+        script = """(() => {
+            const page = window.daylight, { view } = page, { renderer, coarse } = view;
+            page.frame = () => {};
+            const radiance = () => {
+                const read = new Uint16Array(4 * coarse.width * coarse.height);
+                renderer.readRenderTargetPixels(coarse, 0, 0, coarse.width, coarse.height, read);
+                return Array.from(read);
+            };
+            page.dragging = true;
+            for (const minute of [958, 959, 960]) { page.setHour(page.day, minute); page.step(); }
+            const left = view.light.map.all.length - view.light.map.numbers.length;
+            const draft = radiance();
+            view.relit.material.visible = false;
+            view.opaque.visible = true;
+            renderer.clear();
+            renderer.render(view.scene, view.camera);
+            view.relit.material.visible = true;
+            const forward = radiance();
+            view.camera.rotation.y += 0.6;
+            page.change();
+            page.step();
+            return [draft, forward, left, view.light.map.numbers.length - view.light.map.all.length];
+        })()"""
+        draft, forward, left, missing = browser.value(script)
+        draft, forward = (
+            np.array(one, np.uint16).view(np.float16).reshape(-1, 4)[:, :3].astype(float)
+            for one in (draft, forward)
+        )
+        assert left > 0
+        assert missing == 0
+        assert forward.mean() > 1e-3
+        assert draft.mean() == pytest.approx(forward.mean(), rel=0.01)
+        assert np.quantile(np.abs(draft - forward) / forward.mean(), 0.9) < 0.01
+        assert browser.errors == []
+    finally:
+        browser.close()

@@ -161,10 +161,11 @@ def test_the_skys_table_is_read_alike(node):
         const start = bytes.byteOffset;
         const table = new SkyTable(new PageData(bytes.buffer.slice(start, start + bytes.length)));
         const body = { trueRad: 0.17, apparentRad: 0.17, azimuthRad: 2.0, share: [1, 1, 1] };
-        const found = given.map(([x, y, z]) => table.radiance(body, { x, y, z }));
-        console.log(JSON.stringify(found));
+        const found = new Float64Array(3 * given.length);
+        table.addRadiance(body, given.map(([x, y, z]) => ({ x, y, z })), found);
+        console.log(JSON.stringify(Array.from(found)));
     """
-    found = np.array(node(script, directions.tolist(), content))
+    found = np.reshape(node(script, directions.tolist(), content), (-1, 3))
     assert found == pytest.approx(table.sky(directions, 0.17, 2.0), rel=1e-3)
 
 
@@ -178,6 +179,7 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
     planes[1] = random.integers(0, clusters, area)
     coefficients = random.normal(size=(clusters, terms, 3))
     weights = random.normal(size=components) * 0.3
+    chosen = random.integers(0, 2, area)
     about = {
         "terms": terms, "share_components": components, "power": 1.7, "codes_per_stop": 16.0,
     }  # fmt: skip
@@ -186,15 +188,20 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
         "size": [width, height],
         "values": np.pad(coefficients, ((0, 0), (0, 0), (0, 1))).ravel().tolist(),
         "weights": weights.tolist(),
+        "chosen": chosen.tolist(),
     }
     script = """
         import { MapSum } from './src/light.js';
         import { halfValue } from './src/data.js';
         const sum = new MapSum(given.about, readFileSync('content.bin'), ...given.size);
-        sum.update(Float32Array.from(given.values), Float32Array.from(given.weights));
-        console.log(JSON.stringify(Array.from(sum.halves, halfValue)));
+        const seen = () => Array.from(sum.halves, halfValue);
+        sum.choose(Uint8Array.from(given.chosen));
+        sum.update(Float64Array.from(given.values), Float64Array.from(given.weights));
+        const some = seen();
+        sum.complete();
+        console.log(JSON.stringify([some, seen()]));
     """
-    found = np.array(node(script, given, planes.tobytes())).reshape(area, 4)
+    some, found = np.reshape(node(script, given, planes.tobytes()), (2, area, 4))
     share = (planes[3:].astype(float) - 128.0) / 127.0
     decoded = np.sign(share) * np.abs(share) ** 1.7
     light = np.einsum("ka,akc->ac", decoded[components:], coefficients[planes[1]])
@@ -204,6 +211,8 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
     expected[planes[0] == 0] = 0.0
     assert found == pytest.approx(expected, rel=2e-3, abs=1e-6)
     assert (found[:, :3].max(axis=1) > 0.0).any()
+    # A moving picture has the sums of those texels alone that it shows.
+    assert some == pytest.approx(found * chosen[:, None], rel=1e-6)
 
 
 def test_the_sky_of_stars_turns_as_the_programs(node):

@@ -19,14 +19,14 @@ export class LightMap {
     this.sun = Float32Array.from(bits, (half) => halfValue(half) * about.sun_scale);
     this.shares = data.array('share_weights');
     /** Weights of the share of the sky's light, those of the sources in the share of their light. */
-    this.shareWeights = new Float32Array(about.share_components);
+    this.shareWeights = new Float64Array(about.share_components);
     const extra = data.array('night_and_lamps');
     this.glow = extra.subarray(0, this.count);
     this.lamps = extra.subarray(this.count);
     const [planes, height, width] = data.shape('planes');
     this.size = [width, height];
     const from = data.array('planes');
-    this.values = new Float32Array(4 * about.clusters * about.terms);
+    this.values = new Float64Array(4 * about.clusters * about.terms);
     /** What sums the basis maps up. */
     this.map = soft ? new MapSum(about, from, width, height) : new MapPass(about, from, planes, width, height);
     this.texture = this.map.texture;
@@ -103,8 +103,14 @@ class MapPass {
     }, { TERMS: about.terms, COMPONENTS: about.share_components, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
   }
 
-  /** @param {Float32Array} values coefficients, four a term, a row a cluster
-   * @param {Float32Array} weights of the share's components @param {THREE.WebGLRenderer} renderer */
+  /** A graphics card sums all texels always. */
+  /** @param {Uint8Array | null} _texels */
+  choose(_texels) {}
+
+  complete() {}
+
+  /** @param {Float64Array} values coefficients, four a term, a row a cluster
+   * @param {Float64Array} weights of the share's components @param {THREE.WebGLRenderer} renderer */
   update(values, weights, renderer) {
     this.values.set(values);
     this.coefficients.needsUpdate = true;
@@ -135,22 +141,44 @@ export class MapSum {
       const plane = (3 + k) * area;
       for (let t = 0; t < used.length; ++t) this.codes[t * count + k] = planes[plane + used[t]];
     }
-    this.decoded = Float32Array.from({ length: 256 }, (_, code) => {
+    // Doubles, for a sum of singles converts each of them.
+    this.decoded = Float64Array.from({ length: 256 }, (_, code) => {
       const share = (code - 128) / 127;
       return Math.sign(share) * Math.abs(share) ** about.power;
     });
+    /** Numbers of all used texels, and of those that are summed. */
+    this.all = this.places.map((_, t) => t);
+    this.numbers = this.all;
+    /** @type {Uint8Array | null} */
+    this.marks = null;
+    this.values = new Float64Array();
+    this.weights = new Float64Array();
     this.halves = new Uint16Array(4 * area);
     this.texture = new THREE.DataTexture(this.halves, width, height, THREE.RGBAFormat, THREE.HalfFloatType);
     this.texture.magFilter = this.texture.minFilter = THREE.LinearFilter;
   }
 
-  /** @param {Float32Array} values coefficients, four a term, a row a cluster
-   * @param {Float32Array} weights of the share's components */
+  /** Chooses the texels of the next sums. @param {Uint8Array | null} texels marks; null for all */
+  choose(texels) {
+    if (texels !== this.marks) this.numbers = texels ? this.all.filter((t) => texels[this.places[t]]) : this.all;
+    this.marks = texels;
+  }
+
+  /** Sums what the last choice has left out. */
+  complete() {
+    if (!this.marks) return;
+    this.choose(null);
+    this.update(this.values, this.weights);
+  }
+
+  /** @param {Float64Array} values coefficients, four a term, a row a cluster
+   * @param {Float64Array} weights of the share's components */
   update(values, weights) {
-    const { places, clusters, factors, shares, codes, decoded, halves, terms, components } = this;
-    const half = THREE.DataUtils.toHalfFloat;
-    for (let t = 0, at = 0; t < places.length; ++t) {
-      let ratio = 1, r = 0, g = 0, b = 0, c = 4 * terms * clusters[t];
+    Object.assign(this, { values, weights });
+    const { places, clusters, factors, shares, codes, decoded, halves, terms, components, numbers } = this;
+    const half = THREE.DataUtils.toHalfFloat, count = terms + components;
+    for (const t of numbers) {
+      let ratio = 1, r = 0, g = 0, b = 0, c = 4 * terms * clusters[t], at = count * t;
       for (let k = 0; k < components; ++k) ratio += decoded[codes[at++]] * weights[k];
       for (let k = 0; k < terms; ++k, c += 4) {
         const share = decoded[codes[at++]];

@@ -9,6 +9,7 @@ import {
 } from './shaders.js';
 import { OpenIrradiance, SkyTable, directionOf, placed } from './sky.js';
 import { Stars } from './stars.js';
+import { RELIGHT_FRAGMENT } from './surface_shaders.js';
 import { Ephemeris, nightShare, sunShare, visible } from './sun.js';
 
 // Factor on lux in half floats: sunlight has more than these hold.
@@ -18,7 +19,8 @@ const LUX_SCALE = 1 / 8;
 const COARSER = [2, 4], PACE_S = [0.025, 0.05];
 // Linear value, 1 being white, that the meter sees of tiles with numbers.
 const GREY = 0.18;
-const MIRROR_EDGE = 64, METER = [128, 72], STILLS = 16;
+// Texels of an edge of drafts' shadow map, and of the cubes in which surfaces mirror the sky.
+const DRAFT_SHADOW_EDGE = 640, CUBE_EDGE = 64, METER = [128, 72], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
 const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
 
@@ -67,17 +69,13 @@ export class Picture {
       THREE.RGBAFormat, THREE.HalfFloatType);
     reflectance.magFilter = reflectance.minFilter = THREE.LinearFilter;
     reflectance.needsUpdate = true;
-    this.mirror = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
-      type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
-      depthBuffer: false,
-    });
     this.near = nearnessOf(data);
-    this.air = new THREE.WebGLCubeRenderTarget(MIRROR_EDGE, {
-      type: THREE.HalfFloatType, depthBuffer: false,
-    });
+    this.fineCubes = skyCubes(CUBE_EDGE, CUBE_EDGE);
+    /** For an hour that moves: a processor takes a sixth of the time. */
+    this.draftCubes = this.soft ? skyCubes(CUBE_EDGE / 2, CUBE_EDGE / 4) : this.fineCubes;
     this.fineShadow = shadowTarget(this.soft ? 2048 : 4096);
-    /** For an hour that moves: a processor takes a third of the time. */
-    this.draftShadow = this.soft ? shadowTarget(1024) : this.fineShadow;
+    /** For an hour that moves: a processor takes a tenth of the time. */
+    this.draftShadow = this.soft ? shadowTarget(DRAFT_SHADOW_EDGE) : this.fineShadow;
     this.shadow = this.fineShadow;
     const edge = this.fineShadow.width;
     this.tinted = new THREE.WebGLRenderTarget(edge / 2, edge / 2, { depthBuffer: false });
@@ -90,7 +88,7 @@ export class Picture {
       glow: { value: 0 },
       below_horizon: { value: new THREE.Vector3() },
       air_table: { value: this.table.air },
-      near_air: { value: this.air.texture },
+      near_air: { value: this.fineCubes.air.texture },
       air_scale: { value: 1 },
       optical_depth: { value: this.table.opticalDepth },
       scene_m: { value: header.scene.size_m },
@@ -113,11 +111,11 @@ export class Picture {
       visible_sky: { value: skyTexture },
       open_sky: { value: this.open.texture },
       reflectance: { value: reflectance },
-      mirrored_sky: { value: this.mirror.texture },
+      mirrored_sky: { value: this.fineCubes.mirrored.texture },
       light_scale: { value: 1 },
       open_scale: { value: 1 },
       mirror_scale: { value: 1 },
-      mirror_levels: { value: Math.log2(MIRROR_EDGE) },
+      mirror_levels: { value: Math.log2(CUBE_EDGE) },
       light_size: { value: new THREE.Vector2(...this.light.size) },
       key_direction: { value: new THREE.Vector3(0, 1, 0) },
       key_irradiance: { value: new THREE.Vector3() },
@@ -200,15 +198,30 @@ export class Picture {
     this.casters = new THREE.Scene();
     this.tints = new THREE.Scene();
     this.size = [4, 4];
+    /** Pixels of the picture in one of CSS. */
+    this.ratio = 1;
     this.target = new THREE.WebGLRenderTarget(4, 4);
     /** For moving pictures of a processor, whose width and height are divided by `coarser`. */
     this.coarse = new THREE.WebGLRenderTarget(4, 4);
-    this.coarseDisplay = new THREE.WebGLRenderTarget(4, 4, { depthBuffer: false });
     this.coarser = COARSER[0];
+    /** What surfaces are in pictures of `coarse`; drawn when the view has changed. */
+    this.kept = new THREE.WebGLRenderTarget(4, 4, {
+      count: 4, type: THREE.UnsignedIntType, format: THREE.RGBAIntegerFormat, internalFormat: 'RGBA32UI',
+      minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
+    });
+    this.keptView = new THREE.Matrix4();
+    this.keptScene = new THREE.Scene();
+    /** @type {Uint8Array | null} */
+    this.seen = null;
+    /** @type {THREE.Mesh[]} */
+    this.glass = [];
     this.drawn = this.target;
     this.sum = new THREE.WebGLRenderTarget(4, 4);
     /** @type {{meshes: THREE.Mesh[], camera: THREE.CubeCamera, hollow: boolean}[]} */
     this.mirrors = [];
+    this.opaque = new THREE.Group();
+    /** Lights what is kept. */
+    this.relit = new THREE.Mesh();
   }
 
   /** @param {ArrayBuffer} glb */
@@ -217,7 +230,16 @@ export class Picture {
     const map = this.header.map;
     if (this.header.scene.glass) Object.assign(defines, { GLASS_SHADOW: 1 });
     const found = await sceneOf(glb, this.shared, defines, map);
-    this.scene.add(this.skyPass, found.opaque, found.glass);
+    this.opaque = found.opaque;
+    this.keptScene = found.kept;
+    this.glass = /** @type {THREE.Mesh[]} */ (found.glass.children);
+    const [first, second, third, fourth] = this.kept.textures;
+    this.relit = fullScreen(RELIGHT_FRAGMENT, {
+      ...this.shared, first: { value: first }, second: { value: second }, third: { value: third }, fourth: { value: fourth },
+    }, { ...defines, SMOOTH: 1, DRAFT: 1, ...(map.probes ? { PROBES: 1 } : {}) }, { depthTest: true, depthWrite: true, depthFunc: THREE.AlwaysDepth }).mesh;
+    this.relit.renderOrder = -1;
+    this.relit.visible = false;
+    this.scene.add(this.skyPass, this.relit, found.opaque, found.mirroring, found.glass);
     found.glass.renderOrder = 2;
     this.mirrors = this.header.mirrors.map(
       (/** @type {{centre_m: number[], hollow: boolean}} */ about, /** @type {number} */ n) => (
@@ -229,8 +251,7 @@ export class Picture {
 
   /** @param {number} width @param {number} height CSS pixels @param {number} ratio */
   resize(width, height, ratio) {
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
+    this.ratio = ratio;
     const w = Math.max(1, Math.round(width * ratio)), h = Math.max(1, Math.round(height * ratio));
     for (const target of [this.target, this.coarse, this.sum]) target.dispose();
     this.size = [w, h];
@@ -256,10 +277,16 @@ export class Picture {
     this.sizeCoarse();
   }
 
+  /** @param {THREE.WebGLRenderTarget} target whose size the canvas takes */
+  sizeCanvas({ width, height }) {
+    const { domElement: canvas } = this.renderer;
+    if (canvas.width !== width || canvas.height !== height) this.renderer.setDrawingBufferSize(width, height, 1);
+  }
+
   sizeCoarse() {
     const [w, h] = this.size.map((v) => Math.ceil(v / this.coarser));
-    this.coarse.setSize(w, h);
-    this.coarseDisplay.setSize(w, h);
+    for (const target of [this.coarse, this.kept]) target.setSize(w, h);
+    this.keptView = new THREE.Matrix4();
   }
 
   /** A target for a picture's radiance. @param {number} width @param {number} height */
@@ -318,12 +345,17 @@ export class Picture {
     this.shared.key_irradiance.value.set(...strength);
     const level = Math.max(...lit.flatMap((body) => this.table.level(body.trueRad).map((v, c) => v * body.share[c])), night * this.header.basis.glow_bright, 1e-9);
     this.light.share(lit, night * this.header.basis.glow_bright);
+    this.light.map.choose(draft && this.seesKept ? this.seenTexels() : null);
     this.light.draw(this.renderer, coefficients, Math.max(level, this.header.basis.lamps_bright));
     this.shared.light_scale.value = this.light.scale;
     this.open.update(lit, night, ground, 1 / level);
     this.shared.open_scale.value = level;
     this.shared.mirror_scale.value = this.shared.air_scale.value = level;
-    for (const [pass, target] of /** @type {const} */ ([[this.cubePass, this.mirror], [this.airPass, this.air]])) {
+    const { mirrored, air } = draft ? this.draftCubes : this.fineCubes;
+    this.shared.mirrored_sky.value = mirrored.texture;
+    this.shared.mirror_levels.value = Math.log2(mirrored.width);
+    this.shared.near_air.value = air.texture;
+    for (const [pass, target] of /** @type {const} */ ([[this.cubePass, mirrored], [this.airPass, air]])) {
       pass.material.uniforms.cube_scale.value = 1 / level;
       pass.material.uniforms.key_body.value = byDay ? 0 : 1;
       for (let face = 0; face < 6; ++face) {
@@ -393,7 +425,7 @@ export class Picture {
       for (const mesh of meshes) {
         mesh.visible = hollow;
         // A cube that is drawn into cannot be read.
-        this.showMirror(mesh, this.mirror.texture, 0);
+        this.showMirror(mesh, this.fineCubes.mirrored.texture, 0);
       }
       camera.update(this.renderer, this.scene);
       for (const mesh of meshes) {
@@ -432,7 +464,7 @@ export class Picture {
     this.shared.shadow_texel_m.value = Math.max(box.max.x - box.min.x, box.max.y - box.min.y) / this.shadow.width;
     if (!(this.shared.key_irradiance.value.y > 0)) return;
     this.renderer.setRenderTarget(this.shadow);
-    this.renderer.clear();
+    this.renderer.clear(false);
     this.renderer.render(this.casters, this.camera);
     if (this.header.scene.glass) {
       this.renderer.setRenderTarget(this.tinted);
@@ -476,12 +508,7 @@ export class Picture {
     const factor = still ? 1 / count : 1;
     if (this.exposure.automatic && !this.values && (count === 0 || count === STILLS - 1)) this.meterPicture(shown, factor * 1 / pre.value);
     if (!this.exposure.automatic) this.ev = this.exposure.ev;
-    if (shown === this.coarse) {
-      // The tone curve costs more than to enlarge what it makes.
-      this.display(shown, 1, this.coarseDisplay);
-      this.copy.material.uniforms.from.value = this.coarseDisplay.texture;
-      this.copy.draw(renderer, null);
-    } else this.display(shown, still ? count : 1);
+    this.display(shown, still ? count : 1);
     this.stillCount = refines || count === 0 ? count + 1 : 1;
     return this.stillCount < STILLS;
   }
@@ -494,9 +521,68 @@ export class Picture {
     if (scales) shared.pre.value = 0.3 * scaleOf(this.ev);
     if (this.stars) this.stars.size.value.set(target.width, target.height);
     this.neutral.value = GREY / scaleOf(this.ev);
+    const drafts = target === this.coarse;
+    if (drafts) this.keepSurfaces();
+    else this.light.map.complete();
+    this.opaque.visible = !drafts;
+    this.relit.visible = drafts;
     renderer.setRenderTarget(target);
     renderer.clear();
     renderer.render(this.scene, camera);
+    this.opaque.visible = true;
+    this.relit.visible = false;
+  }
+
+  /** Whether the present view is that of what is kept. */
+  get seesKept() {
+    this.camera.updateMatrixWorld();
+    return clipFromWorld(this.camera).equals(this.keptView);
+  }
+
+  /** Draws what surfaces are, which an hour that moves only lights. */
+  keepSurfaces() {
+    if (this.seesKept) return;
+    const { renderer, camera } = this;
+    this.keptView = clipFromWorld(camera);
+    this.seen = null;
+    this.light.map.complete();
+    renderer.setClearAlpha(0);
+    renderer.setRenderTarget(this.kept);
+    renderer.clear();
+    renderer.render(this.keptScene, camera);
+    renderer.setClearAlpha(1);
+  }
+
+  /** The texels of the light map that the kept view shows, and those of glass. */
+  seenTexels() {
+    if (this.seen) return this.seen;
+    const { width, height } = this.kept, found = new Uint8Array(this.light.size[0] * this.light.size[1]);
+    const places = new Uint32Array(4 * width * height);
+    this.renderer.readRenderTargetPixels(this.kept, 0, 0, width, height, places, undefined, 1);
+    const px = new Float32Array(places.buffer);
+    for (let i = 0; i < places.length; i += 4) this.mark(found, px[i], px[i + 1], px[i], px[i + 1]);
+    for (const { geometry } of this.glass) {
+      const at = geometry.getAttribute('light_px'), corners = /** @type {THREE.BufferAttribute} */ (geometry.index);
+      for (let k = 0; k < corners.count; k += 3) {
+        const us = [0, 1, 2].map((n) => at.getX(corners.getX(k + n))), vs = [0, 1, 2].map((n) => at.getY(corners.getX(k + n)));
+        this.mark(found, Math.min(...us), Math.min(...vs), Math.max(...us), Math.max(...vs));
+      }
+    }
+    // Probes light what has no place in the map, and rear sides.
+    const { probes } = this.header.map;
+    if (probes) found.fill(1, probes.row * this.light.size[0]);
+    this.seen = found;
+    return found;
+  }
+
+  /** Marks texels that a rectangle of the light map is interpolated from. @param {Uint8Array} texels
+   * @param {number} left @param {number} top @param {number} right @param {number} bottom */
+  mark(texels, left, top, right, bottom) {
+    const [width, height] = this.light.size;
+    for (let row = Math.max(Math.floor(top - 0.5), 0); row <= Math.min(Math.floor(bottom + 0.5), height - 1); ++row) {
+      const first = row * width + Math.max(Math.floor(left - 0.5), 0);
+      texels.fill(1, first, row * width + Math.min(Math.floor(right + 0.5), width - 1) + 1);
+    }
   }
 
   /** @param {number} k */
@@ -544,8 +630,10 @@ export class Picture {
   }
 
   /** @param {THREE.WebGLRenderTarget} target @param {number} count of the pictures in it
-   * @param {THREE.WebGLRenderTarget | null} [into] null for the page's canvas */
+   * @param {THREE.WebGLRenderTarget | null} [into] null for the page's canvas, which takes the target's
+   *   size and which the browser enlarges */
   display(target, count, into = null) {
+    if (!into) this.sizeCanvas(target);
     this.setTone();
     const u = this.tone.material.uniforms;
     u.radiance.value = target.texture;
@@ -566,7 +654,8 @@ export class Picture {
   /** Illuminance in lux at a place of the picture; NaN in the sky. @param {number} x @param {number} y
    * CSS pixels */
   luxAt(x, y) {
-    const ratio = this.renderer.getPixelRatio(), [w, h] = this.size;
+    const { ratio } = this, [w, h] = this.size;
+    this.light.map.complete();
     this.camera.setViewOffset(w, h, Math.floor(x * ratio), Math.floor(y * ratio), 1, 1);
     this.shared.values_shown.value = 1;
     this.shared.jitter.value.set(0, 0);
@@ -597,6 +686,23 @@ export function meanShade(seen, towards) {
     }
   }
   return Math.max(sum / count, 1e-4);
+}
+
+/** Cube maps of the sky that surfaces mirror, and of the air before them.
+ * @param {number} edge @param {number} airEdge texels */
+function skyCubes(edge, airEdge) {
+  return {
+    mirrored: new THREE.WebGLCubeRenderTarget(edge, {
+      type: THREE.HalfFloatType, generateMipmaps: true, minFilter: THREE.LinearMipmapLinearFilter,
+      depthBuffer: false,
+    }),
+    air: new THREE.WebGLCubeRenderTarget(airEdge, { type: THREE.HalfFloatType, depthBuffer: false }),
+  };
+}
+
+/** @param {THREE.Camera} camera */
+function clipFromWorld(camera) {
+  return camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse);
 }
 
 /** A depth map of what key light meets. @param {number} edge */

@@ -3,9 +3,8 @@ import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import { SURFACES } from './floor.js';
-import {
-  DEPTH_FRAGMENT, DEPTH_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, TINT_FRAGMENT, program,
-} from './shaders.js';
+import { DEPTH_FRAGMENT, DEPTH_VERTEX, TINT_FRAGMENT, program } from './shaders.js';
+import { KEEP_FRAGMENT, SURFACE_FRAGMENT, SURFACE_VERTEX } from './surface_shaders.js';
 
 // Roughness above which no lobe of a coat is narrower than the texels of the sky's cube map.
 const SMOOTH = 0.21;
@@ -27,7 +26,8 @@ const rgb = (c) => [c.r, c.g, c.b];
 export async function sceneOf(glb, shared, defines, map) {
   const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
   const found = await loader.parseAsync(glb, '');
-  const opaque = new THREE.Group(), glass = new THREE.Group();
+  const opaque = new THREE.Group(), glass = new THREE.Group(), mirroring = new THREE.Group();
+  const kept = new THREE.Scene();
   /** @type {THREE.Mesh[]} */
   const casters = [];
   /** @type {THREE.Mesh[]} */
@@ -97,33 +97,38 @@ export async function sceneOf(glb, shared, defines, map) {
     for (const texture of Object.values(textures)) {
       if (texture) texture.anisotropy = 8;
     }
-    const placed = new THREE.Mesh(geometry, program(SURFACE_VERTEX, SURFACE_FRAGMENT, uniforms, own, {
+    const placed = twin(mesh, program(SURFACE_VERTEX, SURFACE_FRAGMENT, uniforms, own, {
       side: material.side, ...blend,
     }));
-    placed.matrixAutoUpdate = false;
-    placed.matrix.copy(mesh.matrixWorld);
-    placed.matrixWorld.copy(mesh.matrixWorld);
-    placed.frustumCulled = false;
     if (!clear) placed.layers.enable(SURFACES);
-    (clear ? glass : opaque).add(placed);
+    (clear ? glass : mirror !== undefined ? mirroring : opaque).add(placed);
     if (mirror !== undefined) glossy.set(mirror, [...(glossy.get(mirror) || []), placed]);
+    if (!clear) kept.add(twin(placed, program(SURFACE_VERTEX, KEEP_FRAGMENT, uniforms, own, { side: material.side })));
     if (ground) continue;
     const cut = material.alphaTest > 0;
     const tint = [0, 1, 2].map((c) => (clear
       ? uniforms.base_factor.value.getComponent(c) * (more.transmission || 1 - material.opacity) * 0.92 : 1));
-    const depth = new THREE.Mesh(geometry, program(DEPTH_VERTEX, clear ? TINT_FRAGMENT : DEPTH_FRAGMENT, {
+    const depth = twin(placed, program(DEPTH_VERTEX, clear ? TINT_FRAGMENT : DEPTH_FRAGMENT, {
       clip_from_world: shared.shadow_from_world, base_map: uniforms.base_map,
       alpha_cutoff: uniforms.alpha_cutoff, base_alpha: { value: material.opacity },
       tint: { value: vec3(tint) },
     }, cut ? { CUT_OUT: 1 } : {}, clear
       ? { side: THREE.DoubleSide, depthTest: false, depthWrite: false, transparent: true, blending: THREE.MultiplyBlending, premultipliedAlpha: true }
-      : { side: THREE.DoubleSide }));
-    depth.matrixAutoUpdate = false;
-    depth.matrix.copy(mesh.matrixWorld);
-    depth.frustumCulled = false;
+      : { side: THREE.DoubleSide, colorWrite: false }));
     (clear ? tints : casters).push(depth);
   }
-  return { opaque, glass, casters, tints, mirrors: glossy };
+  return { opaque, mirroring, glass, kept, casters, tints, mirrors: glossy };
+}
+
+/** A mesh with the geometry and the place of another. @param {THREE.Mesh} mesh
+ * @param {THREE.Material} material */
+function twin(mesh, material) {
+  const found = new THREE.Mesh(mesh.geometry, material);
+  found.matrixAutoUpdate = false;
+  found.matrix.copy(mesh.matrixWorld);
+  found.matrixWorld.copy(mesh.matrixWorld);
+  found.frustumCulled = false;
+  return found;
 }
 
 /** A geometry with all attributes that programs read. @param {THREE.BufferGeometry} geometry */

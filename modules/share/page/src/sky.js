@@ -39,6 +39,7 @@ export class SkyTable {
     this.layers = layers; this.rows = rows; this.columns = columns;
     this.lower = this.about.lower;
     this.texture = layered(this.bits, layers, rows, columns);
+    this.values = Float32Array.from(this.bits, halfValue);
     this.air = layered(data.array('air'), layers, rows + this.about.below, columns, 4);
     const [views] = data.shape('optical_depth');
     this.opticalDepth = halves(data.array('optical_depth'), 1, views);
@@ -70,29 +71,33 @@ export class SkyTable {
     return [0, 1, 2].map((c) => rows[i][c] * (1 - t) + rows[i + 1][c] * t);
   }
 
-  /** Radiance in a direction above the horizon. @param {Body} body @param {THREE.Vector3} d */
-  radiance(body, d) {
-    const sun = Math.max(body.apparentRad, 0), height = Math.asin(clamp(d.y, 0, 1));
-    const across = Math.max(Math.hypot(d.x, d.z), 1e-12);
-    const cosine = (d.x * Math.sin(body.azimuthRad) - d.z * Math.cos(body.azimuthRad)) / across;
-    const column = Math.sqrt(Math.acos(clamp(cosine, -1, 1)) / Math.PI) * (this.columns - 1);
-    const row = height < sun
-      ? Math.acos(1 - 2 * clamp(height / sun, 0, 1)) / Math.PI * (this.lower - 1)
-      : this.lower + Math.sqrt(clamp((height - sun) / Math.max(HALF_PI - sun, 1e-9), 0, 1))
-        * (this.rows - this.lower - 1);
-    const [layer, t] = placed(this.about.true_rad, body.trueRad);
-    const level = this.level(body.trueRad);
-    return [0, 1, 2].map((c) => body.share[c] * level[c]
-      * ((1 - t) * this.texel(layer, row, column, c) + t * this.texel(layer + 1, row, column, c)));
-  }
-
-  /** @param {number} layer @param {number} row @param {number} column @param {number} c */
-  texel(layer, row, column, c) {
-    const r = Math.min(Math.floor(row), this.rows - 2), v = row - r;
-    const k = Math.min(Math.floor(column), this.columns - 2), u = column - k;
-    const at = (/** @type {number} */ i, /** @type {number} */ j) =>
-      halfValue(this.bits[((layer * this.rows + r + i) * this.columns + k + j) * 3 + c]);
-    return (1 - v) * ((1 - u) * at(0, 0) + u * at(0, 1)) + v * ((1 - u) * at(1, 0) + u * at(1, 1));
+  /** Radiances in directions above the horizon, one after the other. @param {Body} body
+   * @param {THREE.Vector3[]} directions @param {Float64Array} into which they are added */
+  addRadiance(body, directions, into) {
+    const { rows, columns, lower, values } = this;
+    const sun = Math.max(body.apparentRad, 0), side = Math.sin(body.azimuthRad), front = -Math.cos(body.azimuthRad);
+    const [layer, t] = placed(this.about.true_rad, body.trueRad), area = 3 * rows * columns;
+    const light = this.level(body.trueRad).map((v, c) => v * body.share[c]);
+    directions.forEach((d, n) => {
+      const height = Math.asin(clamp(d.y, 0, 1)), across = Math.max(Math.hypot(d.x, d.z), 1e-12);
+      const angle = Math.acos(clamp((d.x * side + d.z * front) / across, -1, 1));
+      const column = Math.sqrt(angle / Math.PI) * (columns - 1);
+      const row = height < sun
+        ? Math.acos(1 - 2 * clamp(height / sun, 0, 1)) / Math.PI * (lower - 1)
+        : lower + Math.sqrt(clamp((height - sun) / Math.max(HALF_PI - sun, 1e-9), 0, 1)) * (rows - lower - 1);
+      const r = Math.min(Math.floor(row), rows - 2), v = row - r;
+      const k = Math.min(Math.floor(column), columns - 2), u = column - k;
+      const first = layer * area + 3 * (r * columns + k), below = first + 3 * columns;
+      for (let c = 0; c < 3; ++c) {
+        let sum = 0;
+        for (let i = 0; i < 2; ++i) {
+          const at = first + i * area + c, under = below + i * area + c;
+          sum += (i ? t : 1 - t) * ((1 - v) * ((1 - u) * values[at] + u * values[at + 3])
+            + v * ((1 - u) * values[under] + u * values[under + 3]));
+        }
+        into[3 * n + c] += light[c] * sum;
+      }
+    });
   }
 
   /** Radiance of the night's glow. @param {THREE.Vector3} d */
@@ -143,6 +148,11 @@ export class OpenIrradiance {
     this.texture = new THREE.DataTexture(this.values, this.size, this.size, THREE.RGBAFormat,
       THREE.FloatType);
     this.rays = spiral(768);
+    this.heights = Float32Array.from(this.rays, (d) => d.y);
+    this.normals = Array.from({ length: this.size ** 2 }, (_, node) => octahedral(
+      2 * (node % this.size) / (this.size - 1) - 1, 2 * Math.floor(node / this.size) / (this.size - 1) - 1, new THREE.Vector3()));
+    /** Cosines of the rays to each normal. */
+    this.cosines = this.normals.map((n) => Float32Array.from(this.rays, (d) => Math.max(n.dot(d), 0)));
     /** Irradiance of level ground by the sky. */
     this.up = [0, 0, 0];
   }
@@ -151,32 +161,26 @@ export class OpenIrradiance {
    * @param {Body[]} bodies @param {number} night @param {number[]} ground radiance
    * @param {number} scale of the texture's values */
   update(bodies, night, ground, scale) {
-    const radiance = this.rays.map((d) => {
-      const sum = this.table.glowRadiance(d).map((v) => v * night);
-      for (const body of bodies) {
-        const more = this.table.radiance(body, d);
-        for (let c = 0; c < 3; ++c) sum[c] += more[c];
+    const { rays, cosines, size } = this, radiance = new Float64Array(3 * rays.length);
+    if (night > 0) {
+      rays.forEach((d, i) => this.table.glowRadiance(d).forEach((v, c) => { radiance[3 * i + c] = v * night; }));
+    }
+    for (const body of bodies) this.table.addRadiance(body, rays, radiance);
+    const weight = 2 * Math.PI / rays.length;
+    const sum = (/** @type {Float32Array} */ shares) => {
+      let r = 0, g = 0, b = 0;
+      for (let i = 0, k = 0; i < shares.length; ++i, k += 3) {
+        const share = shares[i];
+        r += share * radiance[k];
+        g += share * radiance[k + 1];
+        b += share * radiance[k + 2];
       }
-      return sum;
-    });
-    const weight = 2 * Math.PI / this.rays.length, n = this.size;
-    this.up = [0, 0, 0];
-    this.rays.forEach((d, i) => {
-      for (let c = 0; c < 3; ++c) this.up[c] += weight * d.y * radiance[i][c];
-    });
-    const normal = new THREE.Vector3();
-    for (let row = 0; row < n; ++row) {
-      for (let column = 0; column < n; ++column) {
-        octahedral(2 * column / (n - 1) - 1, 2 * row / (n - 1) - 1, normal);
-        const sum = [0, 0, 0];
-        this.rays.forEach((d, i) => {
-          const cosine = weight * Math.max(normal.dot(d), 0);
-          if (cosine > 0) for (let c = 0; c < 3; ++c) sum[c] += cosine * radiance[i][c];
-        });
-        const below = Math.PI * 0.5 * (1 - normal.y);
-        const at = 4 * (row * n + column);
-        for (let c = 0; c < 3; ++c) this.values[at + c] = (sum[c] + below * ground[c]) * scale;
-      }
+      return [weight * r, weight * g, weight * b];
+    };
+    this.up = sum(this.heights);
+    for (let node = 0; node < size * size; ++node) {
+      const below = Math.PI * 0.5 * (1 - this.normals[node].y);
+      sum(cosines[node]).forEach((v, c) => { this.values[4 * node + c] = (v + below * ground[c]) * scale; });
     }
     this.texture.needsUpdate = true;
   }

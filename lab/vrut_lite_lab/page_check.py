@@ -1,0 +1,206 @@
+"""A shared page beside the program: likeness, lux, first picture and the speed of a dragged hour.
+
+    python -m vrut_lite_lab.page_check PAGE.html SCENE [--out FOLDER] [--only light|speed]
+
+PAGE.html is what `vrut-lite share SCENE` wrote, at the same place and under the same sky. Pictures
+have 640 x 400 pixels; the page's are drawn by Chromium's software renderer. FOLDER keeps the
+program's pictures (the slow part), the page's, and maps of FLIP. Needs chromium and the extra `ref`.
+"""
+
+import argparse
+import base64
+import importlib.util
+import io
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import flip_evaluator
+import numpy as np
+import OpenEXR
+import psutil
+from numpy.typing import NDArray
+from PIL import Image
+from scipy.ndimage import maximum_filter, minimum_filter
+
+from vrut_lite_lab.checkout import ROOT
+
+HOURS = ("07:00", "12:30", "17:00", "20:30")
+DAY = "2026-06-21"
+SIZE_PX = (640, 400)
+POINTS, LARGEST_ERROR = 10, 0.05
+# Lux of a point's surroundings may differ by this factor: no edge of light is near.
+_EVEN, _NEAR_PX = 1.06, 5
+_DRAG_S, _DRAG_MINUTES = 8.0, 2.0
+_VRUT_LITE = str(Path(sys.executable).with_name("vrut-lite"))
+# The picture has the given size, whatever the window's; requestAnimationFrame is the script's own.
+_FIX_SIZE = """(() => {{
+    const page = window.daylight;
+    page.layOut = () => {{}};
+    page.canvas.style.width = '{0}px';
+    page.canvas.style.height = '{1}px';
+    page.view.resize({0}, {1}, 1);
+    page.showView(Object.keys(page.header.views)[0]);
+    page.view.camera.updateMatrixWorld(true);
+    page.change();
+}})()"""
+_FINISHED = """(() => {{
+    const page = window.daylight;
+    page.setHour(page.day, {0});
+    page.frame = () => {{}};
+    page.moved = false;
+    for (let k = 0; k < 60; ++k) {{ page.step(); if (!page.dirty) break; }}
+    page.step();
+    return page.canvas.toDataURL();
+}})()"""
+# Pictures of a dragged hour; each waits for the last pixel, and has a code of its own.
+_DRAG = """new Promise((done) => {{
+    const page = window.daylight, {{ view }} = page, gl = view.renderer.getContext();
+    const texel = new Uint8Array(4), codes = new Set(), seconds = [];
+    const step = page.step.bind(page), begin = performance.now();
+    let last = begin, way = 1;
+    page.dragging = true;
+    page.step = () => {{
+        step();
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, texel);
+        const now = performance.now();
+        seconds.push((now - last) / 1000);
+        last = now;
+        codes.add(page.minute);
+    }};
+    const pull = () => {{
+        if (performance.now() - begin > {0} * 1000) {{
+            page.step = step;
+            page.dragging = false;
+            page.change();
+            done({{ seconds, hours: codes.size, coarser: view.coarser, wall: (last - begin) / 1000 }});
+            return;
+        }}
+        if (page.minute > 1110) way = -1;
+        if (page.minute < 390) way = 1;
+        page.setHour(page.day, page.minute + way * {1});
+        requestAnimationFrame(pull);
+    }};
+    requestAnimationFrame(pull);
+}})"""
+
+
+def browser_of(folder: Path, size: tuple[int, int]) -> Any:
+    """A browser without a window, by the driver of the product's own tests."""
+    path = ROOT / "tests" / "share" / "browser.py"
+    spec = importlib.util.spec_from_file_location("browser", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.Browser(folder, size)
+
+
+def rendered(scene: str, hour: str, folder: Path) -> tuple[Path, Path]:
+    """The program's picture and its illuminance; drawn where the folder lacks them."""
+    paths = []
+    for name, options in (("own", []), ("lux", ["--show", "illuminance"])):
+        path = folder / f"{name}_{hour.replace(':', '')}.{'png' if name == 'own' else 'exr'}"
+        paths.append(path)
+        if not path.is_file():
+            size = "x".join(map(str, SIZE_PX))
+            given = ["--at", f"{DAY}T{hour}", "--size", size, *options]
+            subprocess.run([_VRUT_LITE, "render", scene, "-o", str(path), *given], check=True)
+    return paths[0], paths[1]
+
+
+def even_points(lux: NDArray[np.float32]) -> NDArray[np.int64]:
+    """POINTS random pixels (row, column) of surfaces away from edges of light."""
+    low, high = minimum_filter(lux, _NEAR_PX), maximum_filter(lux, _NEAR_PX)
+    rows, columns = np.nonzero((low > 0.0) & (high < _EVEN * low))
+    chosen = np.random.default_rng(1).choice(len(rows), POINTS, replace=False)
+    return np.column_stack([rows, columns])[chosen]
+
+
+def decoded(url: str) -> NDArray[np.uint8]:
+    """Display values (h, w, 3) of a data URL."""
+    content = base64.b64decode(url.partition(",")[2])
+    return np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
+
+
+def compare_light(browser: Any, scene: str, folder: Path) -> None:
+    """Print FLIP and lux of the page's finished pictures beside the program's."""
+    for hour in HOURS:
+        own_path, lux_path = rendered(scene, hour, folder)
+        hours, minutes = map(int, hour.split(":"))
+        seen = decoded(browser.value(_FINISHED.format(60 * hours + minutes), 400.0))
+        own = np.asarray(Image.open(own_path).convert("RGB"))
+        error, mean, _ = flip_evaluator.evaluate(
+            own.astype(np.float32) / 255.0, seen.astype(np.float32) / 255.0, "LDR", applyMagma=False
+        )
+        name = hour.replace(":", "")
+        Image.fromarray(seen).save(folder / f"page_{name}.png")
+        grey = np.uint8(255 * np.clip(np.asarray(error).squeeze() / 0.4, 0.0, 1.0))
+        Image.fromarray(grey).save(folder / f"flip_{name}.png")
+        with OpenEXR.File(str(lux_path)) as file:
+            channels = file.channels()
+            lux = next(iter(channels.values())).pixels
+        points = even_points(lux)
+        found = np.array(
+            [browser.value(f"daylight.view.luxAt({x} + 0.5, {y} + 0.5)") for y, x in points]
+        )
+        off = np.abs(found / lux[tuple(points.T)] - 1.0)
+        print(
+            f"{hour}: FLIP {mean:.3f}; lux within 5 % at {np.sum(off <= LARGEST_ERROR)} of "
+            f"{POINTS} points, median {np.median(off):.1%}, worst {off.max():.1%}",
+            flush=True,
+        )
+
+
+def measure_speed(browser: Any, process: psutil.Process) -> None:
+    """Print pictures a second of a dragged hour, and the processor's time for each."""
+    found = browser.value(_DRAG.format(1.5, _DRAG_MINUTES))
+    before = _cpu_s(process)
+    found = browser.value(_DRAG.format(_DRAG_S, _DRAG_MINUTES))
+    spent = _cpu_s(process) - before
+    count = len(found["seconds"])
+    print(
+        f"dragged: {count / found['wall']:.1f} pictures a second ({found['hours']} hours), "
+        f"{spent / count:.3f} s of CPU each, median {np.median(found['seconds']) * 1e3:.0f} ms, "
+        f"at 1/{found['coarser']}; load {psutil.getloadavg()[0]:.1f}",
+        flush=True,
+    )
+
+
+def _cpu_s(process: psutil.Process) -> float:
+    return sum(
+        sum(one.cpu_times()[:2]) for one in (process, *process.children(recursive=True))
+    )
+
+
+def main() -> None:
+    """Print the measurements of a page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("page", type=Path)
+    parser.add_argument("scene")
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--only", choices=("light", "speed"))
+    given = parser.parse_args()
+    folder = given.out or Path(tempfile.mkdtemp())
+    folder.mkdir(parents=True, exist_ok=True)
+    print(f"{given.page}: {given.page.stat().st_size / 1e6:.1f} MB")
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        browser = browser_of(Path(profile), SIZE_PX)
+        try:
+            begin = perf_counter()
+            browser.open(f"{given.page.resolve().as_uri()}#{DAY}T12:30")
+            print(f"first picture after {perf_counter() - begin:.2f} s", flush=True)
+            browser.value(_FIX_SIZE.format(*SIZE_PX))
+            if given.only != "light":
+                measure_speed(browser, psutil.Process(browser._process.pid))
+            if given.only != "speed":
+                compare_light(browser, given.scene, folder)
+        finally:
+            browser.close()
+
+
+if __name__ == "__main__":
+    main()
