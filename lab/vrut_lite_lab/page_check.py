@@ -141,8 +141,7 @@ def compare_light(browser: Any, scene: str, folder: Path) -> None:
         grey = np.uint8(255 * np.clip(np.asarray(error).squeeze() / 0.4, 0.0, 1.0))
         Image.fromarray(grey).save(folder / f"flip_{name}.png")
         with OpenEXR.File(str(lux_path)) as file:
-            channels = file.channels()
-            lux = next(iter(channels.values())).pixels
+            lux = file.channels()["RGB"].pixels[..., 0]
         points = even_points(lux)
         found = np.array(
             [browser.value(f"daylight.view.luxAt({x} + 0.5, {y} + 0.5)") for y, x in points]

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from share.shared_page import shared_page
@@ -39,8 +40,11 @@ class PageRefused:
     sentence: str
 
 
-def make_page(pipe: Connection, project: Project, title: str) -> None:
-    """Make a page; `PageProgress` and then `PageMade` or `PageRefused` go into the pipe."""
+def make_page(pipe: Connection, project: Project, title: str, numbers: Path | None) -> None:
+    """Make a page; `PageProgress` and then `PageMade` or `PageRefused` go into the pipe.
+
+    `numbers` is a folder of `vrut-lite daylight`, or None.
+    """
 
     def tracked(steps: Iterable[T], name: str, total: int) -> Iterator[T]:
         for done, step in enumerate(steps):
@@ -51,7 +55,7 @@ def make_page(pipe: Connection, project: Project, title: str) -> None:
         pipe.send(PageProgress("pictures of four hours"))
         stills = stills_of(project)
         pipe.send(PageProgress("rays of the light map, and skies"))
-        page = shared_page(project, title, None, TERMS, stills, follow=tracked)
+        page = shared_page(project, title, None, TERMS, stills, numbers, tracked)
         pipe.send(PageMade(page.text, page.left_out))
     except UserError as error:
         pipe.send(PageRefused(str(error)))

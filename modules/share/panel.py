@@ -9,7 +9,14 @@ from pathlib import Path
 
 from PySide6.QtCore import QUrl
 from PySide6.QtGui import QDesktopServices
-from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QHBoxLayout,
+    QLineEdit,
+    QProgressBar,
+    QPushButton,
+    QWidget,
+)
 
 from share.page_file import SUFFIX, check_built, check_name
 from vrut_lite.errors import UserError
@@ -28,16 +35,19 @@ from vrut_lite.write_atomic import atomic_output, check_writable
 
 # It imports the command's whole work, which the window need not wait for.
 _page_process = lazy("share.page_process")
+_numbers = lazy("share.numbers")
 _LOOK_MS = 200
 _IDLE = (
     "One HTML file that any browser opens, from disk and without a network: the scene at any hour "
     "of the year, with the views that were kept by name. It takes some minutes, beside the window."
 )
+_NUMBERS = "What `vrut-lite daylight SCENE -o FOLDER` wrote: tiles in the page show it."
 _ELLIPSIS = "\N{HORIZONTAL ELLIPSIS}"
 
 
 class SharePanel(QWidget):
-    """A button, the progress with *Cancel*, and where the page lies, with *Open*."""
+    """A button, the folder of daylight's numbers, the progress with *Cancel*, and where the page
+    lies, with *Open*."""
 
     title = "Share"
     file_entry = f"Share in one file{_ELLIPSIS}"
@@ -49,6 +59,11 @@ class SharePanel(QWidget):
         self._pipe: Connection
         self._target = Path()
         self.share = QPushButton(self.file_entry)
+        self.numbers, self.choose = QLineEdit(), QPushButton(f"Choose{_ELLIPSIS}")
+        self.numbers.setPlaceholderText("none")
+        self.numbers.setClearButtonEnabled(True)
+        self.numbers.setToolTip(_NUMBERS)
+        self.numbers.setAccessibleName("folder of daylight's numbers")
         self.progress, self.work = QProgressBar(), faint_label(wraps=True)
         self.cancel = QPushButton("Cancel")
         self.result = faint_label(_IDLE, wraps=True)
@@ -59,6 +74,11 @@ class SharePanel(QWidget):
         row.addWidget(self.cancel)
         column = panel_column(self)
         column.addWidget(self.share)
+        column.addWidget(faint_label("with daylight's numbers of the folder"))
+        folder = QHBoxLayout()
+        folder.addWidget(self.numbers, 1)
+        folder.addWidget(self.choose)
+        column.addLayout(folder)
         column.addWidget(self.work)
         column.addLayout(row)
         column.addWidget(self.result)
@@ -67,6 +87,7 @@ class SharePanel(QWidget):
         self._show_running(False)
         self._looks = make_timer(self, _LOOK_MS, self._look)
         self.share.clicked.connect(self.ask_for_file)
+        self.choose.clicked.connect(self.ask_for_numbers)
         self.cancel.clicked.connect(self.stop)
         self.open.clicked.connect(self._open)
         session.closing.connect(self._end)
@@ -92,11 +113,23 @@ class SharePanel(QWidget):
         if path:
             self.start(Path(path if Path(path).suffix else f"{path}{SUFFIX}"))
 
+    def ask_for_numbers(self) -> None:
+        """Let the folder of daylight's numbers be chosen."""
+        begins = self.numbers.text().strip() or str(folder_of(self._session))
+        folder = QFileDialog.getExistingDirectory(self, "Daylight's numbers", begins)
+        if folder:
+            self.numbers.setText(folder)
+
     def start(self, path: Path) -> None:
         """Share the window's scene as it is now."""
+        folder = self.numbers.text().strip()
+        numbers = Path(folder) if folder else None
+        scene = self._session.last(SceneOpened)
         try:
             check_name(path)
             check_writable(path)
+            if numbers is not None and scene is not None:
+                _numbers.load().numbers_of(numbers, scene)
             context = spawn_context()
         except UserError as error:
             self._session.refused.emit(str(error))
@@ -105,8 +138,8 @@ class SharePanel(QWidget):
         self._target = path
         self._pipe, child = context.Pipe(duplex=False)
         work = _page_process.load().make_page
-        title = Path(project.scene).stem
-        self._process = context.Process(target=work, args=(child, project, title), daemon=True)
+        args = child, project, Path(project.scene).stem, numbers
+        self._process = context.Process(target=work, args=args, daemon=True)
         self._process.start()
         child.close()
         self.result.setText("")
@@ -177,6 +210,7 @@ class SharePanel(QWidget):
         self.progress.setValue(done)
 
     def _show_running(self, running: bool) -> None:
-        self.share.setEnabled(not running)
+        for part in (self.share, self.numbers, self.choose):
+            part.setEnabled(not running)
         for part in (self.work, self.progress, self.cancel):
             part.setVisible(running)

@@ -19,6 +19,7 @@ from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light
 from share.light_maps import MapValues, glow_illumination, light_maps, traced
 from share.numbers import Numbers, numbers_of
 from share.page_file import page_text
+from share.page_night import PLANETS, planet_light, split_glow
 from share.page_stars import TURNS_A_DAY, fixed_stars
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
@@ -33,6 +34,7 @@ from vrut_lite.geometry.false_colours import colours_at
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.headless import Project, display_numbers, tracked
 from vrut_lite.messages.camera import frame_bounds
+from vrut_lite.messages.night import MoonLight
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -131,7 +133,9 @@ def _page(
     table = sky_table(skies)
     air = air_table(skies, table, math.dist(scene.lower_m, scene.upper_m))
     check_sky(table, opened.afternoon_sky())
-    glow = opened.moonless_glow()
+    glows = opened.moonless_glows()
+    # The light of a night is that of the mean.
+    glow = np.mean([each.radiance_rgb for each in glows], axis=0, dtype=np.float32) if glows else None
     places = SunPlaces(math.radians(place.latitude_deg), place.north_offset_rad)
     pressure_pa = pressure_at_altitude_pa(place.altitude_m)
     maps = light_maps(
@@ -149,10 +153,10 @@ def _page(
     sun_scale = float16_scale(float(np.abs(basis.sun).max()))
     sun_bits = (basis.sun / np.float32(sun_scale)).astype(np.float16)
     sun = decode_float16(sun_bits, sun_scale)
-    moon = _moon_table(opened)
-    stars = fixed_stars(
-        opened.star_sightings(), places.latitude_rad, place.north_offset_rad, pressure_pa
-    )
+    moons, albedo = opened.moons()
+    moon = _moon_table(moons)
+    sightings = list(opened.star_sightings())
+    stars = fixed_stars(sightings, places.latitude_rad, place.north_offset_rad, pressure_pa)
     errors = [
         _error(opened, transport, values, table, places, basis, sun, instant)
         for instant in _hours_of(project.instant(), _ERROR_HOURS)
@@ -200,7 +204,14 @@ def _page(
         "false_colours": _false_colours(),
         "facts": _facts(errors, values, basis),
     }
-    glow_bits, glow_scale = encode_float16(np.zeros((2, 2, 3)) if glow is None else glow)
+    # What stands over the horizon, and what turns with the stars.
+    night = np.zeros((2, 2, 2, 3))
+    if stars is not None and len(glows) > 2:
+        where = stars.seconds, places.latitude_rad, place.north_offset_rad
+        night = np.stack(split_glow(glows, stars.extinction, *where))
+    elif glow is not None:
+        night = np.stack([glow, np.zeros_like(glow)])
+    glow_bits, glow_scale = encode_float16(night)
     header["glow_scale"] = glow_scale
     planes = _planes(basis, values, shares)
     arrays: dict[str, NDArray] = {
@@ -212,6 +223,7 @@ def _page(
         "air": air.radiance.view(np.uint16),
         "optical_depth": air.optical_depth.view(np.uint16),
         "glow": glow_bits.view(np.uint16),
+        "moon_albedo": _bytes(np.ones((1, 1)) if albedo is None else albedo),
         "visible_sky": _visible_sky(transport, planes.shape[1:]),
         "reflectance": _reflectance(),
     }
@@ -222,10 +234,14 @@ def _page(
         arrays["mirror_nearness"] = nearness.astype(np.float16).view(np.uint16)
         mirror_of = {part: n for n, part in enumerate(mirrors.parts.part.tolist())}
     if stars is not None:
+        at = place.latitude_deg, place.longitude_deg, place.altitude_m
+        planets = planet_light(sightings, stars.extinction, at, place.north_offset_rad)
         header["stars"] = {
             "seconds": stars.seconds,
             "turns_a_day": TURNS_A_DAY,
             "extinction": stars.extinction.tolist(),
+            "planets": PLANETS,
+            "planet_light": None if planets is None else planets.tolist(),
         }
         arrays["stars"] = np.concatenate([stars.direction, stars.irradiance_rgb], axis=1).astype(
             np.float32
@@ -308,6 +324,10 @@ def _visible_sky(transport: SceneTransport, shape: tuple[int, ...]) -> NDArray[n
     return found.view(np.uint16)
 
 
+def _bytes(share: FloatArray) -> NDArray[np.uint8]:
+    return np.rint(255.0 * np.clip(share, 0.0, 1.0)).astype(np.uint8)
+
+
 def _reflectance() -> NDArray[np.uint16]:
     table = reflectance_table().astype(np.float16)
     return np.dstack([table, np.ones(table.shape[:2], np.float16)]).view(np.uint16)
@@ -370,10 +390,10 @@ def _hours_of(start: datetime, count: int) -> list[datetime]:
 # --- sky ------------------------------------------------------------------------------------------
 
 
-def _moon_table(opened: SharedScene) -> dict[str, Any] | None:
+def _moon_table(moons: list[MoonLight]) -> dict[str, Any] | None:
     """Moonlight at its mean distance as shares of sunlight, by phase angle."""
     found = []
-    for moon in opened.moons():
+    for moon in moons:
         phase = math.degrees(math.acos(np.clip(2.0 * moon.lit_fraction - 1.0, -1.0, 1.0)))
         near = math.asin(1737.4 / 384_400.0) / moon.angular_radius_rad
         share = np.maximum(moon.of_sunlight_rgb, 1e-30) * near**2

@@ -10,13 +10,19 @@ import numpy as np
 from light_transport.public import Illumination, hour_of
 from numpy.typing import ArrayLike
 
+from share.page_night import Glow
 from share.page_stars import Sighting
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.headless import Project, SceneKernel, require_sun
 from vrut_lite.kernel.messages import Demand, EnableModule, SetSetting
 from vrut_lite.messages.air import AirChanged, AirVolume
-from vrut_lite.messages.night import MoonLight, NightLightChanged, StarsChanged
+from vrut_lite.messages.night import (
+    MoonDiscChanged,
+    MoonLight,
+    NightLightChanged,
+    StarsChanged,
+)
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.night_glow import glow_cube
@@ -229,11 +235,10 @@ class SharedScene(SceneKernel):
 
     # --- the night ----------------------------------------------------------------------------
 
-    def moonless_glow(self) -> Float32Array | None:
-        """The glow (rows, columns, 3) of a dark night, laid out as `NightLightChanged.glow_rgb`.
+    def moonless_glows(self) -> list[Glow]:
+        """Glows of the darkest hours of the year's new moons at which no twilight is left.
 
-        It is the mean over the darkest hours of the year's new moons at which no twilight is left,
-        or the darkest hour where twilight never ends; None where no module makes a night.
+        Where twilight never ends the darkest hour alone; none where no module makes a night.
         """
         hours = sorted(self._moonless_hours())
         dark = [hour for hour in hours if hour[0] < _DARK_RAD] or hours[:1]
@@ -242,8 +247,8 @@ class SharedScene(SceneKernel):
             self.go_to(datetime.fromtimestamp(seconds, UTC))
             night = self.kernel.last(NightLightChanged)
             if night is not None and night.glow_rgb is not None:
-                found.append(np.asarray(night.glow_rgb.values, np.float32))
-        return np.mean(found, axis=0, dtype=np.float32) if found else None
+                found.append(Glow(seconds, np.asarray(night.glow_rgb.values)))
+        return found
 
     def _moonless_hours(self) -> Iterator[tuple[float, float]]:
         """Height of the sun at the darkest hour of each new moon of the year, and its seconds."""
@@ -271,10 +276,12 @@ class SharedScene(SceneKernel):
                 )
         self.kernel.inject(Demand(consumer=_CONSUMER, message=StarsChanged.__name__, size=0))
 
-    def moons(self) -> list[MoonLight]:
-        """The moon's light through a month, where it is up by night."""
+    def moons(self) -> tuple[list[MoonLight], Float32Array | None]:
+        """The moon's light through a month, where it is up by night, and its `albedo`."""
         first = self._start.astimezone(UTC).replace(hour=0, minute=0)
         found = []
+        disc = MoonDiscChanged.__name__
+        self.kernel.inject(Demand(consumer=_CONSUMER, message=disc, size=None))
         for day in range(30):
             for hour in range(0, 24, 4):
                 self.go_to(first + timedelta(days=day, hours=hour))
@@ -282,7 +289,9 @@ class SharedScene(SceneKernel):
                 if night is not None and night.moon is not None:
                     found.append(night.moon)
                     break
-        return found
+        self.kernel.inject(Demand(consumer=_CONSUMER, message=disc, size=0))
+        seen = self.kernel.last(MoonDiscChanged)
+        return found, None if seen is None else np.asarray(seen.albedo.values)
 
 
 def direction_of(azimuth_rad: float, elevation_rad: float) -> Vector:

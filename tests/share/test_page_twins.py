@@ -151,7 +151,7 @@ def test_the_skys_table_is_read_alike(node):
         "sky": table.radiance.view(np.uint16),
         "air": np.zeros((4, BELOW + LOWER + UPPER, COLUMNS, 4), np.uint16),
         "optical_depth": np.zeros((VIEWS, 3), np.uint16),
-        "glow": np.zeros((2, 2, 3), np.uint16),
+        "glow": np.zeros((2, 2, 2, 3), np.uint16),
     }
     content = packed({"sky": about_sky(table), "glow_scale": 1.0}, arrays)
     script = """

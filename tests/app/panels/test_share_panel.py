@@ -79,6 +79,36 @@ def test_a_page_that_is_given_up_leaves_no_file(driver, tmp_path, qtbot):
     assert panel.share.isEnabled()
 
 
+def numbers_in(folder, height_m):
+    """What `vrut-lite daylight` writes: two sensors of a plane."""
+    folder.mkdir()
+    (folder / "sensors.csv").write_text(
+        "plane,x_m,y_m,z_m,direction_x,direction_y,direction_z,daylight_factor_percent\n"
+        f"floor,0,{height_m},0,0,1,0,2\nfloor,0.5,{height_m},0,0,1,0,4\n",
+        encoding="utf-8",
+    )
+    return folder
+
+
+def test_numbers_that_are_not_the_scenes_are_refused_before_the_work(
+    driver, tmp_path, qtbot, monkeypatch
+):
+    """A folder without a table, and a table of another scene; the field keeps what was chosen."""
+    built = tmp_path / "page.js"
+    built.write_text("// built", encoding="utf-8")
+    monkeypatch.setattr(page_file, "SCRIPT", built)
+    panel = driver.window.panels["panel light_transport.share"]
+    for folder, said in (
+        (tmp_path, "has no readable sensors.csv"),
+        (numbers_in(tmp_path / "elsewhere", 9e3), "is of another scene"),
+    ):
+        monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_, f=folder: str(f))
+        qtbot.mouseClick(panel.choose, Qt.MouseButton.LeftButton)
+        assert panel.numbers.text() == str(folder)
+        assert not asked(driver).is_running
+        assert said in driver.window.files.refused.lines[-1]
+
+
 @pytest.mark.long
 def test_the_windows_scene_is_shared_while_the_window_goes_on(driver, tmp_path, monkeypatch):
     """Its place, hour, haze and views by name are in the page, whose size is told."""
@@ -92,6 +122,9 @@ def test_the_windows_scene_is_shared_while_the_window_goes_on(driver, tmp_path, 
         SetHaze(optical_depth_550=0.3),
     )
     driver.settled()
+    driver.window.panels["panel light_transport.share"].numbers.setText(
+        str(numbers_in(tmp_path / "numbers", 0.5))
+    )
     panel = asked(driver)
     # The window goes on: another hour is shown before the page is made.
     driver.session.send(SetClock(instant=NOON + timedelta(hours=2)))
@@ -109,6 +142,7 @@ def test_the_windows_scene_is_shared_while_the_window_goes_on(driver, tmp_path, 
     header = json.loads(data[4 : 4 + int.from_bytes(data[:4], "little")])
     assert header["place"]["latitude_deg"] == 46.6
     assert header["start"].startswith("2026-06-21T")
+    assert header["numbers"]["names"] == ["daylight factor"]
     assert header["views"]["from the door"]["eye_m"] == [3.0, 1.7, 3.0]
     opened = []
     monkeypatch.setattr(QDesktopServices, "openUrl", opened.append)

@@ -10,7 +10,7 @@ import {
 import { OpenIrradiance, SkyTable, directionOf, placed } from './sky.js';
 import { Stars } from './stars.js';
 import { RELIGHT_FRAGMENT } from './surface_shaders.js';
-import { Ephemeris, nightShare, sunShare, visible } from './sun.js';
+import { Ephemeris, moonAxes, nightShare, sunShare, visible } from './sun.js';
 
 // Factor on lux in half floats: sunlight has more than these hold.
 const LUX_SCALE = 1 / 8;
@@ -86,6 +86,8 @@ export class Picture {
       sky_table: { value: this.table.texture },
       glow_map: { value: this.table.glow },
       glow: { value: 0 },
+      sky_from_world: { value: this.table.skyFromWorld },
+      star_extinction: { value: this.table.extinction },
       below_horizon: { value: new THREE.Vector3() },
       air_table: { value: this.table.air },
       near_air: { value: this.fineCubes.air.texture },
@@ -138,6 +140,7 @@ export class Picture {
       this.shared.probe_counts = { value: probes.counts };
       this.shared.probe_row = { value: probes.row };
     }
+    this.moonAlbedo = albedoOf(data);
     const one = this.shared;
     this.skyPass = new THREE.Mesh(new THREE.BufferGeometry(), program(SKY_VERTEX, SKY_FRAGMENT, {
       ...one,
@@ -147,6 +150,8 @@ export class Picture {
       disc_radius: { value: 0.005 },
       to_sun: { value: new THREE.Vector3() },
       moon_level: { value: 1 },
+      moon_albedo: { value: this.moonAlbedo.texture },
+      moon_from_world: { value: new THREE.Matrix3() },
       limb: { value: Array.from({ length: 6 }, () => new THREE.Vector3()) },
       eye_height: { value: 1.7 },
     }, this.defines, { depthFunc: THREE.LessEqualDepth, depthWrite: false }));
@@ -187,7 +192,7 @@ export class Picture {
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
     this.stars = header.stars
-      ? new Stars(data, this.ephemeris.air, { pre: one.pre, values_shown: one.values_shown, jitter: one.jitter }) : null;
+      ? new Stars(data, this.ephemeris, { pre: one.pre, values_shown: one.values_shown, jitter: one.jitter }) : null;
     if (this.stars) {
       this.stars.points.renderOrder = 1.5;
       this.scene.add(this.stars.points);
@@ -314,6 +319,10 @@ export class Picture {
       { ...sun, share: [left, left, left] },
       { ...moon, share: moon.share.map((v) => v * night * (moon.trueRad > -0.02 ? 1 : 0)) },
     ];
+    if (this.stars) {
+      this.stars.setHour(date, night);
+      this.table.skyFromWorld.copy(this.stars.world.value).transpose();
+    }
     const ground = [0, 1, 2].map((c) => night * this.header.glow_ground[c]);
     const coefficients = new Float64Array(this.light.count);
     const { glow, lamps } = this.light;
@@ -373,8 +382,11 @@ export class Picture {
     u.disc_radius.value = radius;
     const towards = directionOf(sun.azimuthRad, sun.trueRad);
     u.to_sun.value.copy(byDay ? new THREE.Vector3() : towards);
-    if (!byDay) u.moon_level.value = 1 / meanShade(this.keyDirection, towards);
-    this.stars?.setHour(date, night);
+    if (!byDay) {
+      const axes = moonAxes(date, this.ephemeris.observer, this.header.place.north_offset_rad);
+      u.moon_from_world.value.set(...axes.flat());
+      u.moon_level.value = 1 / meanShade(this.keyDirection, towards, u.moon_from_world.value, this.moonAlbedo.at);
+    }
     for (let k = 0; k < 6; ++k) {
       u.limb.value[k].set(...[0, 1, 2].map((c) => (byDay ? disc.limb_darkening_rgb[c][k] || 0 : k === 0 ? 1 : 0)));
     }
@@ -670,18 +682,22 @@ export class Picture {
   }
 }
 
-/** Mean of the shade (Lommel and Seeliger) over a disc that is seen towards `seen` and lit from
- * `towards`. @param {THREE.Vector3} seen @param {THREE.Vector3} towards */
-export function meanShade(seen, towards) {
-  // In the plane of both, the shade depends on the angle between alone.
-  const cosine = Math.min(Math.max(-seen.dot(towards), -1), 1), sine = Math.sqrt(1 - cosine * cosine);
+/** Mean of the shade (Lommel and Seeliger) times albedo over a disc that is seen towards `seen` and
+ * lit from `towards`. @param {THREE.Vector3} seen @param {THREE.Vector3} towards
+ * @param {THREE.Matrix3} own from the world's axes to the moon's
+ * @param {(n: THREE.Vector3) => number} albedo at a normal in the moon's axes */
+export function meanShade(seen, towards, own, albedo) {
+  const right = new THREE.Vector3(0, 1, 0).cross(seen).negate().normalize(), upper = right.clone().cross(seen);
+  const n = new THREE.Vector3();
   let sum = 0, count = 0;
   for (let i = 0; i < 40; ++i) {
     for (let j = 0; j < 40; ++j) {
       const x = (i + 0.5) / 20 - 1, y = (j + 0.5) / 20 - 1, beside = x * x + y * y;
       if (beside >= 1) continue;
-      const mu = Math.sqrt(1 - beside), lit = Math.max(x * sine + mu * cosine, 0);
-      sum += lit / Math.max(lit + mu, 1e-4);
+      const mu = Math.sqrt(1 - beside);
+      n.set(0, 0, 0).addScaledVector(right, x).addScaledVector(upper, y).addScaledVector(seen, -mu);
+      const lit = Math.max(n.dot(towards), 0);
+      if (lit > 0) sum += albedo(n.applyMatrix3(own)) * lit / Math.max(lit + mu, 1e-4);
       ++count;
     }
   }
@@ -713,6 +729,25 @@ function shadowTarget(edge) {
   depth.magFilter = depth.minFilter = THREE.LinearFilter;
   target.depthTexture = depth;
   return target;
+}
+
+/** The moon's albedo: a texture, and a function of normals in its own axes.
+ * @param {import('./data.js').PageData} data */
+function albedoOf(data) {
+  const [rows, columns] = data.shape('moon_albedo'), fromNorth = data.array('moon_albedo');
+  const texels = new Uint8Array(rows * columns);
+  for (let row = 0; row < rows; ++row) {
+    texels.set(fromNorth.subarray(row * columns, (row + 1) * columns), (rows - 1 - row) * columns);
+  }
+  const texture = new THREE.DataTexture(texels, columns, rows, THREE.RedFormat);
+  texture.magFilter = texture.minFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
+  const at = (/** @type {THREE.Vector3} */ n) => {
+    const row = Math.floor((0.5 + Math.asin(Math.min(Math.max(n.z, -1), 1)) / Math.PI) * rows);
+    const column = Math.floor((Math.atan2(n.y, n.x) / (2 * Math.PI) + 0.5) * columns);
+    return texels[Math.min(row, rows - 1) * columns + column % columns] / 255;
+  };
+  return { texture, at };
 }
 
 /** Cubes of one over the distance (1/m) around glossy parts. @param {import('./data.js').PageData} data */

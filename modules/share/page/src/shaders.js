@@ -47,8 +47,10 @@ const float PI = 3.141592653589793;
 ${WEIGHTS}struct Body { vec3 light; vec2 azimuth; float height; float layer; float share; };
 uniform Body bodies[2];
 uniform sampler2DArray sky_table;
-uniform sampler2D glow_map;
-uniform float glow;               // factor on the map's values
+uniform sampler2DArray glow_map;  // what stands over the horizon; what turns with the stars, above the air
+uniform mat3 sky_from_world;
+uniform vec3 star_extinction;     // optical depth towards the zenith
+uniform float glow;               // factor on the maps' values
 uniform vec3 below_horizon;       // radiance of open ground
 // Column and row of a direction, at least on the horizon.
 vec2 table_node(Body body, vec3 d) {
@@ -76,7 +78,12 @@ vec3 sky_radiance(vec3 d) {
         if (bodies[k].light.g > 0.0) sum += sky_of(bodies[k], d);
     if (glow > 0.0) {
         vec2 uv = vec2(atan(d.x, -d.z) / (2.0 * PI), asin(clamp(d.y, 0.0, 1.0)) / (0.5 * PI));
-        sum += glow * textureLod(glow_map, uv, 0.0).rgb;
+        vec3 own = sky_from_world * d;
+        vec2 at = vec2(atan(own.y, own.x) / (2.0 * PI), asin(clamp(own.z, -1.0, 1.0)) / PI + 0.5);
+        float degrees = asin(clamp(d.y, 0.0, 1.0)) * 180.0 / PI;
+        vec3 left = exp(-star_extinction / (max(d.y, 0.0) + 0.50572 * pow(degrees + 6.07995, -1.6364)));
+        sum += glow * (textureLod(glow_map, vec3(uv, 0.0), 0.0).rgb
+            + left * textureLod(glow_map, vec3(at, 1.0), 0.0).rgb);
     }
     return sum;
 }
@@ -177,15 +184,19 @@ uniform vec3 limb[6];
 uniform float eye_height;
 uniform float values_shown;
 uniform vec3 to_sun;              // from the moon; 0: the disc is the sun's
-uniform float moon_level;         // one over the mean of shade on the disc
+uniform float moon_level;         // one over the mean of shade and albedo on the disc
+uniform sampler2D moon_albedo;    // rows from the moon's south, columns from longitude -180 degrees
+uniform mat3 moon_from_world;
 // Light on the moon's disc, over its mean, by Lommel and Seeliger, as night_sky/shaders/moon.frag.
 float phase_of(vec3 d) {
     vec3 right = normalize(cross(disc_direction, vec3(0.0, 1.0, 0.0)) + vec3(1e-6, 0.0, 0.0));
     vec3 upper = cross(right, disc_direction);
     vec2 p = vec2(dot(d, right), dot(d, upper)) / sin(disc_radius);
     float mu = sqrt(max(1.0 - dot(p, p), 0.0));
-    float mu_sun = max(dot(p.x * right + p.y * upper - mu * disc_direction, to_sun), 0.0);
-    return moon_level * mu_sun / max(mu_sun + mu, 1e-4);
+    vec3 n = p.x * right + p.y * upper - mu * disc_direction, own = moon_from_world * n;
+    float mu_sun = max(dot(n, to_sun), 0.0);
+    vec2 at = vec2(atan(own.y, own.x) / (2.0 * PI) + 0.5, 0.5 + asin(clamp(own.z, -1.0, 1.0)) / PI);
+    return moon_level * textureLod(moon_albedo, at, 0.0).r * mu_sun / max(mu_sun + mu, 1e-4);
 }
 vec3 disc(vec3 d) {
     float angle = asin(min(length(cross(d, disc_direction)), 1.0));

@@ -43,12 +43,16 @@ export class SkyTable {
     this.air = layered(data.array('air'), layers, rows + this.about.below, columns, 4);
     const [views] = data.shape('optical_depth');
     this.opticalDepth = halves(data.array('optical_depth'), 1, views);
-    const [glowRows, glowColumns] = data.shape('glow');
-    this.glow = halves(data.array('glow'), glowRows, glowColumns);
+    const [, glowRows, glowColumns] = data.shape('glow');
+    this.glow = layered(data.array('glow'), 2, glowRows, glowColumns);
     this.glow.wrapS = THREE.RepeatWrapping;
-    this.glowBits = data.array('glow');
+    this.glowValues = Float32Array.from(data.array('glow'), halfValue);
     this.glowSize = [glowRows, glowColumns];
     this.glowScale = data.header.glow_scale;
+    /** From the world's axes to those that turn with the sky. */
+    this.skyFromWorld = new THREE.Matrix3();
+    /** Optical depth of the air before stars, towards the zenith. */
+    this.extinction = new THREE.Vector3(...(data.header.stars?.extinction || [0, 0, 0]));
   }
 
   /** Level by channel at a geometric height of the sun. @param {number} trueRad */
@@ -106,10 +110,17 @@ export class SkyTable {
     const row = clamp(Math.round(Math.asin(clamp(d.y, 0, 1)) / HALF_PI * rows - 0.5), 0, rows - 1);
     const turn = (Math.atan2(d.x, -d.z) / (2 * Math.PI) + 1) % 1;
     const column = Math.floor(turn * columns) % columns;
-    return [0, 1, 2].map((c) => halfValue(this.glowBits[(row * columns + column) * 3 + c])
-      * this.glowScale);
+    const own = d.clone().applyMatrix3(this.skyFromWorld);
+    const north = clamp(Math.floor((Math.asin(clamp(own.z, -1, 1)) / Math.PI + 0.5) * rows), 0, rows - 1);
+    const east = Math.floor((Math.atan2(own.y, own.x) / (2 * Math.PI) + 1) % 1 * columns) % columns;
+    const mass = airMass(clamp(d.y, 0, 1));
+    return [0, 1, 2].map((c) => this.glowScale * (this.glowValues[(row * columns + column) * 3 + c]
+      + Math.exp(-this.extinction.getComponent(c) * mass) * this.glowValues[((rows + north) * columns + east) * 3 + c]));
   }
 }
+
+/** Relative air mass (Kasten and Young 1989). @param {number} sine of the height */
+const airMass = (sine) => 1 / (sine + 0.50572 * (Math.asin(sine) * 180 / Math.PI + 6.07995) ** -1.6364);
 
 /** @param {Uint16Array} bits @param {number} layers @param {number} rows @param {number} columns
  * @param {number} [channels] */

@@ -1,5 +1,7 @@
 // Stars over the scene: points of light that turn with the sky, behind the air.
 import * as THREE from 'three';
+import { Body, Illumination } from 'astronomy-engine';
+import { directionOf } from './sky.js';
 import { STAR_FRAGMENT, STAR_VERTEX, program } from './shaders.js';
 
 const DAY_MS = 86400000;
@@ -19,27 +21,34 @@ export function worldFromSky(turned, latitude, northOffset) {
 }
 
 export class Stars {
-  /** @param {import('./data.js').PageData} data @param {number} air factor on standard refraction
+  /** @param {import('./data.js').PageData} data @param {import('./sun.js').Ephemeris} ephemeris
    * @param {Record<string, THREE.IUniform>} uniforms of all passes */
-  constructor(data, air, uniforms) {
+  constructor(data, ephemeris, uniforms) {
+    this.ephemeris = ephemeris;
     const { place, stars } = data.header;
     this.about = stars;
     this.place = place;
-    const values = data.array('stars'), count = values.length / 6;
+    const values = data.array('stars'), fixed = values.length / 6;
+    /** Planets come after the stars. */
+    this.planets = stars.planet_light ? stars.planets : [];
+    const count = fixed + this.planets.length;
     const directions = new Float32Array(3 * count), light = new Float32Array(3 * count);
-    for (let n = 0; n < count; ++n) {
+    for (let n = 0; n < fixed; ++n) {
       directions.set(values.subarray(6 * n, 6 * n + 3), 3 * n);
       light.set(values.subarray(6 * n + 3, 6 * n + 6), 3 * n);
     }
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(directions, 3));
     geometry.setAttribute('light', new THREE.BufferAttribute(light, 3));
+    this.geometry = geometry;
+    this.fixed = fixed;
+    /** From axes that turn with the sky to the world's. */
     this.world = { value: new THREE.Matrix3() };
     this.night = { value: 0 };
     this.size = { value: new THREE.Vector2(1, 1) };
     this.points = new THREE.Points(geometry, program(STAR_VERTEX, STAR_FRAGMENT, {
       ...uniforms, world_from_sky: this.world, night: this.night, size_px: this.size,
-      extinction: { value: new THREE.Vector3(...stars.extinction) }, refraction: { value: air },
+      extinction: { value: new THREE.Vector3(...stars.extinction) }, refraction: { value: ephemeris.air },
     }, {}, {
       transparent: true, depthWrite: false, depthFunc: THREE.LessEqualDepth, blending: THREE.CustomBlending,
       blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor, blendSrcAlpha: THREE.ZeroFactor,
@@ -55,5 +64,17 @@ export class Stars {
     this.world.value.fromArray(worldFromSky(turned % (2 * Math.PI), latitude, this.place.north_offset_rad)).transpose();
     this.night.value = night;
     this.points.visible = night > 0;
+    if (!this.points.visible) return;
+    const place = this.geometry.getAttribute('position'), light = this.geometry.getAttribute('light');
+    const toSky = this.world.value.clone().transpose();
+    this.planets.forEach((/** @type {keyof typeof Body} */ name, /** @type {number} */ n) => {
+      const { azimuthRad, trueRad } = this.ephemeris.place(Body[name], date);
+      const d = directionOf(azimuthRad, trueRad).applyMatrix3(toSky);
+      const dimmer = 10 ** (-0.4 * Illumination(Body[name], date).mag);
+      const [r, g, b] = this.about.planet_light[n];
+      place.setXYZ(this.fixed + n, d.x, d.y, d.z);
+      light.setXYZ(this.fixed + n, r * dimmer, g * dimmer, b * dimmer);
+    });
+    if (this.planets.length) place.needsUpdate = light.needsUpdate = true;
   }
 }

@@ -1,6 +1,8 @@
 // Sun and moon above the place, by astronomy-engine, with the refraction of
 // vrut_lite/atmosphere/refraction.py.
-import { Body, Equator, Horizon, Illumination, Observer, SiderealTime, MakeTime, KM_PER_AU } from 'astronomy-engine';
+import {
+  Body, Equator, Horizon, Illumination, Observer, RotationAxis, Rotation_EQJ_HOR, SiderealTime, MakeTime, KM_PER_AU,
+} from 'astronomy-engine';
 import { clamp, interpolated } from './sky.js';
 
 const DEG = Math.PI / 180;
@@ -61,6 +63,25 @@ export class Ephemeris {
     return { ...at, share, lit };
   }
 }
+
+/** The moon's own axes in the world's, one after the other: x to the mean Earth, z north.
+ * night_sky/sky_axes.py. @param {Date} date @param {Observer} observer @param {number} northOffset radians */
+export function moonAxes(date, observer, northOffset) {
+  const time = MakeTime(date), axis = RotationAxis(Body.Moon, time), { rot } = Rotation_EQJ_HOR(time, observer);
+  const ra = axis.ra * 15 * DEG, dec = axis.dec * DEG, spin = axis.spin * DEG;
+  const north = [Math.cos(dec) * Math.cos(ra), Math.cos(dec) * Math.sin(ra), Math.sin(dec)];
+  const node = [-Math.sin(ra), Math.cos(ra), 0], across = cross(north, node);
+  const prime = node.map((v, k) => Math.cos(spin) * v + Math.sin(spin) * across[k]);
+  const along = Math.cos(northOffset), aside = Math.sin(northOffset);
+  return [prime, cross(north, prime), north].map((own) => {
+    // Horizontal axes are north, west and up.
+    const [n, w, up] = [0, 1, 2].map((j) => own[0] * rot[0][j] + own[1] * rot[1][j] + own[2] * rot[2][j]);
+    return [-along * w - aside * n, up, -(along * n - aside * w)];
+  });
+}
+
+/** @param {number[]} a @param {number[]} b */
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
 /** Share of the night's light (sky_at_night.py). @param {number} sunRad */
 export const nightShare = (sunRad) => clamp(0.5 - sunRad / DEG, 0, 1);

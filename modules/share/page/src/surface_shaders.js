@@ -421,9 +421,12 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
         vec3 about = normalize(mix(to_image, n, roughness * roughness));
         float narrower = roughness * (0.8 - 0.36 * roughness);
         vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
-        vec3 direct = reflected_sky(about, roughness), low = reflected_sky(cut, narrower);
-        vec3 around = max(reached - arrives * open_irradiance(n), 0.0) / PI;
         float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
+        // A lobe as wide as the hemisphere has the colour of all that arrives, not of the zenith.
+        vec3 wide = open_irradiance(n) / PI;
+        vec3 direct = mix(reflected_sky(about, roughness), wide, r2 * r2);
+        vec3 low = mix(reflected_sky(cut, narrower), wide, r2 * r2);
+        vec3 around = max(reached / PI - arrives * wide, 0.0);
         vec3 across = nv * n - view;
         float flat_0 = 0.62 * r2 / (r2 + 0.05), flat_1 = 0.35 * r2 / (r2 + 0.04);
         vec2 up = sqrt(vec2(flat_0 * flat_0, flat_1 * flat_1)
