@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import astronomy
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from share.page_stars import Sighting, air_mass, turn_rad, world_from_sky
 from vrut_lite.numeric_types import FloatArray
@@ -20,6 +21,9 @@ PLANETS = ("Mercury", "Venus", "Mars", "Jupiter", "Saturn", "Uranus")
 _ROUNDS = 40
 # Share of the map that is darker than what counts as the Milky Way.
 _DARK = 0.05
+# Added to the sums of squared transmittance by which a texel's light is divided: what is seen
+# near the horizon alone stays dark.
+_RIDGE = 0.2
 # Distance (radians) within which a point is the planet that is computed there; refraction is in it.
 _NEAR_RAD = np.radians(0.1)
 # Sine of the elevation below which refraction and air are less certain.
@@ -68,7 +72,7 @@ def split_glow(
         standing = np.mean(
             [g - left * _at(turning, *n) for g, n in zip(seen, nodes, strict=True)], axis=0
         )
-        over, under = np.zeros_like(turning), np.full_like(turning, 1e-12)
+        over, under = np.zeros_like(turning), np.full_like(turning, _RIDGE)
         for glow, (index, weight) in zip(seen, nodes, strict=True):
             # Each texel moves by the mean of what is missing around it.
             missing = left * (glow - standing - left * _at(turning, index, weight))
@@ -76,8 +80,13 @@ def split_glow(
                 share = weight[:, corner, None]
                 np.add.at(over, index[:, corner], share * missing)
                 np.add.at(under, index[:, corner], share * left**2)
-        turning += over / under
-        turning = np.maximum(turning - np.quantile(turning[under[:, 1] > 1e-6], _DARK, axis=0), 0.0)
+        turning = _smooth((turning + over / under).reshape(rows, columns, 3)).reshape(-1, 3)
+        known = under[:, 1:2] > 2.0 * _RIDGE
+        darkest = np.quantile(turning[known[:, 0]], _DARK, axis=0)
+        turning = known * np.maximum(turning - darkest, 0.0)
+    # One colour, for that of places near the horizon is uncertain.
+    colour = turning.sum(axis=0)
+    turning = turning[:, 1:2] * colour / max(float(colour[1]), 1e-30)
     standing = np.mean(
         [g - left * _at(turning, *n) for g, n in zip(seen, nodes, strict=True)], axis=0
     )
@@ -137,6 +146,18 @@ def _corners(sky: FloatArray, height: int, width: int) -> tuple[np.ndarray, Floa
     columns = np.mod([c, c + 1, c, c + 1], width).astype(int)
     weight = np.stack([(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u], axis=1)
     return (rows * width + columns).T, weight
+
+
+def _smooth(texels: FloatArray) -> FloatArray:
+    """Rows near the poles, whose texels are narrower than the glow's, over equal widths."""
+    north = (np.arange(len(texels)) + 0.5) / len(texels) * np.pi
+    widths = np.minimum(np.rint(1.0 / np.sin(north)), texels.shape[1]).astype(int)
+    return np.stack(
+        [
+            uniform_filter1d(row, width, axis=0, mode="wrap")
+            for row, width in zip(texels, widths, strict=True)
+        ]
+    )
 
 
 def _at(texels: FloatArray, index: np.ndarray, weight: FloatArray) -> FloatArray:

@@ -131,3 +131,45 @@ def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
         assert browser.errors == []
     finally:
         browser.close()
+
+
+@pytest.mark.long
+def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, tmp_path):
+    """Surfaces reflect the glow, the band of the Milky Way turns with the stars, and the planets
+    stand where their ephemeris has them."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-08-14T23:30")
+        script = """(() => {
+            const page = window.daylight, { view } = page, { renderer, coarse, stars, table } = view;
+            page.frame = () => {};
+            page.dragging = true;
+            page.change();
+            page.step();
+            const read = new Uint16Array(4 * coarse.width * coarse.height);
+            view.skyPass.visible = stars.points.visible = false;
+            view.drawRadiance(view.camera, coarse);
+            renderer.readRenderTargetPixels(coarse, 0, 0, coarse.width, coarse.height, read);
+            const up = stars.points.position.clone().set(0, 1, 0);
+            const sum = (v) => v[0] + v[1] + v[2];
+            const zeniths = [0, 4, 8, 12, 16, 20].map((hour) => {
+                page.setHour(page.day, 60 * hour);
+                page.lightHour(true);
+                return sum(table.glowRadiance(up));
+            });
+            return [Array.from(read), renderer.getContext().getError(), zeniths,
+                Array.from(stars.geometry.getAttribute('light').array.slice(-18))];
+        })()"""
+        read, error, zeniths, planets = browser.value(script)
+        surfaces = np.array(read, np.uint16).view(np.float16).reshape(-1, 4)[:, :3]
+        assert error == 0
+        assert (surfaces.max(axis=1) > 0.0).mean() > 0.5
+        assert max(zeniths) > 1.1 * min(zeniths) > 0.0
+        light = np.reshape(planets, (6, 3))
+        # Venus and Jupiter outshine all stars, Uranus is one that few see.
+        assert light[[1, 3], 1].min() > 30.0 * light[5, 1] > 0.0
+        assert browser.errors == []
+    finally:
+        browser.close()

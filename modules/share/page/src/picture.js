@@ -474,9 +474,10 @@ export class Picture {
     const project = new THREE.Matrix4().makeOrthographic(box.min.x, box.max.x, box.max.y, box.min.y, -box.max.z, -box.min.z);
     this.shared.shadow_from_world.value.multiplyMatrices(project, view);
     this.shared.shadow_texel_m.value = Math.max(box.max.x - box.min.x, box.max.y - box.min.y) / this.shadow.width;
-    if (!(this.shared.key_irradiance.value.y > 0)) return;
+    // Without light too: surfaces cannot be drawn with a map that was never there.
     this.renderer.setRenderTarget(this.shadow);
     this.renderer.clear(false);
+    if (!(this.shared.key_irradiance.value.y > 0)) return;
     this.renderer.render(this.casters, this.camera);
     if (this.header.scene.glass) {
       this.renderer.setRenderTarget(this.tinted);
