@@ -4,16 +4,19 @@
 
 PAGE.html is what `vrut-lite share SCENE` wrote, at the same place and under the same sky. Pictures
 have 640 x 400 pixels; the page's are drawn by Chromium's software renderer. FOLDER keeps the
-program's pictures (the slow part), the page's, and maps of FLIP. Needs chromium and the extra `ref`.
+program's pictures (the slow part), the page's, and maps of FLIP. Needs Linux, chromium and the
+extra `ref`.
 """
 
 import argparse
 import base64
 import importlib.util
 import io
+import os
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -21,7 +24,6 @@ from typing import Any
 import flip_evaluator
 import numpy as np
 import OpenEXR
-import psutil
 from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import maximum_filter, minimum_filter
@@ -77,7 +79,8 @@ _DRAG = """new Promise((done) => {{
             page.step = step;
             page.dragging = false;
             page.change();
-            done({{ seconds, hours: codes.size, coarser: view.coarser, wall: (last - begin) / 1000 }});
+            const wall = (last - begin) / 1000, {{ coarser }} = view;
+            done({{ seconds, hours: codes.size, coarser, wall }});
             return;
         }}
         if (page.minute > 1110) way = -1;
@@ -93,7 +96,8 @@ def browser_of(folder: Path, size: tuple[int, int]) -> Any:
     """A browser without a window, by the driver of the product's own tests."""
     path = ROOT / "tests" / "share" / "browser.py"
     spec = importlib.util.spec_from_file_location("browser", path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module.Browser(folder, size)
@@ -154,7 +158,7 @@ def compare_light(browser: Any, scene: str, folder: Path) -> None:
         )
 
 
-def measure_speed(browser: Any, process: psutil.Process) -> None:
+def measure_speed(browser: Any, process: int) -> None:
     """Print pictures a second of a dragged hour, and the processor's time for each."""
     found = browser.value(_DRAG.format(1.5, _DRAG_MINUTES))
     before = _cpu_s(process)
@@ -164,15 +168,25 @@ def measure_speed(browser: Any, process: psutil.Process) -> None:
     print(
         f"dragged: {count / found['wall']:.1f} pictures a second ({found['hours']} hours), "
         f"{spent / count:.3f} s of CPU each, median {np.median(found['seconds']) * 1e3:.0f} ms, "
-        f"at 1/{found['coarser']}; load {psutil.getloadavg()[0]:.1f}",
+        f"at 1/{found['coarser']}; load {os.getloadavg()[0]:.1f}",
         flush=True,
     )
 
 
-def _cpu_s(process: psutil.Process) -> float:
-    return sum(
-        sum(one.cpu_times()[:2]) for one in (process, *process.children(recursive=True))
-    )
+def _cpu_s(process: int) -> float:
+    """Seconds of the processor that a process and all its descendants have taken."""
+    parents, ticks = {}, {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            # Names hold spaces; what follows the last bracket does not.
+            fields = path.read_text().rpartition(")")[2].split()
+            number = int(path.parent.name)
+            parents[number], ticks[number] = int(fields[1]), int(fields[11]) + int(fields[12])
+    found, wave = 0, {process}
+    while wave:
+        found += sum(ticks.get(number, 0) for number in wave)
+        wave = {number for number, parent in parents.items() if parent in wave}
+    return found / os.sysconf("SC_CLK_TCK")
 
 
 def main() -> None:
@@ -194,7 +208,7 @@ def main() -> None:
             print(f"first picture after {perf_counter() - begin:.2f} s", flush=True)
             browser.value(_FIX_SIZE.format(*SIZE_PX))
             if given.only != "light":
-                measure_speed(browser, psutil.Process(browser._process.pid))
+                measure_speed(browser, browser._process.pid)
             if given.only != "speed":
                 compare_light(browser, given.scene, folder)
         finally:

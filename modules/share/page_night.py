@@ -73,16 +73,16 @@ def split_glow(
             [g - left * _at(turning, *n) for g, n in zip(seen, nodes, strict=True)], axis=0
         )
         over, under = np.zeros_like(turning), np.full_like(turning, _RIDGE)
-        for glow, (index, weight) in zip(seen, nodes, strict=True):
+        for values, (index, weight) in zip(seen, nodes, strict=True):
             # Each texel moves by the mean of what is missing around it.
-            missing = left * (glow - standing - left * _at(turning, index, weight))
+            missing = left * (values - standing - left * _at(turning, index, weight))
             for corner in range(4):
                 share = weight[:, corner, None]
                 np.add.at(over, index[:, corner], share * missing)
                 np.add.at(under, index[:, corner], share * left**2)
         turning = _smooth((turning + over / under).reshape(rows, columns, 3)).reshape(-1, 3)
-        known = under[:, 1:2] > 2.0 * _RIDGE
-        darkest = np.quantile(turning[known[:, 0]], _DARK, axis=0)
+        known = np.clip(under[:, 1:2] / (2.0 * _RIDGE) - 1.0, 0.0, 1.0)
+        darkest = np.quantile(turning[known[:, 0] > 0.0], _DARK, axis=0)
         turning = known * np.maximum(turning - darkest, 0.0)
     # One colour, for that of places near the horizon is uncertain.
     colour = turning.sum(axis=0)
@@ -91,9 +91,7 @@ def split_glow(
         [g - left * _at(turning, *n) for g, n in zip(seen, nodes, strict=True)], axis=0
     )
     shape = rows, columns, 3
-    return PageGlow(
-        np.maximum(standing, 0.0).reshape(shape), turning.reshape(shape)
-    )
+    return PageGlow(np.maximum(standing, 0.0).reshape(shape), turning.reshape(shape))
 
 
 def planet_light(
@@ -110,7 +108,9 @@ def planet_light(
     observer = astronomy.Observer(*place)
     found: list[list[FloatArray]] = [[] for _ in PLANETS]
     for seen in sightings:
-        time = astronomy.Time((datetime.fromtimestamp(seen.seconds, UTC) - _J2000).total_seconds() / 86_400.0)
+        time = astronomy.Time(
+            (datetime.fromtimestamp(seen.seconds, UTC) - _J2000).total_seconds() / 86_400.0
+        )
         for number, name in enumerate(PLANETS):
             body = astronomy.Body[name]
             where = astronomy.Equator(body, time, observer, True, True)

@@ -210,7 +210,7 @@ class SharePanel(QWidget):
         self.progress.setValue(done)
 
     def _show_running(self, running: bool) -> None:
-        for part in (self.share, self.numbers, self.choose):
-            part.setEnabled(not running)
+        for field in (self.share, self.numbers, self.choose):
+            field.setEnabled(not running)
         for part in (self.work, self.progress, self.cancel):
             part.setVisible(running)

@@ -135,7 +135,9 @@ def _page(
     check_sky(table, opened.afternoon_sky())
     glows = opened.moonless_glows()
     # The light of a night is that of the mean.
-    glow = np.mean([each.radiance_rgb for each in glows], axis=0, dtype=np.float32) if glows else None
+    glow = None
+    if glows:
+        glow = np.mean([each.radiance_rgb for each in glows], axis=0).astype(np.float32)
     places = SunPlaces(math.radians(place.latitude_deg), place.north_offset_rad)
     pressure_pa = pressure_at_altitude_pa(place.altitude_m)
     maps = light_maps(
@@ -324,7 +326,7 @@ def _visible_sky(transport: SceneTransport, shape: tuple[int, ...]) -> NDArray[n
     return found.view(np.uint16)
 
 
-def _bytes(share: FloatArray) -> NDArray[np.uint8]:
+def _bytes(share: NDArray[np.floating]) -> NDArray[np.uint8]:
     return np.rint(255.0 * np.clip(share, 0.0, 1.0)).astype(np.uint8)
 
 

@@ -116,7 +116,8 @@ def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
             view.camera.rotation.y += 0.6;
             page.change();
             page.step();
-            return [draft, forward, left, view.light.map.numbers.length - view.light.map.all.length];
+            const { all, numbers } = view.light.map;
+            return [draft, forward, left, numbers.length - all.length];
         })()"""
         draft, forward, left, missing = browser.value(script)
         draft, forward = (
@@ -143,7 +144,8 @@ def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, 
     try:
         browser.open(f"{written[0].as_uri()}#2026-08-14T23:30")
         script = """(() => {
-            const page = window.daylight, { view } = page, { renderer, coarse, stars, table } = view;
+            const page = window.daylight, { view } = page;
+            const { renderer, coarse, stars, table } = view;
             page.frame = () => {};
             page.dragging = true;
             page.change();

@@ -1,6 +1,6 @@
 // The light map of an hour: a sum of basis maps, whose coefficients depend on where the sun stands.
 import * as THREE from 'three';
-import { halfValue } from './data.js';
+import { halfValues } from './data.js';
 import { placeWeights } from './places.js';
 import { fullScreen, LIGHT_FRAGMENT } from './shaders.js';
 
@@ -15,8 +15,7 @@ export class LightMap {
     this.table = table;
     /** Coefficients of a place: clusters by terms by channels. */
     this.count = about.clusters * about.terms * 3;
-    const bits = data.array('sun');
-    this.sun = Float32Array.from(bits, (half) => halfValue(half) * about.sun_scale);
+    this.sun = halfValues(data.array('sun'), about.sun_scale);
     this.shares = data.array('share_weights');
     /** Weights of the share of the sky's light, those of the sources in the share of their light. */
     this.shareWeights = new Float64Array(about.share_components);

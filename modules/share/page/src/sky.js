@@ -1,6 +1,6 @@
 // The sky by the sun's height; share/sky_table.py says how its table is laid out.
 import * as THREE from 'three';
-import { halfValue } from './data.js';
+import { halfValues } from './data.js';
 
 /** @typedef {{trueRad: number, apparentRad: number, azimuthRad: number, share: number[]}} Body
  * A source of the sky's light: geometric and apparent height, azimuth from -Z clockwise, and its
@@ -39,14 +39,14 @@ export class SkyTable {
     this.layers = layers; this.rows = rows; this.columns = columns;
     this.lower = this.about.lower;
     this.texture = layered(this.bits, layers, rows, columns);
-    this.values = Float32Array.from(this.bits, halfValue);
+    this.values = halfValues(this.bits);
     this.air = layered(data.array('air'), layers, rows + this.about.below, columns, 4);
     const [views] = data.shape('optical_depth');
     this.opticalDepth = halves(data.array('optical_depth'), 1, views);
     const [, glowRows, glowColumns] = data.shape('glow');
     this.glow = layered(data.array('glow'), 2, glowRows, glowColumns);
     this.glow.wrapS = THREE.RepeatWrapping;
-    this.glowValues = Float32Array.from(data.array('glow'), halfValue);
+    this.glowValues = halfValues(data.array('glow'));
     this.glowSize = [glowRows, glowColumns];
     this.glowScale = data.header.glow_scale;
     /** From the world's axes to those that turn with the sky. */
