@@ -52,7 +52,7 @@ def on_gpu(owner, volume, rays, ground_level_m=0.0):
 
     def work(context):
         counters = WorkCounters()
-        textures = AirOnGpu(PartRenderer(context, counters, Patience(counters)))
+        textures = AirOnGpu(PartRenderer(context, counters, Patience(counters), print))
         textures.show(volume)
         textures.bind(frame_at(volume.observer_altitude_m, ground_level_m))
         source = "#version 430 core\n" + shader_source(SHADERS / "air.glsl") + PROBE

@@ -50,7 +50,7 @@ def ask(owner, layer, points, body):
         from vrut_lite.render.frame_parts import PartRenderer
 
         counters = WorkCounters()
-        gl = PartRenderer(context, counters, Patience(counters))
+        gl = PartRenderer(context, counters, Patience(counters), print)
         clouds, shadow = CloudsOnGpu(gl), CloudShadowMap(gl)
         clouds.show(layer)
         assert shadow.bind([clouds], [LIGHT], np.zeros(3), CloudSurroundings(EYE, 0.0, 1e-3))
