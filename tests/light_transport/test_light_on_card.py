@@ -82,23 +82,31 @@ def check_same(host):
     return card
 
 
-def test_no_picture_shows_a_map_of_before(host):
-    """The hour moves, another module is the sky, a surface and the scene change: each picture has
-    the light that the processor finds."""
+def differs_each_time(host, changes):
+    """Each picture has the light that the processor finds, and is another than the one before."""
     seen = [check_same(host)]
-    for change in (
-        SetClock(instant=NOON + timedelta(hours=6)),
-        ChooseSlot(slot="sky", module="bruneton_sky"),
-        SetSetting(module="clouds", name="coverage", value=1.0),
-        LoadScene(path=PAVILION),
-    ):
-        if isinstance(change, LoadScene):
-            host.inject(SetSetting(module=NAME, name="texel_m", value=2.0))
+    for change in changes:
         host.inject(change)
         host.settle()
         seen.append(check_same(host))
     for before, after in pairwise(seen):
         assert apart(before, after)[1] > 0.1
+
+
+def test_no_picture_shows_a_map_of_before(host):
+    """The hour moves, another module is the sky: pictures have the light of now."""
+    moved = SetClock(instant=NOON + timedelta(hours=6))
+    chosen = ChooseSlot(slot="sky", module="bruneton_sky")
+    differs_each_time(host, (moved, chosen))
+
+
+@pytest.mark.long
+def test_no_picture_shows_the_map_of_another_scene(host):
+    """Its tables are those of the scene that is open; clouds change its light too."""
+    clouded = SetSetting(module="clouds", name="coverage", value=1.0)
+    host.inject(SetSetting(module=NAME, name="texel_m", value=2.0))
+    host.settle()
+    differs_each_time(host, (LoadScene(path=PAVILION), clouded))
 
 
 def test_a_moved_hour_uploads_no_texels(host, monkeypatch):

@@ -16,7 +16,7 @@ import { Ephemeris, moonAxes, nightShare, sunShare, visible } from './sun.js';
 const LUX_SCALE = 1 / 8;
 // Least and most that moving pictures of a processor are coarser, and seconds of a picture below and
 // above which that changes: twenty a second.
-const COARSER = [2, 4], PACE_S = [0.025, 0.05];
+const COARSER = [2, 5], PACE_S = [0.025, 0.05];
 // Linear value, 1 being white, that the meter sees of tiles with numbers.
 const GREY = 0.18;
 // Texels of an edge of drafts' shadow map, and of the cubes in which surfaces mirror the sky.
@@ -367,11 +367,15 @@ export class Picture {
     for (const [pass, target] of /** @type {const} */ ([[this.cubePass, mirrored], [this.airPass, air]])) {
       pass.material.uniforms.cube_scale.value = 1 / level;
       pass.material.uniforms.key_body.value = byDay ? 0 : 1;
+      const { texture } = target, levels = texture.generateMipmaps;
       for (let face = 0; face < 6; ++face) {
         pass.material.uniforms.face.value = face;
         pass.material.uniformsNeedUpdate = true;
+        // Once a cube, not after each face.
+        texture.generateMipmaps = levels && face === 5;
         pass.draw(this.renderer, target, face);
       }
+      texture.generateMipmaps = levels;
     }
     const { disc } = this.header, u = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms;
     const radius = byDay ? disc.angular_radius_rad : 0.0045;
