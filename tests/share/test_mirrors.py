@@ -86,8 +86,9 @@ def test_a_mirror_shows_the_red_wall_that_it_faces(scene, tmp_path):
         for shown in (True, False):
             script = """(() => {
                 const page = window.daylight, view = page.view;
+                const sky = view.fineCubes.mirrored.texture;
                 if (!SHOWN) for (const { meshes } of view.mirrors)
-                    for (const mesh of meshes) view.showMirror(mesh, view.fineCubes.mirrored.texture, 0);
+                    for (const mesh of meshes) view.showMirror(mesh, sky, 0);
                 view.camera.position.set(0, 1.6, 2.6);
                 view.camera.lookAt(0, 1.2, 0);
                 view.camera.updateMatrixWorld(true);
