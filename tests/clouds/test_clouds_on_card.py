@@ -137,15 +137,7 @@ class CloudyStage(SkyStage):
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize(
-    "instant",
-    [
-        NOON,
-        EVENING,
-        # Open: on a busy machine the moonlit clear cube may follow no more after the dark one.
-        pytest.param(FULL_MOON, marks=pytest.mark.long),
-    ],
-)
+@pytest.mark.parametrize("instant", [NOON, EVENING, FULL_MOON])
 def test_a_cards_sky_with_clouds_is_the_processors(gl_owner, instant):
     """By day, in twilight and by moonlight; the card's clear sky stays on the card, no cube of the
     background is made by the processor, and all other parts are the same."""

@@ -43,8 +43,8 @@ class GlJobs(Module):
         self._buffers = JobBuffers()
         self._programs: dict[str, Any] = {}
         self._latest: dict[str, GpuJob] = {}
-        # Those of them whose result was not sent.
-        self._unanswered: dict[str, GpuJob] = {}
+        # Jobs whose result was not sent, by identity: two of one key may be under way.
+        self._unanswered: dict[int, GpuJob] = {}
         self.pending: list[Future[None]] = []
         self._tried = _tried(owner.opened.device)
         inject(self._tried)
@@ -54,12 +54,13 @@ class GlJobs(Module):
     @handles(GpuJob)
     def on_job(self, job: GpuJob) -> None:
         """Queue a job; a failure, such as a shader that does not compile, is a result too."""
-        self._latest[job.key()] = self._unanswered[job.key()] = job
+        self._latest[job.key()] = self._unanswered[id(job)] = job
         self.pending = [future for future in self.pending if not future.done()]
         self.pending.append(self._owner.submit(lambda context: self._run(context, job)))
 
     def _run(self, context: Any, job: GpuJob) -> None:
         if self._latest[job.key()] is not job:
+            self._unanswered.pop(id(job), None)
             self.counters.skip("gpu job outdated")
             return
         try:
@@ -70,7 +71,7 @@ class GlJobs(Module):
             value, error = None, f"{type(failure).__name__}: {failure}"
         if loss():
             return
-        self._unanswered.pop(job.key())
+        self._unanswered.pop(id(job), None)
         self.counters.did("gpu job")
         self._inject(JobResult(module=job.module, job=job.job, value=value, error=error))
 
