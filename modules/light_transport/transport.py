@@ -259,7 +259,7 @@ class SceneTransport(RayScene):
         return self._light[1]
 
     def card_hour(self, hour: Illumination) -> CardHour:
-        """What a graphics card computes the light of an hour from."""
+        """Tables and inputs from which a graphics card computes the light of an hour."""
         if self._card_tables is None:
             self._card_tables = card_tables(self, self.cache)
         return CardHour(self._card_tables, card_inputs(self, self.cache, hour))

@@ -58,7 +58,7 @@ def split_glow(
     latitude_rad: float,
     north_offset_rad: float,
 ) -> PageGlow:
-    """What stands and what turns, by least squares in turn; `begins` is the stars' instant."""
+    """Standing and turning light, by alternating least squares; `begins` is the stars' instant."""
     rows, columns = glows[0].radiance_rgb.shape[:2]
     world = map_directions(rows, columns).reshape(-1, 3)
     left = np.exp(-extinction * air_mass(np.arcsin(world[:, 1]))[:, None])

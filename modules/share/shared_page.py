@@ -206,7 +206,7 @@ def _page(
         "false_colours": _false_colours(),
         "facts": _facts(errors, values, basis),
     }
-    # What stands over the horizon, and what turns with the stars.
+    # Light fixed to the horizon, and light that turns with the stars.
     night = np.zeros((2, 2, 2, 3))
     if stars is not None and len(glows) > 2:
         where = stars.seconds, places.latitude_rad, place.north_offset_rad

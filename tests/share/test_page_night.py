@@ -43,7 +43,7 @@ def test_what_turns_with_the_stars_is_told_from_what_stands_over_the_horizon():
         seen = found.standing + left * found.turning[nearest]
         off = np.sqrt(np.mean((seen - glow.radiance_rgb) ** 2)) / glow.radiance_rgb.mean()
         assert off < 0.06
-        # What stands alone is another sky.
+        # The standing part alone is another sky.
         assert np.std(found.standing - glow.radiance_rgb) / glow.radiance_rgb.mean() > 0.15
     north = (np.arange(rows) + 0.5) / rows * np.pi - 0.5 * np.pi
     east = (np.arange(columns) + 0.5) / columns * 2.0 * np.pi

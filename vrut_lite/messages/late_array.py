@@ -37,7 +37,7 @@ class LateArray:
 
     @property
     def recipe(self) -> Any:
-        """What the sender's frame part computes from; None in an array of another process."""
+        """Input of the sender's frame part; None in an array of another process."""
         return self._recipe
 
     @cached_property

@@ -56,7 +56,7 @@ class GlOwner:
         self._trial_ns = trial_ns
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gl-owner")
         self._opened = self._thread.submit(_open, trial_ns)
-        # What took the place of the context that was opened first.
+        # The context that replaced the first one.
         self._reopened: Opened | None = None
         self._rebuilders: list[Callable[[Any], None]] = []
         self._resets: list[Reset] = []

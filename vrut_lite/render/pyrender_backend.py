@@ -308,7 +308,7 @@ class PyrenderBackend:
         self._mirrored_polarised.show(context, light.polarisation)
         seen = light.background
         if isinstance(seen.cube, GpuTexture):
-            # Of the card, as seen from the ground.
+            # Made by the card, as seen from the ground.
             self._mirrored = SkyTexture(seen.cube.opaque, seen.radiance_scale, seen)
         else:
             texture = self._summed_cube.holding(context, radiance.cube)

@@ -86,7 +86,7 @@ class SkySum(Module):
         # Glows by the modules that add them.
         self._glows: dict[str, SkyGlowAdded] = {}
         self._height_m = 0.0
-        # What the card adds to the clear sky's cube, once its numbers are summed.
+        # The card's additions to the clear sky's cube, once its numbers are summed.
         self._on_card: CardSum | None = None
         self._textures = AwaitedTextures()
         self._card_failed = False

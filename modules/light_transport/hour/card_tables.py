@@ -192,7 +192,7 @@ def largest_return(tables: CardTables, ground_albedo_rgb: ArrayLike) -> float:
 
 
 def sweep_weights(largest: float) -> list[float]:
-    """Weights of the sweeps after which what is left out of the bounces is negligible.
+    """Weights of the sweeps, as many as leave a negligible share of the bounces out.
 
     Chebyshev's semi-iteration (Golub and Varga 1961): x_k+1 = w (b + G x_k - x_k-1) + x_k-1. Sweeps
     of a card cannot follow each other within a sweep, as those of Gauss and Seidel do, nor can
