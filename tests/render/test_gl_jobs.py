@@ -450,3 +450,26 @@ def test_of_waiting_jobs_only_the_latest_is_run(gl_owner):
     kernel.pump()
     assert len(kernel.seats["asker"].module.results) == 1
     assert jobs.counters.skipped["gpu job outdated"] == 2
+
+
+def test_a_job_asked_for_while_another_of_its_key_runs_is_answered(gl_owner):
+    """Each answers for itself: the end of the first must not make the second's fail unheard."""
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    results = []
+    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
+    compute, second = jobs._compute, msgspec.structs.replace(Asker.job, size=2 * SIZE)
+
+    def asked_meanwhile(context, job):
+        found = compute(context, job)
+        if job is Asker.job:
+            jobs.on_job(second)
+        return found
+
+    jobs._compute = asked_meanwhile
+    jobs.on_job(Asker.job)
+    while jobs.pending:
+        wait(waiting := list(jobs.pending))
+        jobs.pending = [future for future in jobs.pending if future not in waiting]
+    values = [each.value for each in results if isinstance(each, JobResult)]
+    assert [value.shape[1] for value in values] == [SIZE, 2 * SIZE]
