@@ -40,7 +40,7 @@ def check_name(path: Path) -> None:
     """Check the name of a page.
 
     Raises:
-        UserError: it is none.
+        UserError: it is not a page.
     """
     if path.suffix.lower() != SUFFIX:
         raise UserError(f"cannot write {path}: a page's name ends with .html")

@@ -53,7 +53,7 @@ class Links(NamedTuple):
 
 
 class CardTables(NamedTuple):
-    """What a bake has for all hours (N rows, T texels, M patches).
+    """Tables of a bake for all hours (N rows, T texels, M patches).
 
     Attributes:
         entry: the table of rays; `is_wide`: an entry has 32 bits, otherwise 16.
@@ -64,7 +64,7 @@ class CardTables(NamedTuple):
         transfer: means over patches of the table's columns.
         patches: (M, 3, 4) float32: emitted radiosity and 1 on the ground; reflectance; lamps.
         enclosure: (M,) float32, share of a patch's view that is other patches.
-        smoothing: a step of smoothing, of texels. back: (T,) what is given back.
+        smoothing: a step of smoothing, of texels. back: (T,) share that is given back.
         border_of: (T,) int32, number of a texel among the borders or -1; borders: (K, 9, 2)
             uint32, their neighbours and the weights' bits.
         lamps: (lit, 4) float32, irradiance of lamps that the frame does not draw; None without any.
@@ -105,7 +105,7 @@ class CardTables(NamedTuple):
 
 
 class CardInputs(NamedTuple):
-    """What an hour brings, float32.
+    """Inputs of an hour, float32.
 
     Attributes:
         nodes: (NODES, 4), pi times the radiance of the sky's nodes, and its luminance.
