@@ -15,7 +15,7 @@ from vrut_lite.app.fonts import ensure_font
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.compile_news import CompileNews
 from vrut_lite.app.window.first_size import first_place
-from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.kept import Kept, NamedProject
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.project import Project
 
@@ -23,8 +23,10 @@ _SIGNAL_MS = 200
 _ICON = Path(__file__).parent / "data" / "vrut-lite_256.png"
 
 
-def run_app(project: Project, kept: Kept, safe_mode: bool = False, path: str = "") -> int:
-    """Show a project in a window, that of the file `path` if one is given; the exit code.
+def run_app(
+    project: Project, kept: Kept, safe_mode: bool = False, named: NamedProject | None = None
+) -> int:
+    """Show a project in a window, `named` if it has a file; the exit code.
 
     In safe mode nothing but the host and the default sun and sky runs.
     """
@@ -50,9 +52,10 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False, path: str = "
     window.show()
     if safe_mode:
         session.ask(states_of, lambda states: session.begin_with(*into_safe_mode(states)))
-    window.files.open_project(project)
-    if path:
-        window.files.name_project(path)
+    if named is None:
+        window.files.open_project(project)
+    else:
+        window.files.open_named(project, named)
     listening = _hear_interrupts(window)
     code = app.exec()
     listening.stop()

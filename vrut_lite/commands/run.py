@@ -10,7 +10,7 @@ import click
 import msgspec
 
 from vrut_lite.app.desktop import require_desktop
-from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.kept import Kept, NamedProject
 from vrut_lite.bundled.examples import example_named
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
@@ -43,13 +43,13 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
     Example: vrut-lite run scenes/street.toml --at 2026-06-21T18:40
     """
     kept = Kept(None) if safe_mode else Kept.of_user()
-    project = with_options(with_scene_options(_project(scene, kept), options), options)
+    opened, named = _project(scene, kept)
+    project = with_options(with_scene_options(opened, options), options)
     if project.scene and not os.path.isfile(project.scene):
         raise UserError(f"cannot open {project.scene}: there is no such file")
     require_desktop(meanwhile=_import_host)
     with interrupts_held():
         start = run_app.load()
-    named = scene if scene is not None and scene.lower().endswith(PROJECT_SUFFIX) else ""
     sys.exit(start(project, kept, safe_mode, named))
 
 
@@ -62,10 +62,13 @@ def _import_host() -> None:
         importlib.import_module("vrut_lite.host")
 
 
-def _project(scene: str | None, kept: Kept) -> Project:
-    if scene is None:
-        return kept.session() or _first_project()
-    return project_of_path(scene)
+def _project(scene: str | None, kept: Kept) -> tuple[Project, NamedProject | None]:
+    """The project to open, and its file if it has one."""
+    if scene is not None:
+        is_file = scene.lower().endswith(PROJECT_SUFFIX)
+        return project_of_path(scene), NamedProject(scene) if is_file else None
+    session = kept.session()
+    return (_first_project(), None) if session is None else (session, kept.named)
 
 
 def _first_project() -> Project:

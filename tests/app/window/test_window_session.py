@@ -14,7 +14,7 @@ from PySide6.QtCore import Qt
 from window_driver import NOON, SCENES, HeadlessStage, WindowDriver
 
 from vrut_lite.app.panels.presets import PresetStore
-from vrut_lite.app.window.kept import Kept, WindowShape
+from vrut_lite.app.window.kept import Kept, NamedProject, WindowShape
 from vrut_lite.commands.run import run
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, EnableModule, SetClock, SetSetting
@@ -22,7 +22,7 @@ from vrut_lite.messages.camera import MoveCamera
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE, SetTolerance
-from vrut_lite.project import Project
+from vrut_lite.project import Project, load_project, save_project
 
 
 @pytest.fixture
@@ -75,6 +75,39 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     assert second.project.camera.eye_m == (5.0, 6.0, 7.0)
     second.window.files.open_path(str(SCENES / "sundial.toml"))
     second.until_heard(SetTolerance, lambda m: m.tolerance == DEFAULT_TOLERANCE)
+
+
+@pytest.mark.parametrize("changes", [True, False])
+def test_a_session_keeps_the_name_of_its_project(open_window, kept, tmp_path, changes):
+    """Its title says whether the file lacks changes, and saving writes that file."""
+    path = tmp_path / "evening.toml"
+    save_project(path, Project(scene=str(SCENES / "sundial.glb"), at=NOON.isoformat()))
+    first = open_window()
+    first.window.files.open_path(str(path))
+    first.until_heard(SceneOpened, lambda m: m.path.endswith("sundial.glb"))
+    first.settled()
+    first.settled()
+    if changes:
+        first.session.send(SetTolerance(tolerance=0.05))
+        first.settled()
+    first.window.close_now()
+    named = kept.named
+    assert named == NamedProject(str(path), changes)
+    second = open_window()
+    second.window.files.open_named(kept.session(), named)
+    second.until_heard(SceneOpened, lambda m: m.path.endswith("sundial.glb"))
+    second.settled()
+    second.settled()
+    second.window.files.unsaved.look()
+    assert second.window.windowTitle().startswith("evening.toml[*]")
+    assert second.window.isWindowModified() is changes
+    second.window.files.save_or_ask()
+    assert not second.window.isWindowModified()
+    assert load_project(path).tolerance == (0.05 if changes else DEFAULT_TOLERANCE)
+    second.window.close_now()
+    assert kept.named == NamedProject(str(path), False)
+    path.unlink()
+    assert kept.named is None
 
 
 def test_a_window_that_cannot_keep_anything_closes_all_the_same(open_window, tmp_path):
@@ -350,19 +383,21 @@ def test_damaged_names_of_modules_switch_nothing_off(kept, tmp_path, value):
 
 def test_run_without_a_scene_opens_the_last_session(started, kept):
     """And the first time a scene that can be looked at; options hold for both."""
-    project, store, safe, path = started_with(started)
+    project, *others = started_with(started)
     assert project.scene.endswith("street.obj")
-    assert (store, safe, path) == (kept, False, "")
+    assert others == [kept, False, None]
     scene = str(SCENES / "spheres.glb")
     kept.keep_session(Project(scene=scene, place="10,20,0"))
     project, *_ = started_with(started)
     assert (Path(project.scene).name, project.place) == ("spheres.glb", "10,20,0")
-    project, *_ = started_with(started, "--place", "1,2")
+    kept.keep_named(NamedProject(scene, is_changed=True))
+    project, *_, named = started_with(started, "--place", "1,2")
+    assert named == kept.named == NamedProject(scene, is_changed=True)
     assert project.where()[:2] == (1.0, 2.0)
     project, *_ = started_with(started, str(SCENES / "sundial.toml"))
     assert project.scene.endswith("sundial.glb")
     # The file that Save writes.
-    assert Path(started[-1][3]) == SCENES / "sundial.toml"
+    assert started[-1][3] == NamedProject(str(SCENES / "sundial.toml"))
 
 
 def test_run_in_safe_mode_leaves_the_last_session_alone(started, kept):

@@ -12,7 +12,7 @@ from vrut_lite.app.engine.session import one_line
 from vrut_lite.app.engine.session_project import folder_of, foretold, inputs_of, project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.file_title import file_title
-from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.kept import Kept, NamedProject
 from vrut_lite.app.window.panel_context import PanelContext
 from vrut_lite.app.window.refused_files import RefusedFiles
 from vrut_lite.app.window.screenshot import save_screenshot
@@ -94,11 +94,9 @@ class Files:
             self.unsaved.begin()
             return
         try:
-            self.open_project(load_project(path))
+            self.open_named(load_project(path), NamedProject(path))
         except UserError as error:
             self._refuse(str(error))
-        else:
-            self.name_project(path)
 
     def name_project(self, path: str) -> None:
         """The open project is that of a file: it is saved there. An example is nobody's file:
@@ -106,6 +104,20 @@ class Files:
         self.project = None if is_bundled(Path(path)) else Path(path)
         self.title_changed()
         self.add_recent(path)
+
+    def open_named(self, project: Project, named: NamedProject) -> None:
+        """Show a project that has a file, from which it may differ."""
+        self.open_project(project)
+        self.name_project(named.path)
+        if named.is_changed:
+            self.unsaved.mark_changed()
+
+    @property
+    def named(self) -> NamedProject | None:
+        """The present project's file."""
+        if self.project is None:
+            return None
+        return NamedProject(str(self.project.resolve()), self.unsaved.is_changed)
 
     def scene_opened(self, scene: SceneOpened) -> None:
         """Go to the place that the scene's own file states, once it has opened."""

@@ -1,4 +1,5 @@
-"""Files that outlive a window: last session, recent files, layout, modules switched off."""
+"""Files that outlive a window: last session and its name, recent files, layout, switched off
+modules."""
 
 import os
 from base64 import b64decode, b64encode
@@ -24,6 +25,13 @@ class WindowShape(NamedTuple):
 
     geometry: bytes
     docks: bytes
+
+
+class NamedProject(NamedTuple):
+    """A project's file, and whether the present project differs from it."""
+
+    path: str
+    is_changed: bool = False
 
 
 class Kept:
@@ -77,6 +85,20 @@ class Kept:
             except UserError:
                 set_aside(file)
             save_project(file, project)
+
+    @property
+    def named(self) -> NamedProject | None:
+        """The file of the session's project, if it had one that still exists."""
+        facts = self._read()
+        path, is_changed = facts.get("project"), facts.get("project_is_changed")
+        if not isinstance(path, str) or not os.path.isfile(path):
+            return None
+        return NamedProject(path, is_changed is not False)
+
+    def keep_named(self, named: NamedProject | None) -> None:
+        """Keep the file of the session's project; None if it has none."""
+        path, is_changed = named or (None, False)
+        self._write(project=path, project_is_changed=is_changed)
 
     def shape(self) -> WindowShape | None:
         """The window's shape when it was last closed."""

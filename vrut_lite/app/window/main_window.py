@@ -322,6 +322,7 @@ class MainWindow(QMainWindow):
         geometry, docks = self.saveGeometry().data(), self.saveState().data()
         try:
             self.files.kept.keep_session(self.files.present_project)
+            self.files.kept.keep_named(self.files.named)
             self.files.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
             if (names := self.modules.switched_off) is not None:
                 self.files.kept.keep_switched_off(names)

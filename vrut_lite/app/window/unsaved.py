@@ -30,6 +30,7 @@ class Unsaved(QObject):
         self._session, self._present = session, present
         self._saved: Fields = {}
         self._openings = 0
+        self._was_changed = False
         self._was = False
         self._looking = make_timer(self, _LOOK_MS, self.look, once=True)
         session.heard.connect(self._note_message)
@@ -39,7 +40,7 @@ class Unsaved(QObject):
     def begin(self) -> None:
         """Something else is being opened."""
         self._openings += 1
-        self._saved = {}
+        self._saved, self._was_changed = {}, False
         self.look()
         number = self._openings
         # Inputs are sent in the first answer, and acted on before the second.
@@ -47,9 +48,14 @@ class Unsaved(QObject):
             _nothing, lambda _: self._session.ask(_nothing, lambda _: self._begun(number))
         )
 
+    def mark_changed(self) -> None:
+        """The project that is being opened differs from its file: of a session with changes."""
+        self._was_changed = True
+        self.look()
+
     def saved(self) -> None:
         """The present project was saved."""
-        self._saved = self._fields()
+        self._saved, self._was_changed = self._fields(), False
         self.look()
 
     def look(self) -> None:
@@ -63,7 +69,8 @@ class Unsaved(QObject):
     def is_changed(self) -> bool:
         """Whether a field that is known as saved differs."""
         fields = self._fields() if self._saved else {}
-        return any(fields[name] != value for name, value in self._saved.items())
+        differ = (fields[name] != value for name, value in self._saved.items())
+        return self._was_changed or any(differ)
 
     def _begun(self, number: int) -> None:
         """The inputs have been acted on; a scene that is still on its way follows."""
