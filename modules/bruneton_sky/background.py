@@ -1,7 +1,7 @@
 """Sun, sky and ground around an observer, and their light on the scene."""
 
-from functools import lru_cache
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,20 +19,37 @@ LIGHT_SIZE = 64
 _LEVELS = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
 
 
-class Surroundings(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Surroundings:
     """Light of sun, sky and ground at one place; RGB is linear sRGB.
 
-    `view`: the observer's sky-view table. `standing`: that of an observer on the ground, where the
-    scene is: the same table for an observer on the ground, else a small one. `disc`: the sun as
-    seen from
-    aloft, None for an observer on the ground.
+    Attributes:
+        field: the solved atmosphere.
+        altitude_m: of the observer above the ground; 0 for one who stands on it.
+        sun_direction: unit vector (3,) in world axes.
+        finer: factor on the sizes of the observer's table.
+        standing: the sky-view table of an observer on the ground, where the scene is.
+        is_whole: whether `standing` is as large as a table that is shown.
+        sun_irradiance_rgb, ground_radiance_rgb: (3,).
+        disc: the sun as seen from aloft, None for an observer on the ground.
     """
 
-    view: SkyView
+    field: SourceField
+    altitude_m: float
+    sun_direction: NDArray[np.float64]
+    finer: float
     standing: SkyView
+    is_whole: bool
     sun_irradiance_rgb: NDArray[np.float64]
     ground_radiance_rgb: NDArray[np.float64]
     disc: DiscLight | None
+
+    @cached_property
+    def view(self) -> SkyView:
+        """The observer's sky-view table; where a graphics card makes it, nobody asks."""
+        if self.is_whole and self.disc is None:
+            return self.standing
+        return sky_view(self.field, self.altitude_m, self.sun_direction, self.finer)
 
 
 def surroundings(
@@ -43,6 +60,7 @@ def surroundings(
     sunlight: Atmosphere | None = None,
     known: Surroundings | None = None,
     finer: float = 1.0,
+    view_on_card: bool = False,
 ) -> Surroundings:
     """Sun, sky and ground for an observer above level ground.
 
@@ -55,23 +73,26 @@ def surroundings(
             field's by default.
         known: the result for another altitude, or None: the light on the scene is taken from it.
         finer: factor on the sizes of the observer's table.
+        view_on_card: whether a card makes the observer's table. Then, and for an observer aloft,
+            the light on the scene is that of a small table.
     """
     direction = np.asarray(sun_direction, dtype=float)
     direction = direction / np.linalg.norm(direction)
-    stands = altitude_m <= standing_m(field.atmosphere)
-    view = sky_view(field, 0.0 if stands else altitude_m, direction, finer)
     spectral = sunlight or field.atmosphere
     mu_s = float(np.clip(direction[1], -1.0, 1.0))
+    stands = altitude_m <= standing_m(field.atmosphere)
     disc = None if stands else disc_light(spectral, altitude_m, mu_s)
+    seen_m = 0.0 if stands else altitude_m
     if known is not None:
-        return known._replace(view=view, disc=disc)
-    standing = view if stands else light_view(field, direction)
+        return replace(known, altitude_m=seen_m, disc=disc)
+    is_whole = stands and not view_on_card
+    standing = sky_view(field, 0.0, direction, finer) if is_whole else light_view(field, direction)
     sun = sun_irradiance_rgb(spectral, 0.0, mu_s, visible_disc_fraction)
     # A separate small cube: the light on the ground does not depend on the picture's size.
     cube = fill_cube(standing, LIGHT_SIZE, np.zeros(3))
     sky = _level_weights() @ cube.reshape(-1, 3)
     reflected = albedo_rgb(spectral) / np.pi * (sky + sun * max(mu_s, 0.0))
-    return Surroundings(view, standing, sun, reflected, disc)
+    return Surroundings(field, seen_m, direction, finer, standing, is_whole, sun, reflected, disc)
 
 
 @lru_cache(maxsize=2)

@@ -16,7 +16,8 @@ from bruneton_sky.background import (
 )
 from bruneton_sky.polarised_sky import HIGHEST_M, polarised_cube
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_atmosphere_of
-from bruneton_sky.sky_view.gpu import sky_view_job, view_shader
+from bruneton_sky.sky_view.gpu import cube_scale, sky_view_job, view_shader
+from bruneton_sky.sky_view.table_on_card import standing_sky_job
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectra, sky_spectrum
@@ -74,8 +75,11 @@ class SurroundingsMemo:
         self._counters = counters
         self._made: tuple[BrunetonLight, Surroundings] | None = None
 
-    def of(self, light: "BrunetonLight") -> Surroundings:
-        """The surroundings in a light; that on the scene is kept where only the eye moved."""
+    def of(self, light: "BrunetonLight", view_on_card: bool = False) -> Surroundings:
+        """The surroundings in a light; that on the scene is kept where only the eye moved.
+
+        `view_on_card` as for `surroundings`, where they are made.
+        """
         known = None
         if self._made is not None:
             before, around = self._made
@@ -96,6 +100,7 @@ class SurroundingsMemo:
             light.of.spectral_air(),
             known,
             TABLES[light.table],
+            view_on_card,
         )
         self._made = (light, made)
         self._counters.did("sky-view table")
@@ -106,7 +111,8 @@ class SurroundingsMemo:
 class BrunetonLight(Sky):
     """Sky, sun, ground and air around an eye, `of` a solved air; the sun is the apparent one."""
 
-    # Timed on llvmpipe: 0.25 to 0.43 trial pixels a texel, 9e4 a volume.
+    # Timed on llvmpipe: 0.25 to 0.43 trial pixels a texel, 9e4 a volume. A table takes 2e4 to 9e4
+    # more, 4 % of a cube of 1024².
     cube_trials: ClassVar[float] = 0.4
     air_trials: ClassVar[float] = 9e4
 
@@ -145,10 +151,18 @@ class BrunetonLight(Sky):
         return Background(ground_cube(around, size), around.ground_radiance_rgb)
 
     def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background]:
-        """The same table as a cube map, computed by the GPU."""
-        around = self._around
-        where = around.view, size, around.ground_radiance_rgb
-        job, scale = sky_view_job(*where, NAME, CUBE_JOB, format=format)
+        """The same cube map by the GPU; for an observer on the ground it makes the table too."""
+        # A cube in half precision takes its scale from the whole table.
+        around = self.memo.of(self, view_on_card=format == "rgba32f")
+        if around.disc is None and format == "rgba32f":
+            scale = cube_scale(around.standing, around.ground_radiance_rgb)
+            job = standing_sky_job(
+                self.solved, around.sun_direction, size, around.ground_radiance_rgb, scale,
+                NAME, CUBE_JOB, around.finer,
+            )  # fmt: skip
+        else:
+            where = around.view, size, around.ground_radiance_rgb
+            job, scale = sky_view_job(*where, NAME, CUBE_JOB, format=format)
         texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
         return job, background_with(around, texture, scale)
 
@@ -227,7 +241,7 @@ def background_with(
         cube,
         around.ground_radiance_rgb,
         scale,
-        ground_through_air=around.view.shape[1] > 0,
+        ground_through_air=disc is not None,
         view=view_shader(around.view, disc) if disc is not None else None,
         seen_sun_rgb=disc.seen_rgb if disc is not None else None,
     )

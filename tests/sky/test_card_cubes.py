@@ -55,8 +55,9 @@ class BothDevices:
         by_card, by_processor = (s.kernel.last(BackgroundChanged) for s in self.stages)
         assert isinstance(by_card.cube, GpuTexture)
         assert isinstance(by_processor.cube, Array)
+        # Where a card makes the sky-view table, a smaller one of the processor lights the ground.
         np.testing.assert_allclose(
-            by_card.ground_radiance_rgb, by_processor.ground_radiance_rgb, rtol=1e-6
+            by_card.ground_radiance_rgb, by_processor.ground_radiance_rgb, rtol=1e-3
         )
         assert by_card.ground_through_air == by_processor.ground_through_air
         return tuple(stage.radiance() for stage in self.stages)
@@ -98,7 +99,7 @@ def test_a_night_from_aloft_ends_at_its_own_horizon(both):
 def test_no_jump_from_day_to_night(both):
     """A sweep of an evening in steps of ten minutes: the card's sum follows the processor's."""
     both.tell(MoveCamera(eye_m=(0.0, 1.7, 0.0), target_m=(0.0, 1.7, -1.0)))
-    suns, further = [], set()
+    suns, programs = [], set()
     for minutes in range(0, 200, 10):
         both.tell(SetClock(instant=datetime(2026, 6, 21, 18, 45, tzinfo=UTC)
                            + timedelta(minutes=minutes)))  # fmt: skip
@@ -106,11 +107,12 @@ def test_no_jump_from_day_to_night(both):
         assert apart(card, processor) < ROUNDED
         assert card.sum() == pytest.approx(processor.sum(), rel=2e-4)
         suns.append(np.degrees(both.card.kernel.last(SunMoved).elevation_rad))
-        further.add(len(both.card.jobs[-1].then))
+        programs.add(len(both.card.jobs[-1].programs))
     assert max(suns) > 1.0
     assert min(suns) < -12.0
-    # By day the sky's own program; from sunset on the moon's and the glow's too.
-    assert further == {0, 2}
+    # By day the sky's own; from sunset on the moon's and the glow's too. One sky makes a table
+    # first.
+    assert programs == ({2, 5} if both.sky == "bruneton_sky" else {1, 3})
 
 
 @pytest.mark.gl

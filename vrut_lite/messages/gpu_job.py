@@ -25,6 +25,8 @@ UniformValue = Number | tuple[Number, ...]
 _MOST_GROUPS = 65535
 # OpenGL 4.3 has eight image units.
 _MOST_SCRATCH = 6
+# Numbers of a shared buffer: the 2^27 bytes that every OpenGL 4.3 can bind are 2^25.
+_MOST_SHARED = 2**22
 
 
 class GpuPass(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -55,7 +57,9 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
 
     Programs of `then` run after the first, one after the other, and may also read image unit 0.
     `reads` is another job's texture, at unit 1. So many `scratch` images of the output's size and
-    format, undefined at first, are at units 2 and on, for all programs of the job.
+    format, undefined at first, are at units 2 and on, for all programs of the job. `shared` are
+    storage buffers of all programs, undefined at first, written by one and read by a later one:
+    pairs of a binding and a number of float32.
     """
 
     module: str
@@ -71,6 +75,7 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     then: tuple[GpuPass, ...] = ()
     scratch: int = 0
     reads: GpuTexture | None = None
+    shared: tuple[tuple[int, int], ...] = ()
 
     def key(self) -> str:
         """One pending job per module and name."""
@@ -94,6 +99,12 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
                 checks.refuse(self, "then", "be programs")
             step.check()
         checks.instance(self, "reads", (GpuTexture, type(None)))
+        checks.instance(self, "shared", tuple)
+        for pair in self.shared:
+            if not (isinstance(pair, tuple) and len(pair) == 2 and all(map(checks.is_whole, pair))):
+                checks.refuse(self, "shared", "be pairs of a binding and a number of float32")
+            if not (pair[0] >= 0 and 0 < pair[1] <= _MOST_SHARED):
+                checks.refuse(self, "shared", f"have at most {_MOST_SHARED} numbers each")
 
     @property
     def programs(self) -> tuple[GpuPass, ...]:

@@ -7,8 +7,10 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.messages.gpu_job import GpuJob
 
-# By the program's number in the job and the binding.
-_Sent = dict[tuple[int, int], tuple[Array, Any]]
+# By the program's number in the job and the binding. Shared buffers have their
+# number of float32 as content, and the program's number _ALL.
+_Sent = dict[tuple[int, int], tuple[Array | int, Any]]
+_ALL, _FLOAT_BYTES = -1, 4
 
 
 class JobBuffers:
@@ -30,8 +32,9 @@ class JobBuffers:
 
     def bind(self, job: GpuJob, number: int) -> None:
         """Bind the buffers of the job's program of that number."""
-        for (program, binding), (_, buffer) in self._sent[job.key()].items():
-            if program == number:
+        # Shared ones first: a program may have a buffer of its own at their binding.
+        for (program, binding), (_, buffer) in sorted(self._sent[job.key()].items(), key=_place):
+            if program in (number, _ALL):
                 buffer.bind_to_storage_buffer(binding)
 
     def _send_all(self, context: Any, job: GpuJob, before: _Sent, now: _Sent) -> int:
@@ -45,7 +48,17 @@ class JobBuffers:
                     kept += 1
                 else:
                     now[place] = content, _buffer(context, content)
+        for binding, count in job.shared:
+            place = _ALL, binding
+            if place in before and before[place][0] == count:
+                now[place] = before.pop(place)
+            else:
+                now[place] = count, context.buffer(reserve=_FLOAT_BYTES * count)
         return kept
+
+
+def _place(sent: tuple[tuple[int, int], Any]) -> tuple[int, int]:
+    return sent[0]
 
 
 def _buffer(context: Any, content: Array) -> Any:

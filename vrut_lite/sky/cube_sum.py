@@ -1,6 +1,6 @@
 """Cube maps of a card that are sums of lights: one `GpuJob` of programs that add theirs.
 
-A sky's program computes the radiance of each texel once, and writes it to image unit 0 by
+A sky's last program computes the radiance of each texel once, and writes it to image unit 0 by
 `imageStore`. Sums are in single precision: in half precision each program would round.
 """
 
@@ -34,24 +34,30 @@ void store_part(ivec3 at, vec4 value) {{
 def sum_of_parts(parts: Sequence[tuple[GpuJob, FloatArray]]) -> GpuJob | None:
     """The job that sums cubes of one size, each times its share (3,).
 
-    The jobs have one program each, for texels of single precision. None where a program does not
-    write its image as this module says.
+    The last program of each job writes the cube, in texels of single precision. None where it does
+    not write its image as this module says.
     """
-    steps = []
+    steps: list[GpuPass] = []
+    shared: dict[int, int] = {}
     for number, (job, share) in enumerate(parts):
-        text = _adding(job.compute_shader, adds=number > 0)
+        *before, last = job.programs
+        text = _adding(last.compute_shader, adds=number > 0)
         if text is None:
             return None
-        uniforms = {**job.uniforms, "part_share": floats(share)}
-        steps.append(
-            GpuPass(compute_shader=text, uniforms=uniforms, groups=job.groups, buffers=job.buffers)
-        )
+        uniforms = {**last.uniforms, "part_share": floats(share)}
+        steps += *before, msgspec.structs.replace(last, compute_shader=text, uniforms=uniforms)
+        # One part's programs end before the next one's begin.
+        for binding, count in job.shared:
+            shared[binding] = max(count, shared.get(binding, 0))
     first, *then = steps
     return msgspec.structs.replace(
         parts[0][0],
         compute_shader=first.compute_shader,
         uniforms=first.uniforms,
+        groups=first.groups,
+        buffers=first.buffers,
         then=tuple(then),
+        shared=tuple(shared.items()),
     )
 
 

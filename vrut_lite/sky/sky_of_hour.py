@@ -290,7 +290,7 @@ class Sky:
     def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background] | None:
         """The job `CUBE_JOB` that makes the cube, and the background without the texture.
 
-        Its one program stores each texel once; so the base can sum skies by night (`cube_sum`).
+        Its last program stores each texel once; so the base can sum skies by night (`cube_sum`).
         None where the CPU must make it.
         """
         return None

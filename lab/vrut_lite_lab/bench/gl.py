@@ -121,6 +121,7 @@ class GlTexture(GlWork):
         images = [_texture(context, job) for _ in range(1 + job.scratch)]
         self._texture, *scratch = images
         steps = [_prepared(context, step) for step in job.programs]
+        shared = [(binding, context.buffer(reserve=4 * count)) for binding, count in job.shared]
 
         def work() -> None:
             self._texture.bind_to_image(0, read=True, write=True)
@@ -128,6 +129,8 @@ class GlTexture(GlWork):
                 self._reads._texture.bind_to_image(1, read=True, write=False)
             for unit, image in enumerate(scratch, 2):
                 image.bind_to_image(unit, read=True, write=True)
+            for binding, buffer in shared:
+                buffer.bind_to_storage_buffer(binding)
             for number, (program, values, buffers, groups) in enumerate(steps):
                 if number > 0:
                     context.memory_barrier()

@@ -17,6 +17,7 @@ from bruneton_sky.published.gpu_single_scattering import single_scattering_cube_
 from bruneton_sky.published.pipeline.pipeline import run_pipeline
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.sky_view.gpu import sky_view_job
+from bruneton_sky.sky_view.table_on_card import standing_sky_job
 from clouds.genera import Genus
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
@@ -83,6 +84,8 @@ def _products() -> dict[str, Callable[[], dict[str, Any]]]:
         for size, format in _SKY_VIEW:
             name = f"sky-view cube {size}², {_TEXELS[format]}, sun {sun_deg:g}°"
             made[name] = partial(_sky_view, sun_deg, size, format)
+        name = f"sky-view table and cube 512², float32, sun {sun_deg:g}°"
+        made[name] = partial(_standing_sky, sun_deg)
         made[f"air volume, sun {sun_deg:g}°"] = partial(_air_volume, sun_deg)
     for sun_deg in _SUNS_DEG[:2]:
         made[f"light scattered once, cube 64², sun {sun_deg:g}°"] = partial(_once, sun_deg)
@@ -142,6 +145,12 @@ def _sky_view(sun_deg: float, size: int, format: TexelFormat) -> dict[str, Any]:
     view = sky_view(solved("clear air"), 2.0, sun_at(sun_deg))
     job, scale = sky_view_job(view, size, _BLACK, "check", "cube", format=format)
     return _difference(GlTexture(job, scale)().read(), fill_cube(view, size, _BLACK))
+
+
+def _standing_sky(sun_deg: float) -> dict[str, Any]:
+    field, sun, size = solved("clear air"), sun_at(sun_deg), 512
+    job = standing_sky_job(field, sun, size, _BLACK, 1.0, "check", "cube")
+    return _difference(GlTexture(job)().read(), fill_cube(sky_view(field, 0.0, sun), size, _BLACK))
 
 
 def _air_volume(sun_deg: float) -> dict[str, Any]:

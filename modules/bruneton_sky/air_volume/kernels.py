@@ -12,12 +12,12 @@ import numpy as np
 
 from bruneton_sky.solver.bin_kernels import Bins
 from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, empty_cells, fast, inner, set_suns
-from bruneton_sky.solver.first_order_kernels import gather_first, share_particles
+from bruneton_sky.solver.first_order_kernels import gather_first
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later
+from bruneton_sky.solver.packed_bins import BIN_FLOATS, pack_bin
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
     altitude_along,
-    altitude_place,
     hits_ground,
     layer_density,
     mean_density,
@@ -30,7 +30,7 @@ _f4 = np.float32
 # A slice that scatters less than this share of all slices before it is left out.
 NEGLIGIBLE = 1e-6
 # Numbers of a slice in the GPU's buffer.
-SLICE_FLOATS = 44
+SLICE_FLOATS = BIN_FLOATS + 12
 
 
 @fast
@@ -216,29 +216,15 @@ def pack_slices(air, distance, centre, weight, colour, out):  # type: ignore[no-
 
     Arguments as for `light_rows`.
     """
-    ground, top = air.ground_radius_m, air.top_altitude_m
-    whole, share = top * (2.0 * ground + top), np.empty((4, 4))
+    share = np.empty((4, 4))
     for i in range(out.shape[0]):
         mass = 0.0
         for k in range(out.shape[1]):
             here, packed = centre[i, k], out[i, k]
             for c in range(4):
                 for channel in range(3):
-                    packed[20 + 4 * channel + c] = colour[i, k, c, channel]
+                    packed[BIN_FLOATS + 4 * channel + c] = colour[i, k, c, channel]
             mass += here[3]
             if here[3] > NEGLIGIBLE * mass:
-                altitude, mu = here[1], here[2]
-                r, squared = ground + altitude, altitude * (2.0 * ground + altitude)
-                span = (math.sqrt(squared) + math.sqrt(whole) - (top - altitude)) / r
-                packed[0], packed[1], packed[2] = here[0], distance[i, k], distance[i, k + 1]
-                packed[3] = 1.0
-                packed[4], packed[5] = 1.0 / r, mu
-                packed[6] = 1.0 / math.sqrt(max((1.0 - mu) * (1.0 + mu), 1e-9))
-                packed[7] = altitude_place(air, altitude)
-                packed[8] = (whole - squared) / (r * r)
-                packed[9], packed[10] = (top - altitude) / r, 1.0 / span
-                share_particles(air, altitude, share)
-                for c in range(4):
-                    packed[12 + c], packed[16 + c] = weight[i, k, 0, c], weight[i, k, 1, c]
-                    packed[32 + c], packed[36 + c] = share[1, c], share[2, c]
-                    packed[40 + c] = share[3, c]
+                start, stop = distance[i, k], distance[i, k + 1]
+                pack_bin(air, start, stop, here, weight[i, k], share, packed)

@@ -1,21 +1,22 @@
 """A sky-view table on the GPU: its cube map as a job, and a shader that shows it pixel by pixel."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.sky_view.table import SkyView, level_direction
+from bruneton_sky.sky_view.table import AerosolBands, SkyView, level_direction
 from bruneton_sky.sun_light import DiscLight
 from vrut_lite.array import Array
 from vrut_lite.geometry.encoding import float16_scale
-from vrut_lite.messages.gpu_job import GpuJob, TexelFormat, in_format
+from vrut_lite.messages.gpu_job import GpuJob, GpuPass, TexelFormat, in_format
 from vrut_lite.messages.sky import ViewShader
 from vrut_lite.numeric_types import Number
 from vrut_lite.sky.shader_text import floats, shader_source
 
-_PACKAGE = "bruneton_sky"
-_NODES_BINDING, _SUNLIGHT_BINDING, _BANDS_BINDING = 1, 2, 3
+PACKAGE = "bruneton_sky"
+NODES_BINDING, _SUNLIGHT_BINDING, BANDS_BINDING = 1, 2, 3
 _GROUP = 8
-_ALL_FACES = (0, 1, 2, 3, 4, 5)
+ALL_FACES = (0, 1, 2, 3, 4, 5)
+Uniforms = dict[str, Number | tuple[Number, ...]]
 
 
 def sky_view_job(
@@ -24,7 +25,7 @@ def sky_view_job(
     ground_radiance_rgb: ArrayLike,
     module: str,
     job: str,
-    wanted: tuple[int, ...] = _ALL_FACES,
+    wanted: tuple[int, ...] = ALL_FACES,
     read_back: bool = False,
     format: TexelFormat = "rgba16f",
 ) -> tuple[GpuJob, float]:
@@ -41,26 +42,53 @@ def sky_view_job(
         read_back: whether the result is an array, not a texture.
         format: of the texels.
     """
-    scale = float16_scale(_brightest(view, ground_radiance_rgb))
-    groups = -(-size // _GROUP)
+    scale = cube_scale(view, ground_radiance_rgb)
+    last = cube_pass(
+        look_up_uniforms(view.shape, view.depth, view.sun_direction), _table_buffers(view), size,
+        ground_radiance_rgb, scale, wanted, format,
+    )  # fmt: skip
     made = GpuJob(
         module=module,
         job=job,
-        compute_shader=in_format(shader_source("sky_view_cube.comp", _PACKAGE), format),
-        uniforms={
-            **_look_up_uniforms(view),
-            "ground": floats(ground_radiance_rgb),
-            "inverse_scale": 1.0 / scale,
-            "faces": (*wanted, *(0,) * (len(_ALL_FACES) - len(wanted))),
-        },
-        buffers=_table_buffers(view),
+        compute_shader=last.compute_shader,
+        uniforms=last.uniforms,
+        buffers=last.buffers,
         output="cube",
         size=size,
         format=format,
-        groups=(groups, groups, len(wanted)),
+        groups=last.groups,
         read_back=read_back,
     )
     return made, scale
+
+
+def cube_pass(
+    look_up: Uniforms,
+    buffers: tuple[tuple[int, Array], ...],
+    size: int,
+    ground_radiance_rgb: ArrayLike,
+    scale: float,
+    wanted: tuple[int, ...] = ALL_FACES,
+    format: TexelFormat = "rgba32f",
+) -> GpuPass:
+    """The program that writes the cube of a table; `look_up` and `buffers` are sky_view.glsl's."""
+    groups = -(-size // _GROUP)
+    return GpuPass(
+        compute_shader=in_format(shader_source("sky_view_cube.comp", PACKAGE), format),
+        uniforms={
+            **look_up,
+            "ground": floats(ground_radiance_rgb),
+            "inverse_scale": 1.0 / scale,
+            "faces": (*wanted, *(0,) * (len(ALL_FACES) - len(wanted))),
+        },
+        buffers=buffers,
+        groups=(groups, groups, len(wanted)),
+    )
+
+
+def cube_scale(view: SkyView, ground_radiance_rgb: ArrayLike) -> float:
+    """The power of two by which a table's cube fits half precision."""
+    return float16_scale(_brightest(view, ground_radiance_rgb))
 
 
 def _brightest(view: SkyView, ground: ArrayLike) -> float:
@@ -85,9 +113,9 @@ def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
     roots = np.zeros((len(disc.irradiance_rgb), 4), np.float32)
     roots[:, :3] = disc.irradiance_rgb**0.25
     return ViewShader(
-        source=shader_source("sky_view_background.glsl", _PACKAGE),
+        source=shader_source("sky_view_background.glsl", PACKAGE),
         uniforms={
-            **_look_up_uniforms(view),
+            **look_up_uniforms(view.shape, view.depth, view.sun_direction),
             # The difference, because 1 + mu would lose digits in float32.
             "background_disc": floats(disc.depth[[0, -1]] - np.float32(view.depth[0])),
         },
@@ -95,17 +123,23 @@ def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
     )
 
 
-def _look_up_uniforms(view: SkyView) -> dict[str, Number | tuple[Number, ...]]:
-    """The uniforms of sky_view.glsl."""
+def look_up_uniforms(
+    shape: tuple[int, int, int], depth: ArrayLike, sun_direction: NDArray[np.float64]
+) -> Uniforms:
+    """The uniforms of sky_view.glsl, of a table's `SkyView` fields."""
     return {
-        "background_shape": view.shape,
-        "background_horizon": floats(view.depth),
-        "background_sun": floats(view.sun_direction),
-        "background_sun_azimuth": floats(level_direction(view.sun_direction)),
+        "background_shape": shape,
+        "background_horizon": floats(depth),
+        "background_sun": floats(sun_direction),
+        "background_sun_azimuth": floats(level_direction(sun_direction)),
     }
 
 
 def _table_buffers(view: SkyView) -> tuple[tuple[int, Array], ...]:
     """The storage buffers of sky_view.glsl and their bindings."""
-    bands = np.concatenate([view.bands.colour, view.bands.phase])
-    return (_NODES_BINDING, Array(view.nodes.view())), (_BANDS_BINDING, Array(bands))
+    return (NODES_BINDING, Array(view.nodes.view())), (BANDS_BINDING, bands_array(view.bands))
+
+
+def bands_array(bands: AerosolBands) -> Array:
+    """The buffer `BackgroundBands` of sky_view.glsl."""
+    return Array(np.concatenate([bands.colour, bands.phase]))

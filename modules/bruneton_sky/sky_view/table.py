@@ -63,10 +63,10 @@ _DEEP_BELOW_MU_S, _DEEP_BINS = -0.06, 32
 # Bins for light scattered more than once in haze, for an observer inside the air: it changes
 # within shorter distances.
 _HAZE_BINS = 16
-# Rows and columns of a table for the light on the scene, by day and in twilight.
-_LIGHT_BY_DAY, _LIGHT_IN_TWILIGHT = (32, 24), (24, 16)
+# `SkyView.shape` of a table for the light on the scene.
+_LIGHT_SHAPE = (32, 0, 24)
 # Suns between which the ground's colour is interpolated, and numbers of a node.
-_SUNS, _NODE = 192, 8
+_SUNS, NODE = 192, 8
 _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)
 
 
@@ -128,14 +128,20 @@ def sky_view(
         sun_direction: unit vector (3,) in world axes, at the observer.
         finer: factor on the numbers of rows, columns, steps and bins.
     """
-    top_m = field.atmosphere.top_altitude_m
-    above, below = _INSIDE_ROWS if altitude_m <= top_m else _OUTSIDE_ROWS
-    if altitude_m <= standing_m(field.atmosphere):
+    sizes = table_sizes(field.atmosphere, altitude_m, float(sun_direction[1]), finer)
+    return _table(field, altitude_m, sun_direction, *sizes)
+
+
+def table_sizes(
+    atmosphere: Atmosphere, altitude_m: float, mu_s: float, finer: float
+) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+    """A table's `SkyView.shape`, and its `table_counts`; arguments as for `sky_view`."""
+    above, below = _INSIDE_ROWS if altitude_m <= atmosphere.top_altitude_m else _OUTSIDE_ROWS
+    if altitude_m <= standing_m(atmosphere):
         above, below = _STANDING_ROWS
     shape = round(above * finer), round(below * finer), round(COLUMNS * finer)
-    steps, once, more = table_counts(field.atmosphere, altitude_m, float(sun_direction[1]))
-    counts = round(steps * finer), round(once * finer), round(more * finer)
-    return _table(field, altitude_m, sun_direction, shape, counts)
+    steps, once, more = table_counts(atmosphere, altitude_m, mu_s)
+    return shape, (round(steps * finer), round(once * finer), round(more * finer))
 
 
 def standing_m(atmosphere: Atmosphere) -> float:
@@ -148,12 +154,11 @@ def standing_m(atmosphere: Atmosphere) -> float:
 def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyView:
     """A small table for an observer on the ground, for the light on the scene; it is not shown.
 
-    Irradiance of a level surface is that of the large table within 0.2 %.
+    Irradiance of a level surface is that of the large table within 0.1 %, from day to the end of
+    twilight.
     """
-    day = sun_direction[1] > _TWILIGHT_BELOW_MU_S
-    rows, columns = _LIGHT_BY_DAY if day else _LIGHT_IN_TWILIGHT
-    counts = _in_this_air(field.atmosphere, _DAY if day else _TWILIGHT_ALOFT, True)
-    return _table(field, 0.0, sun_direction, (rows, 0, columns), counts)
+    counts = table_counts(field.atmosphere, 0.0, float(sun_direction[1]))
+    return _table(field, 0.0, sun_direction, _LIGHT_SHAPE, counts)
 
 
 def _table(
@@ -211,9 +216,9 @@ def _nodes(
     """The nodes of a table for its rays; `counts`: steps, bins for light scattered once, and
     more."""
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
-    nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
-    colours, ground = _colours(field)
-    matrix, kinds = _bands_in_groups(field, _mean_above_m(field.atmosphere, altitude_m))
+    nodes = np.zeros((len(nu), nu.shape[1] * NODE), dtype=np.float32)
+    colours, ground = colours_of(field)
+    matrix, kinds = bands_in_groups(field, _mean_above_m(field.atmosphere, altitude_m))
     for k, (air, source) in enumerate(_sources(field)):
         for part, own in _parts(rows, counts):
             add_rows(
@@ -222,7 +227,7 @@ def _nodes(
                 colours[k], matrix[k], kinds[k], ground[k], nodes[part],
             )  # fmt: skip
     finish_rows(nu, bands.phase, bands.colour, nodes)
-    return nodes.reshape(-1, _NODE)
+    return nodes.reshape(-1, NODE)
 
 
 def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:
@@ -272,7 +277,7 @@ def _bands(field: SourceField, above_m: float) -> AerosolBands:
 
 
 @table_of_field
-def _bands_in_groups(
+def bands_in_groups(
     field: SourceField, above_m: float
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """`AerosolBands.matrix` (groups, 4 * 4) and `kinds` (groups, n, kinds * 4) as kernels take
@@ -351,7 +356,7 @@ def _sources(field: SourceField) -> list[tuple[WavelengthGroup, "Source"]]:
 
 
 @table_of_field
-def _colours(field: SourceField) -> tuple[NDArray[np.float32], list[GroundColours]]:
+def colours_of(field: SourceField) -> tuple[NDArray[np.float32], list[GroundColours]]:
     """Colours (groups, 4 * 4) of the wavelengths in skylight, and of the ground under any sun."""
     air, wavelength_nm = field.atmosphere, field.atmosphere.wavelength_nm
     one_each = np.eye(len(wavelength_nm))

@@ -25,6 +25,7 @@ from bruneton_sky.solver.cell_kernels import (
 )
 from bruneton_sky.solver.first_order_kernels import gather_first
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later, sun_place
+from bruneton_sky.solver.packed_bins import pack_bin
 
 _f4 = np.float32
 _SMALLEST = np.float32(1e-30)
@@ -77,6 +78,31 @@ def add_rows(  # type: ignore[no-untyped-def]
         _add_colours(once, more, nu[i], colour, bands, nodes[i])
         if hits[i]:
             _add_ground(air, altitude[i], mu_s[i], nu[i], end, ground, nodes[i])
+
+
+@fast
+def pack_rows(air, altitude, mu, counts, out):  # type: ignore[no-untyped-def]
+    """The bins of rays (rows,) that miss the ground in the layout of shaders.
+
+    `out` (rows, bins, BIN_FLOATS), zeros, takes the bins for light scattered once, then those for
+    more; `counts` as for `add_rows`.
+    """
+    steps, end, share = empty_steps(air, counts[0]), np.empty(5), np.empty((4, 4))
+    fine, coarse = empty_bins(counts[1]), empty_bins(counts[2])
+    for i in range(mu.size):
+        fill_steps(air, altitude[i], mu[i], False, steps, end)
+        merge_steps(air, altitude[i], mu[i], steps, fine)
+        merge_steps(air, altitude[i], mu[i], steps, coarse)
+        _pack(air, fine, share, out[i, : counts[1]])
+        _pack(air, coarse, share, out[i, counts[1] :])
+
+
+@inner
+def _pack(air, bins, share, out):  # type: ignore[no-untyped-def]
+    for b in range(len(out)):
+        if bins.centre[b, 3] > 0.0:
+            start, stop = bins.edge[b], bins.edge[b + 1]
+            pack_bin(air, start, stop, bins.centre[b], bins.weight[b], share, out[b])
 
 
 @inner

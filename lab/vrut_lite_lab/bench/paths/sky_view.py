@@ -1,10 +1,12 @@
 """From a solved atmosphere to a picture: sky-view tables, cube maps, and the whole chain."""
 
+from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
 from bruneton_sky.sky_view import SkyView, fill_cube, light_view, sky_view
 from bruneton_sky.sky_view.gpu import sky_view_job
+from bruneton_sky.sky_view.table_on_card import standing_sky_job
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
@@ -128,6 +130,7 @@ def _cubes(quick: bool) -> Group:
         usual = CARD_SIZES if has_timer(renderer()) else GPU_SIZES
         sizes = QUICK_GPU_SIZES if quick else usual
         paths += [_gpu_cube_path(size, quick) for size in sizes]
+        paths += [_gpu_table_path(size, quick) for size in sizes]
     return Group(
         name="sky-cube",
         title=f"Sky looked up in a cube map of a sky-view table, {_AIR}",
@@ -200,6 +203,24 @@ def _gpu_cube_path(size: int, quick: bool) -> BenchPath:
 def _prepare_gpu_cubes(size: int, quick: bool) -> Work:
     jobs = [sky_view_job(view, size, _BLACK, "bench", "cube") for view in _views(quick)]
     return GlTextures([GlTexture(job, scale) for job, scale in jobs])
+
+
+def _gpu_table_path(size: int, quick: bool) -> BenchPath:
+    return replace(
+        _gpu_cube_path(size, quick),
+        name=f"GPU shaders, table and cube, float32, {size}²",
+        family="GPU shaders, table and cube, float32",
+        prepare=partial(_prepare_gpu_tables, size, quick),
+    )
+
+
+def _prepare_gpu_tables(size: int, quick: bool) -> Work:
+    field = solved(_AIR)
+    jobs = [
+        standing_sky_job(field, each.sun, size, _BLACK, 1.0, "bench", "cube")
+        for each in _from_ground(quick)
+    ]
+    return GlTextures([GlTexture(job) for job in jobs])
 
 
 def _gpu_cube_errors(quick: bool, done: GlTextures) -> dict[str, Errors]:
