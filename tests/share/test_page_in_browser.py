@@ -48,6 +48,33 @@ def test_a_browser_opens_a_page_at_the_hour_of_its_link(written, tmp_path):
 
 
 @pytest.mark.long
+def test_the_first_picture_is_shown_before_the_next_is_drawn(written, tmp_path):
+    """The next picture's programs take as long again. The browser here lacks the quick decoder of
+    base64, as older ones do."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        script = """
+            delete Uint8Array.fromBase64;
+            document.addEventListener('DOMContentLoaded', () => {
+                new MutationObserver(() => requestAnimationFrame(() => {
+                    window.framesFirst ??= window.daylight.frames;
+                })).observe(document.body, { attributeFilter: ['class'] });
+            });
+        """
+        browser._call("Page.addScriptToEvaluateOnNewDocument", source=script)
+        browser.open(f"{written[0].as_uri()}#2026-06-21T12:30")
+        browser.until("window.daylight.frames > 1")
+        assert browser.value("window.framesFirst") == 1
+        # The day's colours are drawn with the next picture.
+        assert browser.value("window.daylight.barDay === window.daylight.day")
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
 def test_numbers_stand_in_the_scene_in_the_colours_of_their_legend(written, tmp_path):
     """A daylight factor is chosen: its scale, tiles, and the number under the pointer."""
     if chromium() is None:

@@ -95,7 +95,6 @@ export class Page {
     const box = this.canvas.parentElement.getBoundingClientRect();
     const most = this.view.soft ? 1 : 2;
     this.view.resize(Math.max(box.width, 16), Math.max(box.height, 16), Math.min(devicePixelRatio || 1, most));
-    this.drawBar();
     this.change();
   }
 
@@ -179,6 +178,7 @@ export class Page {
     this.tell();
     this.turnNorth();
     if (first && this.pointer) this.tellLux();
+    if (!moves && this.barDay !== this.day) this.drawBar();
   }
 
   /** Lights the scene at the present hour. @param {boolean} moves whether the hour goes on moving */
@@ -187,7 +187,6 @@ export class Page {
     if (!this.hourChanged && (moves || !this.drafted)) return;
     this.drafted = moves && view.soft;
     view.setHour(this.date, this.drafted);
-    if (this.barDay !== this.day) this.drawBar();
     this.hourChanged = false;
   }
 
@@ -379,7 +378,9 @@ async function start() {
   page.change();
   part('wait').hidden = true;
   document.body.classList.add('ready');
-  requestAnimationFrame((now) => page.frame(now));
+  // The browser shows this picture with its first frame; the next picture would hold that frame up
+  // while its programs are compiled.
+  requestAnimationFrame(() => requestAnimationFrame((now) => page.frame(now)));
   // For scripts and tests.
   Object.assign(window, { daylight: page });
 }

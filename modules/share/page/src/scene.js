@@ -71,7 +71,7 @@ export async function sceneOf(glb, shared, defines, map) {
       mirror: { value: null },
       mirror_nearness: { value: null },
       mirror_middle: { value: new THREE.Vector3() },
-      mirror_shown: { value: 1 },
+      mirror_shown: { value: 0 },
       layers: { value: [layer(textures.base), layer(textures.rough), layer(textures.normal), layer(textures.occlusion)] },
       map_strength: { value: new THREE.Vector2(material.normalScale?.x ?? 1, material.aoMapIntensity ?? 1) },
     };
