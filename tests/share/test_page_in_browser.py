@@ -162,6 +162,41 @@ def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
 
 
 @pytest.mark.long
+def test_a_draft_keeps_a_shadow_map_that_the_sun_has_hardly_left(written, tmp_path):
+    """Within half a degree; a picture at rest has the map of its own hour, and so has a draft after
+    it or after a time without light."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T12:30")
+        script = """(() => {
+            const page = window.daylight, { view } = page, drawn = [];
+            page.frame = () => {};
+            const drawShadow = view.drawShadow.bind(view);
+            view.drawShadow = (towards) => {
+                drawn.push([page.minute, view.shadow.width, towards.angleTo(view.keyDirection)]);
+                drawShadow(towards);
+            };
+            const light = (minute, draft) => {
+                page.setHour(page.day, minute);
+                view.setHour(page.date, draft);
+            };
+            for (const minute of [720, 721, 726, 727]) light(minute, true);
+            light(727, false);
+            for (const minute of [727, 0, 727]) light(minute, true);
+            return drawn;
+        })()"""
+        drawn = browser.value(script)
+        assert [minute for minute, _, _ in drawn] == [720, 726, 727, 727, 0, 727]
+        assert [width for _, width, _ in drawn] == [640, 640, 2048, 640, 640, 640]
+        assert [apart for _, _, apart in drawn] == pytest.approx([0.0] * 6, abs=1e-6)
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
 def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, tmp_path):
     """Surfaces reflect the glow, the band of the Milky Way turns with the stars, and the planets
     stand where their ephemeris has them."""

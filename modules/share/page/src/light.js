@@ -1,6 +1,6 @@
 // The light map of an hour: a sum of basis maps, whose coefficients depend on where the sun stands.
 import * as THREE from 'three';
-import { halfValues } from './data.js';
+import { HALVES } from './data.js';
 import { placeWeights } from './places.js';
 import { fullScreen, LIGHT_FRAGMENT } from './shaders.js';
 
@@ -15,7 +15,8 @@ export class LightMap {
     this.table = table;
     /** Coefficients of a place: clusters by terms by channels. */
     this.count = about.clusters * about.terms * 3;
-    this.sun = halfValues(data.array('sun'), about.sun_scale);
+    /** Bits of float16s; a few places' alone are needed at an hour. */
+    this.sun = data.array('sun');
     this.shares = data.array('share_weights');
     /** Weights of the share of the sky's light, those of the sources in the share of their light. */
     this.shareWeights = new Float64Array(about.share_components);
@@ -41,8 +42,8 @@ export class LightMap {
     for (const [place, weight] of placeWeights(this.places, body)) {
       const start = place * this.count;
       for (let c = 0; c < 3; ++c) {
-        const factor = weight * level[c] * body.share[c];
-        for (let k = c; k < this.count; k += 3) into[k] += factor * this.sun[start + k];
+        const factor = weight * level[c] * body.share[c] * this.about.sun_scale;
+        for (let k = c; k < this.count; k += 3) into[k] += factor * HALVES[this.sun[start + k]];
       }
     }
   }

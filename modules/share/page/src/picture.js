@@ -19,6 +19,8 @@ const LUX_SCALE = 1 / 8;
 const COARSER = [2, 5], PACE_S = [0.025, 0.05];
 // Linear value, 1 being white, that the meter sees of tiles with numbers.
 const GREY = 0.18;
+// Turn of the key light (rad), two minutes of the day, within which drafts keep their shadow map.
+const DRAFT_TURN_RAD = 0.0087;
 // Texels of an edge of drafts' shadow map, and of the cubes in which surfaces mirror the sky.
 const DRAFT_SHADOW_EDGE = 640, CUBE_EDGE = 64, METER = [128, 72], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
@@ -77,6 +79,8 @@ export class Picture {
     /** For an hour that moves: a processor takes a tenth of the time. */
     this.draftShadow = this.soft ? shadowTarget(DRAFT_SHADOW_EDGE) : this.fineShadow;
     this.shadow = this.fineShadow;
+    /** Direction of the key light in the shadow map; 0 in a map without light. */
+    this.shadowTowards = new THREE.Vector3();
     const edge = this.fineShadow.width;
     this.tinted = new THREE.WebGLRenderTarget(edge / 2, edge / 2, { depthBuffer: false });
     const body = () => ({ light: new THREE.Vector3(), azimuth: new THREE.Vector2(), height: 0, layer: 0, share: 0 });
@@ -354,9 +358,6 @@ export class Picture {
     this.shared.key_irradiance.value.set(...strength);
     const level = Math.max(...lit.flatMap((body) => this.table.level(body.trueRad).map((v, c) => v * body.share[c])), night * this.header.basis.glow_bright, 1e-9);
     this.light.share(lit, night * this.header.basis.glow_bright);
-    this.light.map.choose(draft && this.seesKept ? this.seenTexels() : null);
-    this.light.draw(this.renderer, coefficients, Math.max(level, this.header.basis.lamps_bright));
-    this.shared.light_scale.value = this.light.scale;
     this.open.update(lit, night, ground, 1 / level);
     this.shared.open_scale.value = level;
     this.shared.mirror_scale.value = this.shared.air_scale.value = level;
@@ -396,9 +397,12 @@ export class Picture {
     }
     this.white = (luminance(this.open.up) + luminance(strength)) / Math.PI;
     this.softRadius = byDay ? disc.even_radius_rad : 0.0045;
-    this.shadow = draft ? this.draftShadow : this.fineShadow;
-    this.shared.shadow_map.value = this.shadow.depthTexture;
-    this.drawShadow(this.keyDirection);
+    this.chooseShadow(draft);
+    // The light map is summed while the browser's other process draws cubes and shadows.
+    this.renderer.getContext().flush();
+    this.light.map.choose(draft && this.seesKept ? this.seenTexels() : null);
+    this.light.draw(this.renderer, coefficients, Math.max(level, this.header.basis.lamps_bright));
+    this.shared.light_scale.value = this.light.scale;
     if (!draft) this.drawMirrors();
     this.stillCount = 0;
   }
@@ -461,6 +465,17 @@ export class Picture {
     material.uniforms.mirror.value = cube;
     material.uniforms.mirror_shown.value = share;
     material.uniformsNeedUpdate = true;
+  }
+
+  /** Draws the hour's shadow map; a draft's anew only where the key light has turned so far that
+   * its shadows show it. @param {boolean} draft */
+  chooseShadow(draft) {
+    const drawn = draft ? this.draftShadow : this.fineShadow, lit = this.shared.key_irradiance.value.y > 0;
+    if (draft && lit && this.shadow === drawn && this.shadowTowards.angleTo(this.keyDirection) < DRAFT_TURN_RAD) return;
+    this.shadow = drawn;
+    this.shared.shadow_map.value = drawn.depthTexture;
+    this.drawShadow(this.keyDirection);
+    this.shadowTowards.copy(this.keyDirection).multiplyScalar(lit ? 1 : 0);
   }
 
   /** @param {THREE.Vector3} towards the key light */

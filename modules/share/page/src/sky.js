@@ -145,7 +145,9 @@ function halves(bits, rows, columns) {
 /** Texels of four channels. @param {Uint16Array} bits of three @param {number} count */
 function fours(bits, count) {
   const rgba = new Uint16Array(4 * count);
-  for (let i = 0; i < count; ++i) rgba.set(bits.subarray(3 * i, 3 * i + 3), 4 * i);
+  for (let i = 0; i < count; ++i) {
+    for (let c = 0; c < 3; ++c) rgba[4 * i + c] = bits[3 * i + c];
+  }
   return rgba;
 }
 
