@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from browser import Browser, chromium
 from click.testing import CliRunner
+from light_transport.public import quality_for
 from PIL import Image
 from share.command import share
 from share.glb import glb_of
@@ -51,10 +52,21 @@ def scene(tmp_path_factory):
     return path
 
 
-def test_a_mirror_is_a_group_of_its_own_that_names_its_cube_map(scene):
-    """The page's hours are lit without it, for the page draws what the mirror sees."""
+@pytest.fixture(scope="module")
+def shared(scene):
+    """The opened scene with what `traced` returns."""
     opened = packed(load_scene(scene))
-    transport, mirrors = traced(opened, 0.1, 1500)
+    return opened, *traced(opened, 0.1, 1500)
+
+
+def test_a_pages_light_map_has_four_times_the_rays_of_the_programs(shared):
+    """Half its noise: pages are seen from near, and noise is hard to compress."""
+    assert shared[1].rays == 4 * quality_for(0.1).rays
+
+
+def test_a_mirror_is_a_group_of_its_own_that_names_its_cube_map(shared):
+    """The page's hours are lit without it, for the page draws what the mirror sees."""
+    opened, transport, mirrors = shared
     assert transport.mirrors is None
     assert mirrors is not None
     groups = groups_of(opened, transport.layout_message, {int(mirrors.parts.part[0]): 0})
