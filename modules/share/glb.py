@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from share.scene_mesh import GROUND, MeshGroup
+from share.t_junctions import without_t_junctions
 from vrut_lite.lazy import lazy
 from vrut_lite.messages.scene_content import Material, MaterialMap
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -48,11 +49,13 @@ def glb_of(
         writer.material(material)
     writer.ground(ground_rgb)
     # One lattice for all, so that surfaces which touch still do.
-    places = [group.positions_m for group in groups if group.material != GROUND]
+    meshes = [group for group in groups if group.material != GROUND]
+    places = [group.positions_m for group in meshes]
     lower = np.min([part.min(axis=0) for part in places], axis=0).astype(float)
     upper = np.max([part.max(axis=0) for part in places], axis=0).astype(float)
     step = np.maximum(upper - lower, 1e-6) / 65535.0
-    for group in groups:
+    meshes = without_t_junctions(meshes, float(step.max()))
+    for group in [*meshes, *(group for group in groups if group.material == GROUND)]:
         writer.group(group, len(materials), lower, step)
     return writer.bytes()
 
