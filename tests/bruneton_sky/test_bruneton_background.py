@@ -17,7 +17,7 @@ from bruneton_sky.ground_light import GroundLight, ground_radiance
 from bruneton_sky.optical_path import optical_depth, optical_depth_to_top
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
-from bruneton_sky.sky_view import fill_cube, sky_view
+from bruneton_sky.sky_view import fill_cube, light_view, sky_view
 from bruneton_sky.solver import SourceField, multiple_scattering, real_time_sizes, solve
 from bruneton_sky.solver_job import solve_air
 from directions import towards
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
-from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, horizontal_irradiance
 
 HAZY = Atmosphere.earth().with_aerosol(0.2)
 # A small, cold world under thick air: nothing of Earth may hide in the code.
@@ -244,6 +244,18 @@ def test_ambient_light_is_the_sky_on_level_ground() -> None:
     assert evaluate_irradiance(coefficients, (0.0, 1.0, 0.0)) == pytest.approx(sky, rel=0.015)
     down = evaluate_irradiance(coefficients, (0.0, -1.0, 0.0))
     assert down == pytest.approx(np.pi * around.ground_radiance_rgb, rel=0.05)
+
+
+@pytest.mark.parametrize("sun_deg", [60.0, 4.0, -4.0, -12.0, -16.0])
+def test_the_small_table_lights_level_ground_as_the_large_one(sun_deg: float) -> None:
+    """It lights the scene where a card or an eye aloft has the large one: within 0.1 %, also in
+    deep twilight, when light scattered again comes from high up."""
+    field, sun = solved(Atmosphere.earth()), towards(sun_deg, 10.0)
+    small, large = (
+        horizontal_irradiance(fill_cube(view, 64, np.zeros(3)))
+        for view in (light_view(field, sun), sky_view(field, 0.0, sun))
+    )
+    np.testing.assert_allclose(small, large, rtol=1e-3)
 
 
 def test_many_wavelengths_become_colour() -> None:
