@@ -36,7 +36,8 @@ _CUBE = 64
 MOST_VALUES = 400_000
 _BLACK = (0.0, 0.0, 0.0)
 # Rays of a texel over those of the program's light map. Their noise shows as blotches on even
-# walls, and is what basis maps compress worst. Four times the rays make an hour a quarter slower.
+# walls, and is most of what a page's lux was off by. Four times the rays make an hour a quarter
+# slower.
 _MORE_RAYS = 4
 
 

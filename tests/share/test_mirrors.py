@@ -60,7 +60,7 @@ def shared(scene):
 
 
 def test_a_pages_light_map_has_four_times_the_rays_of_the_programs(shared):
-    """Half its noise: pages are seen from near, and noise is hard to compress."""
+    """Half its noise, which shows as blotches on even walls."""
     assert shared[1].rays == 4 * quality_for(0.1).rays
 
 
