@@ -198,8 +198,8 @@ def test_a_draft_keeps_a_shadow_map_that_the_sun_has_hardly_left(written, tmp_pa
 
 @pytest.mark.long
 def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, tmp_path):
-    """Surfaces reflect the glow, the band of the Milky Way turns with the stars, and the planets
-    stand where their ephemeris has them."""
+    """Surfaces reflect the glow, the band of the Milky Way turns with the stars, the planets stand
+    where their ephemeris has them, and the moon is as large as its distance makes it."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)
@@ -223,10 +223,13 @@ def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, 
                 page.lightHour(true);
                 return sum(table.glowRadiance(up));
             });
-            return [Array.from(read), renderer.getContext().getError(), zeniths,
-                Array.from(stars.geometry.getAttribute('light').array.slice(-18))];
+            const planets = Array.from(stars.geometry.getAttribute('light').array.slice(-18));
+            page.setHour(357, 30);
+            page.lightHour(true);
+            const { value } = view.skyPass.material.uniforms.disc_radius;
+            return [Array.from(read), renderer.getContext().getError(), zeniths, planets, value];
         })()"""
-        read, error, zeniths, planets = browser.value(script)
+        read, error, zeniths, planets, radius = browser.value(script)
         surfaces = np.array(read, np.uint16).view(np.float16).reshape(-1, 4)[:, :3]
         assert error == 0
         assert (surfaces.max(axis=1) > 0.0).mean() > 0.5
@@ -234,6 +237,8 @@ def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, 
         light = np.reshape(planets, (6, 3))
         # Venus and Jupiter outshine all stars, Uranus is one that few see.
         assert light[[1, 3], 1].min() > 30.0 * light[5, 1] > 0.0
+        # Perigee: 350,950 km from Prague, on the mean 384,400 from the Earth's middle.
+        assert radius == pytest.approx(np.arcsin(1737.4 / 350_950.0), rel=0.01)
         assert browser.errors == []
     finally:
         browser.close()

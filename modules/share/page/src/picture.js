@@ -379,7 +379,8 @@ export class Picture {
       texture.generateMipmaps = levels;
     }
     const { disc } = this.header, u = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms;
-    const radius = byDay ? disc.angular_radius_rad : 0.0045;
+    const moonRadius = Math.asin(1737.4 / moon.distanceKm);
+    const radius = byDay ? disc.angular_radius_rad : moonRadius;
     const solid = 2 * Math.PI * (1 - Math.cos(radius));
     u.disc_direction.value.copy(this.keyDirection);
     const covered = byDay ? Math.max(visible(sun.apparentRad), 1e-3) : 1;
@@ -396,7 +397,7 @@ export class Picture {
       u.limb.value[k].set(...[0, 1, 2].map((c) => (byDay ? disc.limb_darkening_rgb[c][k] || 0 : k === 0 ? 1 : 0)));
     }
     this.white = (luminance(this.open.up) + luminance(strength)) / Math.PI;
-    this.softRadius = byDay ? disc.even_radius_rad : 0.0045;
+    this.softRadius = byDay ? disc.even_radius_rad : moonRadius;
     this.chooseShadow(draft);
     // The light map is summed while the browser's other process draws cubes and shadows.
     this.renderer.getContext().flush();
