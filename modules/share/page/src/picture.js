@@ -87,6 +87,7 @@ export class Picture {
     /** @type {Record<string, THREE.IUniform>} */
     this.shared = {
       bodies: { value: [body(), body()] },
+      body_count: { value: 0 },
       sky_table: { value: this.table.texture },
       glow_map: { value: this.table.glow },
       glow: { value: 0 },
@@ -116,6 +117,7 @@ export class Picture {
       light_map: { value: this.light.texture },
       visible_sky: { value: skyTexture },
       open_sky: { value: this.open.texture },
+      open_up: { value: new THREE.Vector3() },
       reflectance: { value: reflectance },
       mirrored_sky: { value: this.fineCubes.mirrored.texture },
       light_scale: { value: 1 },
@@ -245,7 +247,7 @@ export class Picture {
     const [first, second, third, fourth] = this.kept.textures;
     this.relit = fullScreen(RELIGHT_FRAGMENT, {
       ...this.shared, first: { value: first }, second: { value: second }, third: { value: third }, fourth: { value: fourth },
-    }, { ...defines, SMOOTH: 1, DRAFT: 1, ...(map.probes ? { PROBES: 1 } : {}) }, { depthTest: true, depthWrite: true, depthFunc: THREE.AlwaysDepth }).mesh;
+    }, { ...defines, DRAFT: 1, ...(map.probes ? { PROBES: 1 } : {}) }, { depthTest: true, depthWrite: true, depthFunc: THREE.AlwaysDepth }).mesh;
     this.relit.renderOrder = -1;
     this.relit.visible = false;
     this.scene.add(this.skyPass, this.relit, found.opaque, found.mirroring, found.glass);
@@ -331,20 +333,18 @@ export class Picture {
     const coefficients = new Float64Array(this.light.count);
     const { glow, lamps } = this.light;
     for (let i = 0; i < coefficients.length; ++i) coefficients[i] = night * glow[i] + lamps[i];
-    const uniform = this.shared.bodies.value;
-    bodies.forEach((body, number) => {
+    const lit = bodies.filter((body) => body.share[1] > 0), uniform = this.shared.bodies.value;
+    this.shared.body_count.value = lit.length;
+    lit.forEach((body, number) => {
       const level = this.table.level(body.trueRad);
       const [layer, share] = placed(this.table.about.true_rad, body.trueRad);
-      const is = body.share[1] > 0;
-      uniform[number].light.set(...level.map((v, c) => (is ? v * body.share[c] : 0)));
+      uniform[number].light.set(...level.map((v, c) => v * body.share[c]));
       uniform[number].azimuth.set(Math.sin(body.azimuthRad), -Math.cos(body.azimuthRad));
       uniform[number].height = Math.max(body.apparentRad, 0);
       Object.assign(uniform[number], { layer, share });
-      if (!is) return;
       this.light.add(body, coefficients);
       this.table.of('ground', body.trueRad).forEach((v, c) => { ground[c] += v * body.share[c]; });
     });
-    const lit = bodies.filter((body) => body.share[1] > 0);
     this.shared.glow.value = night * this.table.glowScale;
     this.shared.below_horizon.value.set(...ground);
     this.shared.ground_albedo.value.set(...this.table.albedo(sun.trueRad), 1);
@@ -360,6 +360,7 @@ export class Picture {
     this.light.share(lit, night * this.header.basis.glow_bright);
     this.open.update(lit, night, ground, 1 / level);
     this.shared.open_scale.value = level;
+    this.shared.open_up.value.set(...this.open.up);
     this.shared.mirror_scale.value = this.shared.air_scale.value = level;
     const { mirrored, air } = draft ? this.draftCubes : this.fineCubes;
     this.shared.mirrored_sky.value = mirrored.texture;
@@ -367,7 +368,7 @@ export class Picture {
     this.shared.near_air.value = air.texture;
     for (const [pass, target] of /** @type {const} */ ([[this.cubePass, mirrored], [this.airPass, air]])) {
       pass.material.uniforms.cube_scale.value = 1 / level;
-      pass.material.uniforms.key_body.value = byDay ? 0 : 1;
+      pass.material.uniforms.key_body.value = lit.indexOf(key);
       const { texture } = target, levels = texture.generateMipmaps;
       for (let face = 0; face < 6; ++face) {
         pass.material.uniforms.face.value = face;

@@ -1,5 +1,6 @@
 // Programs of the page, GLSL ES 3.00. Radiance is linear sRGB in W m^-2 sr^-1 times `pre`, which
-// keeps it within half floats; terms are those of vrut_lite/render/shaders/mesh.frag.
+// keeps it within half floats; terms are those of vrut_lite/render/shaders/mesh.frag. SwiftShader runs
+// both sides of a branch, and a loop's first step always: what few pixels need are further steps.
 import * as THREE from 'three';
 
 const VERSION = { glslVersion: THREE.GLSL3 };
@@ -45,7 +46,8 @@ void main() {
 export const SKY = `
 const float PI = 3.141592653589793;
 ${WEIGHTS}struct Body { vec3 light; vec2 azimuth; float height; float layer; float share; };
-uniform Body bodies[2];
+uniform Body bodies[2];           // those that shine
+uniform int body_count;
 uniform sampler2DArray sky_table;
 uniform sampler2DArray glow_map;  // what stands over the horizon; what turns with the stars, above the air
 uniform mat3 sky_from_world;
@@ -74,8 +76,7 @@ vec3 sky_of(Body body, vec3 d) {
 }
 vec3 sky_radiance(vec3 d) {
     vec3 sum = vec3(0.0);
-    for (int k = 0; k < 2; ++k)
-        if (bodies[k].light.g > 0.0) sum += sky_of(bodies[k], d);
+    for (int k = 0; k < body_count; ++k) sum += sky_of(bodies[k], d);
     if (glow > 0.0) {
         vec2 uv = vec2(atan(d.x, -d.z) / (2.0 * PI), asin(clamp(d.y, 0.0, 1.0)) / (0.5 * PI));
         vec3 own = sky_from_world * d;
@@ -176,7 +177,8 @@ void main() {
 export const SKY_FRAGMENT = `${HEAD}precision highp samplerCube;
 ${SKY}${TONE}${FINISH}
 in vec3 ray;
-vec3 far_air(vec3 d) { return sky_radiance(normalize(horizon(d))); }
+vec3 beyond;                      // the sky a little above the horizon
+vec3 far_air(vec3 d) { return beyond; }
 uniform vec3 disc_direction;
 uniform vec3 disc_radiance;       // mean
 uniform float disc_radius;
@@ -213,7 +215,14 @@ void main() {
     vec3 d = normalize(ray);
     if (values_shown > 0.0) { colour = vec4(-1.0); return; }
     float above = clamp(d.y / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
-    vec3 upper = sky_radiance(d) + disc(d), lower = upper;
+    vec3 upper = vec3(0.0);
+    for (int k = above > 0.0 ? 0 : 1; k < (above < 1.0 ? 2 : 1); ++k) {
+        vec3 sky = sky_radiance(k == 0 ? d : normalize(horizon(d)));
+        if (k == 0) upper = sky;
+        else beyond = sky;
+    }
+    upper += disc(d);
+    vec3 lower = upper;
     if (above < 1.0)
         lower = through_air(below_horizon, d, max(eye_height, 0.1) / max(-d.y, 1e-5), 1.0, 0.0);
     colour = finished(mix(lower, upper, above), 1.0);
@@ -236,8 +245,7 @@ void main() {
 #ifdef AIR
     vec3 radiance = vec3(0.0);
     float sunlit = 0.0;
-    for (int k = 0; k < 2; ++k) {
-        if (!(bodies[k].light.g > 0.0)) continue;
+    for (int k = 0; k < body_count; ++k) {
         vec4 air = air_of(bodies[k], d);
         radiance += air.rgb;
         if (k == key_body) sunlit = dot(air.rgb, WEIGHTS) * air.a;

@@ -158,6 +158,7 @@ const LIT = `
 uniform vec3 cameraPosition;
 uniform sampler2D light_map, visible_sky, open_sky, reflectance;
 uniform samplerCube mirrored_sky;
+uniform vec3 open_up;             // the open sky's irradiance of level ground
 uniform float light_scale, open_scale, mirror_scale, mirror_levels;
 uniform vec2 light_size;
 uniform vec3 key_direction, key_irradiance;
@@ -200,19 +201,17 @@ vec4 probe(ivec3 at, int face) {
     int width = int(light_size.x);
     return texelFetch(light_map, ivec2(number % width, probe_row + number / width), 0);
 }
-vec4 probe_light(vec3 n) {
+vec4 probe_light(vec3 n, bool needed) {
     vec3 at = clamp((world - probe_lower) * probe_per_m + 0.5 * n, vec3(0.0),
                     vec3(probe_counts - 1));
     ivec3 first = min(ivec3(at), probe_counts - 2);
     vec3 t = at - vec3(first), weight = n * n;
     vec4 sum = vec4(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
-        int face = 2 * axis + (n[axis] < 0.0 ? 1 : 0);
-        for (int k = 0; k < 8; ++k) {
-            ivec3 off = ivec3(k & 1, (k >> 1) & 1, k >> 2);
-            vec3 w = mix(1.0 - t, t, vec3(off));
-            sum += weight[axis] * w.x * w.y * w.z * probe(first + off, face);
-        }
+    for (int k = 0; k < (needed ? 24 : 1); ++k) {
+        int axis = k >> 3;
+        ivec3 off = ivec3(k & 1, (k >> 1) & 1, (k >> 2) & 1);
+        vec3 w = mix(1.0 - t, t, vec3(off));
+        sum += weight[axis] * w.x * w.y * w.z * probe(first + off, 2 * axis + (n[axis] < 0.0 ? 1 : 0));
     }
     return sum * vec4(vec3(light_scale), 1.0);
 }
@@ -324,12 +323,12 @@ const int SHAFT_STEPS = 8;
 #endif
 float shaded_glow(vec3 d, float metres) {
     float glow = smoothstep(GLOW_BEGINS, GLOW_WHOLE, dot(d, key_direction));
-    if (!(glow > 0.0 && key_irradiance.g > 0.0)) return 0.0;
     vec3 eye = (shadow_from_world * vec4(cameraPosition, 1.0)).xyz;
     vec3 end = (shadow_from_world * vec4(world, 1.0)).xyz;
     float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))) + picture_share);
     float dark = 0.0;
-    for (int k = 0; k < SHAFT_STEPS; ++k) {
+    int steps = glow > 0.0 && key_irradiance.g > 0.0 ? SHAFT_STEPS : 1;
+    for (int k = 0; k < steps; ++k) {
         vec3 p = mix(eye, end, min((float(k) + dither) / float(SHAFT_STEPS), 0.99));
         if (any(greaterThan(abs(p.xy), vec2(1.0)))) continue;
         dark += 1.0 - textureLod(shadow_map, vec3(p.xy, min(p.z, 1.0)) * 0.5 + 0.5, 0.0);
@@ -342,36 +341,42 @@ vec3 through_glass() {
     return texture(glass_map, p.xy).rgb;
 }
 #endif
-void light_of(Surface s, out vec4 light, out vec4 sky) {
+// Irradiance, and what is seen of the sky; open is the irradiance of an open place.
+void light_of(Surface s, vec3 open, out vec4 light, out vec4 sky) {
     sky = vec4(0.0, 0.0, 0.0, 1.0);
+#ifdef PROBES
+    bool by_probes = s.light == BY_PROBES || s.light == BY_MAP_BEHIND;
+    vec4 probes = probe_light(s.n, by_probes);
+#endif
     if (s.light == BY_GROUND) {
-        light = mix(map_light(s.map_px), vec4(open_irradiance(vec3(0.0, 1.0, 0.0)), 1.0), s.far);
+        light = mix(map_light(s.map_px), vec4(open_up, 1.0), s.far);
         sky = mix(map_sky(s.map_px), sky, s.far);
     }
     else if (s.light == BY_MAP || s.light == BY_MAP_BENT) {
         light = map_light(s.map_px);
         sky = map_sky(s.map_px);
-        if (s.light == BY_MAP_BENT) light.rgb *= ratio(open_irradiance(s.n), open_irradiance(s.even), 2.0);
+        if (s.light == BY_MAP_BENT) light.rgb *= ratio(open, open_irradiance(s.even), 2.0);
     }
 #ifdef PROBES
-    else if (s.light == BY_PROBES || s.light == BY_MAP_BEHIND) {
-        light = probe_light(s.n);
+    else if (by_probes) {
+        light = probes;
         sky.a = light.a;
     }
 #else
     else if (s.light == BY_MAP_BEHIND) {
         light = map_light(s.map_px);
-        light.rgb *= ratio(open_irradiance(s.n), open_irradiance(-s.even), 10.0);
+        light.rgb *= ratio(open, open_irradiance(-s.even), 10.0);
         sky.a = light.a;
     }
 #endif
-    else light = vec4(open_irradiance(s.n), 1.0);
+    else light = vec4(open, 1.0);
 }
 // Radiance through the air, or lux; left: the share of light from behind that passes the coat.
 vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
     vec4 lit_by, sky;
-    light_of(s, lit_by, sky);
-    vec3 n = s.n, reached = lit_by.rgb * s.occlusion;
+    vec3 n = s.n, open = open_irradiance(n);
+    light_of(s, open, lit_by, sky);
+    vec3 reached = lit_by.rgb * s.occlusion;
     float arrives = clamp(lit_by.a, 0.0, 1.0);
     left = 1.0;
     float sky_in_all = max(sky.a + dot(sky.rgb, s.even) * 2.0 / 3.0, 1e-4);
@@ -387,10 +392,6 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
     if (values_shown > 0.0) {
         float cosine = max(dot(s.even, key_direction), 0.0);
         return vec3(values_shown * LUMENS_PER_WATT * dot(reached + sun * cosine, WEIGHTS));
-    }
-    if (s.painted) {
-        vec3 on_ground = open_irradiance(vec3(0.0, 1.0, 0.0)) + key_irradiance * max(key_direction.y, 0.0);
-        return through_air(s.base * on_ground / PI, -view, metres, 1.0, 0.0);
     }
     vec3 radiance = s.emission;
     float metallic = s.metallic, roughness = s.roughness, coat_f90 = s.coat_f90;
@@ -423,9 +424,12 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
         vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
         float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
         // A lobe as wide as the hemisphere has the colour of all that arrives, not of the zenith.
-        vec3 wide = open_irradiance(n) / PI;
-        vec3 direct = mix(reflected_sky(about, roughness), wide, r2 * r2);
-        vec3 low = mix(reflected_sky(cut, narrower), wide, r2 * r2);
+        vec3 wide = open / PI, direct, low;
+        for (int k = 0; k < 2; ++k) {
+            vec3 lobe = mix(reflected_sky(k == 0 ? about : cut, k == 0 ? roughness : narrower), wide, r2 * r2);
+            if (k == 0) direct = lobe;
+            else low = lobe;
+        }
         vec3 around = max(reached / PI - arrives * wide, 0.0);
         vec3 across = nv * n - view;
         float flat_0 = 0.62 * r2 / (r2 + 0.05), flat_1 = 0.35 * r2 / (r2 + 0.04);
@@ -448,7 +452,13 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
         radiance += more * coats;
     }
     float lit = mix(smoothstep(0.0, 0.5, arrives), 1.0, smoothstep(1.0, 2.0, metres / scene_m));
-    return through_air(radiance, -view, metres, lit, shaded_glow(-view, metres));
+    float shaded = shaded_glow(-view, metres);
+    if (s.painted) {
+        radiance = s.base * (open_up + key_irradiance * max(key_direction.y, 0.0)) / PI;
+        lit = left = 1.0;
+        shaded = 0.0;
+    }
+    return through_air(radiance, -view, metres, lit, shaded);
 }
 `;
 
