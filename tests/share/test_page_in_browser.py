@@ -116,7 +116,8 @@ def test_numbers_stand_in_the_scene_in_the_colours_of_their_legend(written, tmp_
 @pytest.mark.long
 def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
     """The same pixels, whether surfaces are lit as they are drawn or from what a draft keeps of
-    them, and texels that a draft leaves out are summed when the view turns."""
+    them; its exposure by fewer of its pixels is that by more; and texels that a draft leaves out
+    are summed when the view turns."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)
@@ -133,7 +134,12 @@ def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
             page.dragging = true;
             for (const minute of [958, 959, 960]) { page.setHour(page.day, minute); page.step(); }
             const left = view.light.map.all.length - view.light.map.numbers.length;
-            const draft = radiance();
+            const draft = radiance(), { ev, draftMeter } = view;
+            view.draftMeter = view.meter;
+            view.meterPicture(coarse, 1 / view.shared.pre.value);
+            view.draftMeter = draftMeter;
+            const stops = view.ev - ev;
+            view.ev = ev;
             view.relit.material.visible = false;
             view.opaque.visible = true;
             renderer.clear();
@@ -144,15 +150,16 @@ def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
             page.change();
             page.step();
             const { all, numbers } = view.light.map;
-            return [draft, forward, left, numbers.length - all.length];
+            return [draft, forward, left, numbers.length - all.length, stops];
         })()"""
-        draft, forward, left, missing = browser.value(script)
+        draft, forward, left, missing, stops = browser.value(script)
         draft, forward = (
             np.array(one, np.uint16).view(np.float16).reshape(-1, 4)[:, :3].astype(float)
             for one in (draft, forward)
         )
         assert left > 0
         assert missing == 0
+        assert abs(stops) < 0.05
         assert forward.mean() > 1e-3
         assert draft.mean() == pytest.approx(forward.mean(), rel=0.01)
         assert np.quantile(np.abs(draft - forward) / forward.mean(), 0.9) < 0.01

@@ -22,7 +22,7 @@ const GREY = 0.18;
 // Turn of the key light (rad), two minutes of the day, within which drafts keep their shadow map.
 const DRAFT_TURN_RAD = 0.0087;
 // Texels of an edge of drafts' shadow map, and of the cubes in which surfaces mirror the sky.
-const DRAFT_SHADOW_EDGE = 640, CUBE_EDGE = 64, METER = [128, 72], STILLS = 16;
+const DRAFT_SHADOW_EDGE = 640, CUBE_EDGE = 64, METER = [128, 72], DRAFT_METER = [64, 36], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
 const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
 
@@ -192,7 +192,9 @@ export class Picture {
       ...one, radiance: { value: null }, pictures: { value: 1 }, range: { value: new THREE.Vector2(0, 1) }, colours: { value: ramp },
     });
     this.range = [10, 10000];
-    this.meter = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.FloatType, depthBuffer: false });
+    const meter = (/** @type {number[]} */ [w, h]) => new THREE.WebGLRenderTarget(w, h, { type: THREE.FloatType, depthBuffer: false });
+    this.meter = meter(METER);
+    this.draftMeter = meter(DRAFT_METER);
     this.glimpse = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.HalfFloatType });
     this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
     this.scene = new THREE.Scene();
@@ -639,11 +641,11 @@ export class Picture {
   meterPicture(target, factor) {
     this.copy.material.uniforms.from.value = target.texture;
     this.copy.material.uniforms.factor.value = factor;
-    this.copy.draw(this.renderer, this.meter);
+    const meter = target === this.coarse ? this.draftMeter : this.meter, { width, height } = meter;
+    this.copy.draw(this.renderer, meter);
     this.copy.material.uniforms.factor.value = 1;
-    const texels = new Float32Array(4 * METER[0] * METER[1]);
-    this.renderer.readRenderTargetPixels(this.meter, 0, 0, METER[0], METER[1], texels);
-    const values = new Float32Array(METER[0] * METER[1]);
+    const texels = new Float32Array(4 * width * height), values = new Float32Array(width * height);
+    this.renderer.readRenderTargetPixels(meter, 0, 0, width, height, texels);
     for (let i = 0; i < values.length; ++i) values[i] = luminance([texels[4 * i], texels[4 * i + 1], texels[4 * i + 2]]);
     this.ev = automaticEv(values, this.white) - this.exposure.compensation;
   }
