@@ -35,9 +35,8 @@ _CUBE = 64
 # Texels and faces of probes up to which a page stays small enough to be sent.
 MOST_VALUES = 400_000
 _BLACK = (0.0, 0.0, 0.0)
-# Rays of a texel over those of the program's light map. Their noise shows as blotches on even
-# walls, and is most of what a page's lux was off by. Four times the rays make an hour a quarter
-# slower.
+# Rays of a texel over those of the program's light map, whose noise shows as blotches on even walls
+# and was most of the error of a page's lux. Four times the rays make an hour a quarter slower.
 _MORE_RAYS = 4
 
 

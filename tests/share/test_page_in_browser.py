@@ -170,8 +170,8 @@ def test_a_draft_is_lit_like_a_picture_at_rest(written, tmp_path):
 
 @pytest.mark.long
 def test_a_draft_keeps_a_shadow_map_that_the_sun_has_hardly_left(written, tmp_path):
-    """Within half a degree; a picture at rest has the map of its own hour, and so has a draft after
-    it or after a time without light."""
+    """Within half a degree; pictures at rest, and drafts after these or after a time without light,
+    have the map of their hour."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)

@@ -56,8 +56,9 @@ class BothDevices:
         assert isinstance(by_card.cube, GpuTexture)
         assert isinstance(by_processor.cube, Array)
         # Where a card makes the sky-view table, a smaller one of the processor lights the ground.
+        within = 1e-3 if self.sky == "bruneton_sky" else 1e-6
         np.testing.assert_allclose(
-            by_card.ground_radiance_rgb, by_processor.ground_radiance_rgb, rtol=1e-3
+            by_card.ground_radiance_rgb, by_processor.ground_radiance_rgb, rtol=within
         )
         assert by_card.ground_through_air == by_processor.ground_through_air
         return tuple(stage.radiance() for stage in self.stages)

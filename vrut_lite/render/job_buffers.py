@@ -32,7 +32,7 @@ class JobBuffers:
 
     def bind(self, job: GpuJob, number: int) -> None:
         """Bind the buffers of the job's program of that number."""
-        # Shared ones first: a program may have a buffer of its own at their binding.
+        # Shared ones first: a program may have another buffer at their binding.
         for (program, binding), (_, buffer) in sorted(self._sent[job.key()].items(), key=_place):
             if program in (number, _ALL):
                 buffer.bind_to_storage_buffer(binding)
