@@ -10,6 +10,7 @@ keys have a digest of this package's own code.
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -37,6 +38,9 @@ _RAYS_BYTES = 2 << 30
 # Files of code that the ends of rays follow from, and those of all light.
 _RAYS_CODE = ("kernels.py", "transport.py", "surfaces/*.py", "layout/*.py", "rays/*.py")
 _LIGHT_CODE = ("*.py", "surfaces/*.py", "layout/*.py", "rays/*.py", "hour/*.py", "view/*.py")
+
+# The light of the hour need not wait for a digest of 50 MB and the disk.
+_writer = ThreadPoolExecutor(1, "vrut-lite kept rays")
 
 
 def digest_of(arrays: Iterable[NDArray]) -> str:
@@ -192,7 +196,8 @@ def cached_light(
 
 
 def cached_rays(key: tuple[object, ...], rows: int) -> RayRows | None:
-    """The table of rays of so many rows that another session traced."""
+    """The table of rays of so many rows that another session traced, or this one before."""
+    wait_for_rays()
     arrays = _rays().get((code_digest(_RAYS_CODE), *key))
     names = {name for name in RayRows._fields if name != "first"}
     if arrays is None or arrays.keys() != names or len(arrays["start"]) != rows + 1:
@@ -201,10 +206,15 @@ def cached_rays(key: tuple[object, ...], rows: int) -> RayRows | None:
 
 
 def cache_rays(key: tuple[object, ...], table: RayRows) -> None:
-    """Keep the rays of all rows."""
+    """Keep the rays of all rows; they are written by another thread, before the process ends."""
     arrays = table._asdict()
     del arrays["first"]
-    _rays().put((code_digest(_RAYS_CODE), *key), arrays)
+    _writer.submit(_rays().put, (code_digest(_RAYS_CODE), *key), arrays)
+
+
+def wait_for_rays() -> None:
+    """Until all rays that are to be kept are on disk."""
+    _writer.submit(int).result()
 
 
 def _rays() -> ArrayCache:

@@ -5,6 +5,7 @@ import pytest
 from boxes import box, floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file, lights
 from light_transport.transport import SceneTransport
+from light_transport.transport_files import wait_for_rays
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 
@@ -94,6 +95,7 @@ def test_rays_of_two_rounds_may_be_traced_at_once():
 def test_damaged_files_are_traced_again(scene, traced, tmp_path):
     """Half a file, or one that a foreign program wrote, is as good as none."""
     first = light_of(scene)
+    wait_for_rays()
     kept = sorted((tmp_path / "cache").rglob("light_maps/*.arrays"))
     assert len(kept) == 2
     kept[0].write_bytes(kept[0].read_bytes()[:-100])

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from light_transport.kernels import dot, kernel
 from light_transport.rays.map_texels import NOBODY, MapGeometry, Texels
-from light_transport.rays.row_numbers import row_numbers
 from light_transport.rays.split_texels import apart, middle_place
 from light_transport.rays.tree import STACK, Tree
 
@@ -21,6 +20,8 @@ from light_transport.rays.tree import STACK, Tree
 _NEAR = 2.5
 # Maximum distance, in texels, of texels on both sides of an edge: one across, half a one along it.
 _NEAR_EDGE = 1.15
+# Least edge of a cell of a search for neighbours, in radii: numbers of cells fit into 62 bits.
+_SMALLEST_CELL = 1e-5
 # Two texels share a plane if normals agree to 2 degrees and the step between them rises no more
 # than this share of its length.
 _SAME_FACING, _OFF_PLANE = 0.9994, 0.05
@@ -86,37 +87,37 @@ def touching_texels(
     rims = np.flatnonzero(is_rim & ~geometry.on_ground[texels.triangle])
     if len(rims) < 2:
         return np.empty((0, 2), np.int32)
-    edge = _NEAR_EDGE * float(texels.width[rims].max())
+    edge = max(_NEAR_EDGE * float(texels.width[rims].max()), _SMALLEST_CELL)
     cells = np.floor(texels.place[rims].astype(np.float64) / edge).astype(np.int64)
-    # Neighbouring cells are found by number: cells of all steps about each.
-    steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    around = (cells[:, None] + steps).reshape(-1, 3)
-    number = row_numbers(np.concatenate([cells, around]))[0]
-    own, about = number[: len(rims)], number[len(rims) :].reshape(-1, len(steps))
-    order = np.argsort(own, kind="stable")
-    start = np.searchsorted(own[order], np.arange(number.max() + 2))
+    cells -= cells.min(axis=0)
+    # Room on both sides, so that no row of cells goes on in the next.
+    counts = cells.max(axis=0) + 3
+    cell = (cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2]
+    order = np.argsort(cell, kind="stable")
+    rims, cell = rims[order], cell[order]
+    # Cells beside each other along the last axis follow each other: nine runs of three.
+    rows = np.array([(x * counts[1] + y) * counts[2] for x in (-1, 0, 1) for y in (-1, 0, 1)])
+    around = cell[:, None] + rows
+    runs = np.stack(
+        [np.searchsorted(cell, around - 1), np.searchsorted(cell, around + 1, "right")], axis=2
+    )
     solid = (tree.opacity >= 1.0)[geometry.leaf]
     solid &= np.isfinite(geometry.uv).all(axis=(1, 2)) | geometry.on_ground
     stacks = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
     places = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    members = rims[order].astype(np.int64)
-    return np.asarray(
-        _pairs(tree, geometry, texels, charts, solid, rims, about, members, start, stacks, places)
-    )
+    return np.asarray(_pairs(tree, geometry, texels, charts, solid, rims, runs, stacks, places))
 
 
 @kernel
-def _pairs(  # type: ignore[no-untyped-def]
-    tree, geometry, texels, charts, solid, rims, about, members, start, stacks, places
-):
+def _pairs(tree, geometry, texels, charts, solid, rims, runs, stacks, places):  # type: ignore[no-untyped-def]
     weights, a, b, normal = places
     found = np.empty((1024, 2), np.int32)
     count = 0
     for k in range(len(rims)):
         i = rims[k]
-        for cell in about[k]:
-            for m in range(start[cell], start[cell + 1]):
-                j = members[m]
+        for run in range(runs.shape[1]):
+            for m in range(runs[k, run, 0], runs[k, run, 1]):
+                j = rims[m]
                 if j <= i or charts[i] == charts[j]:
                     continue
                 if dot(texels.normal[i], texels.normal[j]) < _SAME_FACING:

@@ -20,6 +20,10 @@ CELLS = 4
 PLACES = 2 * CELLS
 ANYWHERE = np.uint64(2**64 - 1)
 _LEAST_COVERED = 1.0 / 32.0
+# One, and masks of every other bit, every other two, every other four; the lowest of each eight.
+_ONE = np.uint64(1)
+_PAIRS, _FOURS = np.uint64(0x5555555555555555), np.uint64(0x3333333333333333)
+_EIGHTS, _EACH_EIGHT = np.uint64(0x0F0F0F0F0F0F0F0F), np.uint64(0x0101010101010101)
 # Padding looks so far around for a texel to copy.
 _REACH_PX = 2
 # Length of normals in 16 bits: they are right to 3e-5 radians, and nobody needs their length.
@@ -34,8 +38,8 @@ class MapGeometry(NamedTuple):
     `triangle` (F, 9) float32: those of the tree, a corner and two edges; `leaf` (F,) int32: where
     each triangle is among these; `normals` (F, 3, 3) int16: of the corners, 32767 long; `faces`
     (F, 3) float32; `uv` (F, 3, 2) float32; `owner` (height, width); `on_ground` (F,) bool; `ground`
-    (8,): corner of the ground's chart in the map (2), texels an edge less one, half width, warp,
-    middle (2) and height.
+    (9,): corner of the ground's chart in the map (2), texels an edge less one, half width, warp,
+    middle (2), height, and the warp's hyperbolic sine.
     """
 
     triangle: Float32Array
@@ -88,14 +92,14 @@ def map_geometry(surfaces: Surfaces, layout: Layout, tree: Tree) -> MapGeometry:
     """The arrays of surfaces and layout in the form and unit that kernels take."""
     radius = surfaces.radius_m
     chart = layout.message.ground
-    ground = np.zeros(8)
+    ground = np.zeros(9)
     on_ground = surfaces.part == GROUND
     if chart is not None and np.any(on_ground):
         corners = surfaces.corners_m[on_ground]
         middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / radius
         half_width = chart.half_width_m / radius
         ground[:5] = *chart.corner_px, chart.edge_px - 1, half_width, chart.warp
-        ground[5:] = middle[0], middle[2], middle[1]
+        ground[5:] = middle[0], middle[2], middle[1], math.sinh(chart.warp)
     leaf = np.empty(len(tree.order), np.int32)
     leaf[tree.order] = np.arange(len(leaf), dtype=np.int32)
     return MapGeometry(
@@ -207,16 +211,22 @@ def beginning_at(texels, row, number, x, y):  # type: ignore[no-untyped-def]
     place = line * PLACES + column
     if has_place(begins, place):
         return place_at(texels, row, place)
-    some = 0
-    for k in range(PLACES * PLACES):
-        some += has_place(begins, k)
+    some = _bits_set(begins)
     if some == 0:
         return middle_of(texels, row)
-    wanted, place = number % some, 0
-    while wanted > 0 or not has_place(begins, place):
-        wanted -= has_place(begins, place)
-        place += 1
-    return place_at(texels, row, place)
+    left = begins
+    for _ in range(number % some):
+        left &= left - _ONE
+    return place_at(texels, row, _bits_set((left & ~left + _ONE) - _ONE))
+
+
+@inlined
+def _bits_set(bits):  # type: ignore[no-untyped-def]
+    """How many of 64 bits are set: sums of pairs, of fours, of eights, then of all."""
+    bits -= bits >> _ONE & _PAIRS
+    bits = (bits & _FOURS) + (bits >> np.uint64(2) & _FOURS)
+    bits = bits + (bits >> np.uint64(4)) & _EIGHTS
+    return np.int64(bits * _EACH_EIGHT >> np.uint64(56))
 
 
 @inlined
@@ -238,9 +248,9 @@ def weights_at(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
         for k in range(3):
             weights[k] = 1.0 / 3.0
         return False
-    px, py = x - ax, y - ay
-    weights[1] = (px * cy - py * cx) / area
-    weights[2] = (bx * py - by * px) / area
+    px, py, inverse = x - ax, y - ay, 1.0 / area
+    weights[1] = (px * cy - py * cx) * inverse
+    weights[2] = (bx * py - by * px) * inverse
     weights[0] = 1.0 - weights[1] - weights[2]
     return weights[0] >= 0.0 and weights[1] >= 0.0 and weights[2] >= 0.0
 
@@ -267,9 +277,9 @@ def keep_off_edges(weights):  # type: ignore[no-untyped-def]
     """Move barycentric coordinates just inside their triangle."""
     for k in range(3):
         weights[k] = max(weights[k], _INSIDE)
-    total = weights[0] + weights[1] + weights[2]
+    inverse = 1.0 / (weights[0] + weights[1] + weights[2])
     for k in range(3):
-        weights[k] /= total
+        weights[k] *= inverse
 
 
 @inlined
@@ -305,7 +315,7 @@ def ground_place(ground, x, y, place):  # type: ignore[no-untyped-def]
     """The point of the ground at a place in the map; see `GroundChart`."""
     for axis in range(2):
         at = ((x if axis == 0 else y) - ground[axis] - 0.5) / ground[2] * 2.0 - 1.0
-        away = math.sinh(ground[4] * at) / math.sinh(ground[4])
+        away = math.sinh(ground[4] * at) / ground[8]
         away = min(max(away, -1.0), 1.0) * 0.999
         place[2 * axis] = ground[5 + axis] + ground[3] * away
     place[1] = ground[7]
@@ -315,7 +325,9 @@ def ground_place(ground, x, y, place):  # type: ignore[no-untyped-def]
 def ground_at(ground, away, axis):  # type: ignore[no-untyped-def]
     """Where a point of the ground lies in the map, along one of its axes."""
     away = (away - ground[5 + axis]) / ground[3]
-    away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
+    # The inverse hyperbolic sine; the library's takes twice as long.
+    warped = ground[8] * min(abs(away), 1.0)
+    away = math.copysign(math.log(warped + math.sqrt(warped * warped + 1.0)) / ground[4], away)
     return ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2]
 
 
@@ -335,8 +347,9 @@ def surface_place(geometry, t, weights, place, normal):  # type: ignore[no-untyp
             + weights[2] * normals[t, 2, k]
         )
     length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    inverse = 1.0 / length
     for k in range(3):
-        normal[k] = normal[k] / length if length > 1e-6 * _NORMAL else geometry.faces[t, k]
+        normal[k] = normal[k] * inverse if length > 1e-6 * _NORMAL else geometry.faces[t, k]
 
 
 @kernel

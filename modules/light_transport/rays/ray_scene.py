@@ -24,7 +24,8 @@ from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.messages.lamps import SceneLamps
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
-BLOCK_ROWS = 2048
+# Their rays fit into a core's cache, and threads end at about the same time.
+BLOCK_ROWS = 512
 # Rows of which a smaller share of rays counts lie inside bodies. Where bodies touch, up to half of
 # the rays of a hidden row end on a floor or get out between pieces of a wall, which then shines.
 _LEAST_FREE = 0.5
