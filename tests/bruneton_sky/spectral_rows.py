@@ -3,7 +3,7 @@
 import numpy as np
 from bruneton_sky.sky_view import GroundColours
 from bruneton_sky.sky_view.rays import SkyViewRays
-from bruneton_sky.sky_view.table import aerosol_bands
+from bruneton_sky.sky_view.table import aerosol_bands, row_bins
 from bruneton_sky.sky_view.table_kernels import add_rows
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
@@ -27,10 +27,11 @@ def total_radiance(
         np.array([-1.0, 1.0], np.float32), np.ones(4, np.float32), np.zeros(32, np.float32)
     )
     nodes = np.zeros((len(nu), nu.shape[1] * 8), np.float32)
+    fine, coarse = row_bins(air, rows, slice(None), counts)
     add_rows(
         air, rows.altitude_m, rows.mu, rows.hits, rows.mu_s.astype(np.float32), nu,
-        field.transmittance[0], source_of_group(field, 0), counts, colour, colour, lanes, black,
-        nodes,
+        field.transmittance[0], source_of_group(field, 0), fine, coarse,
+        colour, colour, lanes, black, nodes,
     )  # fmt: skip
     by_kind = nodes.reshape(*nu.shape, 2, 4)[..., :wavelengths].astype(float)
     place = np.sqrt(np.maximum(0.5 - 0.5 * rows.nu, 0.0)) * (len(bands.phase) - 1)

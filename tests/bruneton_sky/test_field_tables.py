@@ -9,6 +9,7 @@ import pytest
 from bruneton_sky import solver_job
 from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
+from bruneton_sky.sky_view import table
 from bruneton_sky.sky_view.table_on_card import standing_sky_job
 from bruneton_sky.solved_sky import SolvedSky
 from bruneton_sky.solver import SourceField
@@ -47,20 +48,37 @@ def test_a_sky_is_freed_with_all_tables_that_were_made_of_it():
     assert field() is None
 
 
+@pytest.mark.parametrize("altitude_m", [1.5, 9000.0, 5e5], ids=["ground", "flight", "space"])
+def test_the_matter_along_rays_is_summed_once_for_all_suns(altitude_m, monkeypatch):
+    """It follows from air and eye, and takes two fifths of a table's time; by day and in twilight
+    rays have other bins. The light is that of a sky that has met no sun before."""
+    summed = []
+    fill = table.fill_row_bins
+    monkeypatch.setattr(table, "fill_row_bins", lambda *rays: (summed.append(rays), fill(*rays)))
+    field = solver_job.solve_air(AIR, 2)
+    suns = [np.array([0.0, sine, np.sqrt(1.0 - sine * sine)]) for sine in (0.7, 0.6, 0.5)]
+    views = [table.sky_view(field, altitude_m, sun) for sun in suns]
+    once = len(summed)
+    table.sky_view(field, altitude_m, np.array([0.0, 0.01, np.sqrt(1.0 - 1e-4)]))
+    assert len(summed) == (once if altitude_m > AIR.top_altitude_m else 2 * once)
+    fresh = table.sky_view(solver_job.solve_air(AIR, 2), altitude_m, suns[-1])
+    np.testing.assert_array_equal(views[-1].nodes, fresh.nodes)
+
+
 def test_a_table_is_made_once_and_only_the_last_few_of_a_field_stay():
     """A table takes tens of milliseconds, and each altitude of an eye has another."""
     made = []
 
     @table_of_field
-    def table(field, altitude_m):
+    def known(field, altitude_m):
         made.append(altitude_m)
         return altitude_m
 
     field = solver_job.solve_air(AIR, 2)
-    assert [table(field, m) for m in (0.0, 0.0, 1.0, 2.0, 3.0)] == [0.0, 0.0, 1.0, 2.0, 3.0]
+    assert [known(field, m) for m in (0.0, 0.0, 1.0, 2.0, 3.0)] == [0.0, 0.0, 1.0, 2.0, 3.0]
     assert made == [0.0, 1.0, 2.0, 3.0]
-    table(field, 4.0)
-    table(field, 0.0)
+    known(field, 4.0)
+    known(field, 0.0)
     assert made == [0.0, 1.0, 2.0, 3.0, 4.0, 0.0]
 
 

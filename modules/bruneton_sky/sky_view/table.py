@@ -20,8 +20,9 @@ from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
 from bruneton_sky.sky_view.cube_kernels import fill_faces
 from bruneton_sky.sky_view.rays import SkyViewRays, table_rows
-from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
+from bruneton_sky.sky_view.table_kernels import add_rows, fill_row_bins, finish_rows
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.bin_kernels import Bins
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.particles import kind_phases, shares_above
 from bruneton_sky.solver.source_field import source_of_group
@@ -172,7 +173,7 @@ def _table(
     rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
     bands = aerosol_bands(field, altitude_m)
     return SkyView(
-        _nodes(field, altitude_m, rows, counts, bands),
+        _nodes(field, altitude_m, rows, shape, counts, bands),
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
@@ -210,6 +211,7 @@ def _nodes(
     field: SourceField,
     altitude_m: float,
     rows: SkyViewRays,
+    shape: tuple[int, int, int],
     counts: tuple[int, int, int],
     bands: AerosolBands,
 ) -> NDArray[np.float32]:
@@ -219,15 +221,43 @@ def _nodes(
     nodes = np.zeros((len(nu), nu.shape[1] * NODE), dtype=np.float32)
     colours, ground = colours_of(field)
     matrix, kinds = bands_in_groups(field, _mean_above_m(field.atmosphere, altitude_m))
+    bins = _row_bins(field, altitude_m, shape, counts)
     for k, (air, source) in enumerate(_sources(field)):
-        for part, own in _parts(rows, counts):
+        for part, fine, coarse in bins[k]:
             add_rows(
                 air, rows.altitude_m[part], rows.mu[part], rows.hits[part], mu_s[part], nu[part],
-                field.transmittance[k], source, own,
+                field.transmittance[k], source, fine, coarse,
                 colours[k], matrix[k], kinds[k], ground[k], nodes[part],
             )  # fmt: skip
     finish_rows(nu, bands.phase, bands.colour, nodes)
     return nodes.reshape(-1, NODE)
+
+
+# The matter along a table's rays does not depend on the sun.
+@table_of_field
+def _row_bins(
+    field: SourceField,
+    altitude_m: float,
+    shape: tuple[int, int, int],
+    counts: tuple[int, int, int],
+) -> list[list[tuple[slice, Bins, Bins]]]:
+    """Rows of each group of wavelengths, and their bins for light scattered once and more."""
+    rows = table_rows(field.atmosphere, altitude_m, 1.0, *shape)
+    parts = _parts(rows, counts)
+    return [
+        [(part, *row_bins(air, rows, part, own)) for part, own in parts]
+        for air, _ in _sources(field)
+    ]
+
+
+def row_bins(
+    air: WavelengthGroup, rows: SkyViewRays, part: slice, counts: tuple[int, int, int]
+) -> tuple[Bins, Bins]:
+    """Bins of some of a table's rows for light scattered once, and for more."""
+    altitude_m, mu, hits = rows.altitude_m[part], rows.mu[part], rows.hits[part]
+    fine, coarse = (Bins.empty(mu.shape, count) for count in counts[1:])
+    fill_row_bins(air, altitude_m, mu, hits, counts[0], fine, coarse)
+    return fine, coarse
 
 
 def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from bruneton_sky.solver.bin_kernels import (
+    Bins,
     empty_bins,
     empty_steps,
     fill_steps,
@@ -21,6 +22,7 @@ from bruneton_sky.solver.cell_kernels import (
     empty_cells,
     fast,
     inner,
+    making,
     set_suns,
 )
 from bruneton_sky.solver.first_order_kernels import gather_first
@@ -33,6 +35,25 @@ _RAYLEIGH = np.float32(3.0 / (16.0 * math.pi))
 
 
 @fast
+def fill_row_bins(air, altitude, mu, hits, steps, fine, coarse):  # type: ignore[no-untyped-def]
+    """Fill the bins of rays (rows,): `fine` for light scattered once, `coarse` for more.
+
+    `steps`: how many fine steps they are merged of. `end` is that of the fine bins alone.
+    """
+    scratch = empty_steps(air, steps)
+    for i in range(mu.size):
+        fill_steps(air, altitude[i], mu[i], hits[i], scratch, fine.end[i])
+        merge_steps(air, altitude[i], mu[i], scratch, _of_row(fine, i))
+        merge_steps(air, altitude[i], mu[i], scratch, _of_row(coarse, i))
+
+
+@making
+def _of_row(bins, i):  # type: ignore[no-untyped-def]
+    """The bins of one ray."""
+    return Bins(bins.edge[i], bins.centre[i], bins.weight[i], bins.end[i])
+
+
+@fast
 def add_rows(  # type: ignore[no-untyped-def]
     air,
     altitude,
@@ -42,7 +63,8 @@ def add_rows(  # type: ignore[no-untyped-def]
     nu,
     transmittance,
     source,
-    counts,
+    fine,
+    coarse,
     colour,
     bands,
     kinds,
@@ -51,33 +73,28 @@ def add_rows(  # type: ignore[no-untyped-def]
 ):
     """Add the colours of four wavelengths along rays (rows,), for cells (rows, columns) of suns.
 
-    `transmittance`, `source`: of a group of wavelengths of a `SourceField`. `counts`: steps,
-    bins for light scattered once, bins for more. `colour` (4 * 4,): linear sRGB of the wavelengths.
+    `transmittance`, `source`: of a group of wavelengths of a `SourceField`. `fine`, `coarse`: see
+    `fill_row_bins`. `colour` (4 * 4,): linear sRGB of the wavelengths.
     `bands` (4 * 4,): what of each is in each of the aerosol's bands. `kinds` (angles, kinds * 4):
     phase functions of the particles' kinds over that of the bands.
     `ground`: `GroundColours` of the group. `nodes` (rows, columns * 8) takes what the table
     holds, not yet as roots.
     """
-    steps = empty_steps(air, counts[0])
-    fine, coarse = empty_bins(counts[1]), empty_bins(counts[2])
     cells, slab = empty_cells(mu_s.shape[1]), empty_slab(source)
     row = np.empty(transmittance.shape[1], _f4)
     once = np.empty((4 + kinds.shape[1]) * mu_s.shape[1], _f4)
     more = np.empty(4 * mu_s.shape[1], _f4)
-    end = np.empty(5)
     for i in range(mu.size):
         set_suns(cells, mu_s[i], nu[i])
-        fill_steps(air, altitude[i], mu[i], hits[i], steps, end)
-        merge_steps(air, altitude[i], mu[i], steps, fine)
-        gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, once)
-        merge_steps(air, altitude[i], mu[i], steps, coarse)
+        own = _of_row(fine, i)
+        gather_first(air, altitude[i], mu[i], own, cells, transmittance, row, once)
         more[:] = ZERO
-        gather_later(air, altitude[i], coarse, cells, source, slab, more)
+        gather_later(air, altitude[i], _of_row(coarse, i), cells, source, slab, more)
         if kinds.shape[1] > 4:
             join_kinds(nu[i], kinds, once)
         _add_colours(once, more, nu[i], colour, bands, nodes[i])
         if hits[i]:
-            _add_ground(air, altitude[i], mu_s[i], nu[i], end, ground, nodes[i])
+            _add_ground(air, altitude[i], mu_s[i], nu[i], own.end, ground, nodes[i])
 
 
 @fast
