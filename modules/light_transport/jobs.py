@@ -291,15 +291,17 @@ def view_lit(
     sky_light: SkyLightChanged,
     asked: StillAsked,
     points: int,
+    rays: int,
     control: JobControl,
 ) -> ViewLightChanged | None:
-    """The light of an hour on the surfaces in a picture, at about so many points of it.
+    """The light of an hour on the surfaces in a picture, at about so many points of it, by at most
+    so many rays each.
 
     None if nobody waits for it any more.
     """
     assert transport.key is not None
     edge_px = _edge_for(asked.size_px, points)
-    hour, camera, of_picture = hour_of(sky_light), asked.camera, (asked.size_px, edge_px)
+    hour, camera, of_picture = hour_of(sky_light), asked.camera, (asked.size_px, edge_px, rays)
 
     def made() -> Arrays:
         return transport.value.view_arrays(hour, camera, *of_picture, unless(control.cancelled))
@@ -318,7 +320,7 @@ def view_lit(
         plane=Array(found["plane"]),
         mirrored=Array(found["mirrored"]),
         radiance_scale=float(found["scale"][0]),
-        rays=transport.key.rays,
+        rays=rays,
         source=NAME,
     )
 

@@ -17,7 +17,7 @@ from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.lazy import lazy
 from vrut_lite.messages.gpu_job import GpuJob
-from vrut_lite.messages.light_map import SLOT, LightMapLaid, SurfaceLightChanged
+from vrut_lite.messages.light_map import BESIDE_POINTS, SLOT, LightMapLaid, SurfaceLightChanged
 from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.sky import SkyRadianceChanged
@@ -93,6 +93,8 @@ class LightTransport(Module):
         self._probes: LaidProbes | None = None
         self._laid: Laid | None = None
         self._round: TransportRound | None = None
+        # Whether all rays are traced, until a demand wants more.
+        self._is_baked = False
         # The layout that was posted last.
         self._posted: LightMapLaid | None = None
         self._asked: _Asked | None = None
@@ -109,6 +111,8 @@ class LightTransport(Module):
         if message.message == SurfaceLightChanged.__name__:
             self._consider()
             self._choose_again()
+            if self._is_baked:
+                self._next_round()
         elif message.message == GpuJob.__name__:
             self._choose_again()
         elif message.message == ViewLightChanged.__name__:
@@ -173,11 +177,26 @@ class LightTransport(Module):
         return quality_for(tolerance_of(self.link), self.settings.quality)
 
     @property
+    def _named_rays(self) -> int:
+        """Rays that a demand names, 0 if none does."""
+        wanted = self.link.wanted(SurfaceLightChanged)
+        return 0 if wanted is None else wanted.size or 0
+
+    @property
+    def _rays(self) -> int:
+        """Rays of a texel in a finished bake.
+
+        A map beside a still's own points carries their bounces, by patches of many texels, and is
+        seen in reflections and on thin things: half as many do. Lamps light the map alone.
+        """
+        scene, rays = self.link.last(SceneOpened), self._quality.rays
+        has_points = scene is not None and scene.lamps is None
+        return rays // 2 if has_points and self._named_rays == BESIDE_POINTS else rays
+
+    @property
     def _least_rays(self) -> int:
         """Minimum rays of light that is shown."""
-        wanted = self.link.wanted(SurfaceLightChanged)
-        named = None if wanted is None else wanted.size
-        return min(named or 0, self._quality.rays)
+        return min(self._named_rays, self._rays)
 
     # --- the bake -------------------------------------------------------------------------
 
@@ -187,6 +206,7 @@ class LightTransport(Module):
             self.link.cancel_job(job)
         self._sizes_laid = self._probes = self._laid = self._round = self._posted = None
         self._asked = None
+        self._is_baked = False
         self._hours_under_way = 0
         scene = self.link.last(SceneOpened)
         if not self._works:
@@ -242,7 +262,7 @@ class LightTransport(Module):
             self._lay_out(scene, probes.prepared)
 
     def _lay_out(self, scene: SceneOpened, prepared: "Unwritten[PreparedSurfaces] | None") -> None:
-        rays, of_still = self._quality.rays, self._least_rays > 0
+        rays, of_still = self._rays, self._least_rays > 0
         asked = scene, self._sizes_laid, rays, prepared, of_still
         self.link.start_job(LAYOUT, _jobs.laid_out, *asked, role="awaited")
 
@@ -275,9 +295,10 @@ class LightTransport(Module):
             return
         done = self._round
         count = max(done.rays, self._least_rays - done.rays)
-        count = min(count, self._quality.rays - done.rays)
-        if count > 0:
-            wanted, of_still = self._quality.rays, self._least_rays > 0
+        count = min(count, self._rays - done.rays)
+        self._is_baked = count <= 0
+        if not self._is_baked:
+            wanted, of_still = self._rays, self._least_rays > 0
             asked = done.transport, count, wanted, of_still
             self.link.start_job(RAYS, _jobs.with_rays, *asked, role="refines")
 
@@ -290,7 +311,7 @@ class LightTransport(Module):
                 layout_key=self._laid.message.layout_key,
                 texels=done.texels,
                 rays=done.rays,
-                rays_wanted=self._quality.rays,
+                rays_wanted=self._rays,
                 table_bytes=done.table_bytes,
             )
         )
@@ -347,7 +368,7 @@ class LightTransport(Module):
         why = ""
         if self._least_rays:
             why = "a still's light is kept on disk"
-        elif self._laid is None or done.rays < self._quality.rays:
+        elif self._laid is None or done.rays < self._rays:
             why = "the bake goes on"
         elif self.link.wanted(GpuJob) is None:
             why = "nobody draws with OpenGL"
@@ -363,7 +384,7 @@ class LightTransport(Module):
             return
         if self._laid is None or self._round is None or self._asked is None or scene is None:
             return
-        if self._hours_under_way or self._asked.rays < self._quality.rays:
+        if self._hours_under_way or self._asked.rays < self._rays:
             return
         if scene.lamps is not None:
             key, rays = self._laid.message.layout_key, self._asked.rays
@@ -372,8 +393,9 @@ class LightTransport(Module):
             return
         key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)
         transport, hour = self._round.transport, self._asked.hour
+        sizes = points, self._quality.rays
         self.link.start_job(
-            VIEW, _jobs.view_lit, transport, key, hour, asked, points, role="refines"
+            VIEW, _jobs.view_lit, transport, key, hour, asked, *sizes, role="refines"
         )
 
     def _present_hour(self) -> SkyLightChanged | None:

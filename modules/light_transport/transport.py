@@ -307,9 +307,12 @@ class SceneTransport(RayScene):
         camera: MoveCamera,
         size_px: tuple[int, int],
         edge_px: int,
+        rays: int,
         go_on: CancelCheck,
     ) -> Arrays:
         """The light of an hour at the points of a view as `ViewLightChanged` has it.
+
+        By at most so many `rays` of each point.
 
         Raises:
             GivenUp: by `go_on`.
@@ -317,7 +320,7 @@ class SceneTransport(RayScene):
         # Hours of the same rays are lit by one thread meanwhile.
         own = copy(self)
         own.threads = all_threads()
-        view = camera, size_px, edge_px, self.rays, own.threads, go_on
+        view = camera, size_px, edge_px, rays, own.threads, go_on
         found = view_light(own, hour, own.light(hour), *view)
         scale = float16_scale(max(largest(found.light), largest(found.mirrored)))
         return {

@@ -1,10 +1,13 @@
 """Light for the pixels of a still: made when it is asked for, and the light of the place."""
 
+import msgspec
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
-from light_stage import COARSE, WANT, LightStage, Look, Shine, Show, box_file
+from light_stage import COARSE, WANT, LightStage, Look, Shine, Show, box_file, lights, of_kind
 from light_transport.giving_up import always
+from light_transport.messages import BakeGrown
+from light_transport.tolerance import quality_for
 from light_transport.transport import SceneTransport
 from light_transport.view import point_light
 from light_transport.view.point_light import light_at
@@ -13,11 +16,16 @@ from light_transport.view.view_smoothing import PointGrid, smoothed
 
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.messages.camera import MoveCamera
+from vrut_lite.messages.light_map import ALL_RAYS, BESIDE_POINTS
 from vrut_lite.messages.view_light import ViewLightChanged
 
 WANT_VIEW = Demand(consumer="still", message=ViewLightChanged.__name__)
 NO_VIEW = Demand(consumer="still", message=ViewLightChanged.__name__, size=0)
 LOOK = Look(eye_m=(3.0, 4.0, 5.0))
+
+
+def want_rays(size):
+    return msgspec.structs.replace(WANT, size=size)
 
 
 @pytest.fixture
@@ -66,6 +74,36 @@ def test_a_view_with_lamps_is_finished_by_its_map(stage, tmp_path):
     found[-1].check()
     found[-1].check_arrays()
     assert not found[-1].plane.values.any()
+
+
+def test_beside_points_of_a_still_half_the_maps_rays_do(tmp_path):
+    """They light its points by patches of many texels, whose noise nobody sees: the points' light
+    is that of all rays within 1 %. A demand that wants all rays afterwards has them."""
+    stage = LightStage()
+    beside, every = (want_rays(size) for size in (BESIDE_POINTS, ALL_RAYS))
+    show = Show(path=str(box_file(tmp_path, boxes=((0.0, 2.0), (2.5, 2.0)))))
+    said = stage.tell(*COARSE, Shine(radiance=1.0), beside, LOOK, WANT_VIEW, show)
+    full = quality_for(0.1, "draft").rays
+    (light,), (view,) = lights(said), views(said)
+    assert (light.rays, view.rays) == (full // 2, full)
+    assert of_kind(said, BakeGrown)[-1].rays_wanted == full // 2
+    said = stage.tell(every)
+    finer, again = lights(said)[-1], views(said)[-1]
+    assert (finer.rays, again.rays) == (full, full)
+    by_half, by_all = (
+        each.light.values[..., 1].astype(float) * each.radiance_scale for each in (view, again)
+    )
+    np.testing.assert_allclose(by_half, by_all, rtol=0.01, atol=0.01 * by_all.max())
+    stage.kernel.close()
+
+
+def test_lamps_are_lit_by_all_rays(tmp_path):
+    """Their still has no points: what it shows is the map."""
+    stage = LightStage()
+    show = Show(path=str(box_file(tmp_path, "lit.obj")), with_lamp=True)
+    said = stage.tell(*COARSE, Shine(radiance=1.0), want_rays(BESIDE_POINTS), show)
+    assert lights(said)[-1].rays == quality_for(0.1, "draft").rays
+    stage.kernel.close()
 
 
 def test_another_view_and_another_hour_have_light_of_their_own(stage):

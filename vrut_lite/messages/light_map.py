@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Derived
+from vrut_lite.kernel.messages import LARGEST_DEMAND, Derived
 from vrut_lite.messages.late_array import LateArray
 from vrut_lite.messages.limits import LARGEST_EDGE, LARGEST_VOLUME, MOST_LIGHT, check_scale
 from vrut_lite.numeric_types import Float32Array, Vector
@@ -21,6 +21,9 @@ from vrut_lite.numeric_types import Float32Array, Vector
 NOT_MAPPED = -1
 # Slot of the module that lights surfaces; without a holder the open sky lights them.
 SLOT = "light_map"
+# Sizes of a demand for light that waits for a finished bake: of all rays, or of half as many, for a
+# still whose surfaces in view have rays of their own besides (`ViewLightChanged`).
+ALL_RAYS, BESIDE_POINTS = LARGEST_DEMAND, LARGEST_DEMAND - 1
 _LARGEST_M = 1e10
 # Largest slope of the sky's visible share with direction.
 _STEEPEST = 100.0

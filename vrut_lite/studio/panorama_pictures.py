@@ -87,7 +87,7 @@ class PanoramaPlan:
             UserError: the project has an invalid value.
         """
         plan = ScenePlan(msgspec.structs.replace(self.project, size=_FIRST_PX))
-        return PanoramaStudio(self, plan.open())
+        return PanoramaStudio(self, plan.open(by_map=True))
 
 
 class PanoramaStudio:

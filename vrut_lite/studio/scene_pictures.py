@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight_kernel import daylight_kernel
-from vrut_lite.kernel.messages import LARGEST_DEMAND, Demand, SetClock
-from vrut_lite.messages.light_map import SurfaceLightChanged
+from vrut_lite.kernel.messages import Demand, SetClock
+from vrut_lite.messages.light_map import ALL_RAYS, BESIDE_POINTS, SurfaceLightChanged
 from vrut_lite.messages.picture import SetExposure
 from vrut_lite.messages.view_light import ViewLightChanged
 from vrut_lite.pictures.display import Bits, display_picture
@@ -37,8 +37,8 @@ class ScenePlan:
     bits: Bits = 8
     engine: str = GL
 
-    def open(self) -> "SceneStudio":
-        """A host with the scene open.
+    def open(self, by_map: bool = False) -> "SceneStudio":
+        """A host with the scene open; `by_map` for pictures whose points have no rays of their own.
 
         Raises:
             UserError: the project has an invalid value.
@@ -56,7 +56,7 @@ class ScenePlan:
         try:
             if self.engine == GL and self.project.shows != "noise":
                 # Light of fewer rays is not shown, except to estimate noise from half as many.
-                host.inject(_of_surfaces(LARGEST_DEMAND))
+                host.inject(_of_surfaces(ALL_RAYS if by_map else BESIDE_POINTS))
             host.inject(*setting_inputs(self.project, host.kernel), *of_view)
             with busy_with(f"opening and lighting {self.project.scene}", host.kernel.trace):
                 if not isinstance(host, EngineHost):
@@ -135,7 +135,7 @@ class SceneStudio:
 
 
 def _of_surfaces(rays: int) -> Demand:
-    """A demand for light of so many rays a texel, or of all that are to be had."""
+    """A demand for light of so many rays a texel."""
     return Demand(consumer="still", message=SurfaceLightChanged.__name__, size=rays)
 
 
