@@ -186,8 +186,8 @@ class LightTransport(Module):
     def _rays(self) -> int:
         """Rays of a texel in a finished bake.
 
-        A map beside a still's own points carries their bounces, by patches of many texels, and is
-        seen in reflections and on thin things: half as many do. Lamps light the map alone.
+        Half as many are enough beside the points of a still: these take bounces from patches of
+        many texels, and only reflections and thin things show texels. Lamps light the map alone.
         """
         scene, rays = self.link.last(SceneOpened), self._quality.rays
         has_points = scene is not None and scene.lamps is None

@@ -21,8 +21,8 @@ from vrut_lite.numeric_types import Float32Array, Vector
 NOT_MAPPED = -1
 # Slot of the module that lights surfaces; without a holder the open sky lights them.
 SLOT = "light_map"
-# Sizes of a demand for light that waits for a finished bake: of all rays, or of half as many, for a
-# still whose surfaces in view have rays of their own besides (`ViewLightChanged`).
+# Sizes of a demand for light that waits for a finished bake: all rays, or half of them for a still
+# that traces further rays at the points of its picture (`ViewLightChanged`).
 ALL_RAYS, BESIDE_POINTS = LARGEST_DEMAND, LARGEST_DEMAND - 1
 _LARGEST_M = 1e10
 # Largest slope of the sky's visible share with direction.

@@ -38,7 +38,7 @@ class ScenePlan:
     engine: str = GL
 
     def open(self, by_map: bool = False) -> "SceneStudio":
-        """A host with the scene open; `by_map` for pictures whose points have no rays of their own.
+        """A host with the scene open; `by_map`: the light map alone lights the pictures.
 
         Raises:
             UserError: the project has an invalid value.
