@@ -130,8 +130,8 @@ export class Picture {
       shadow_map: { value: this.shadow.depthTexture },
       glass_map: { value: this.tinted.texture },
       shadow_from_world: { value: new THREE.Matrix4() },
-      shadow_texel_m: { value: 0.01 },
-      shadow_radius: { value: 1.5 },
+      plane_scale: { value: new THREE.Vector3() },
+      shadow_texel_depth: { value: 0 },
       ground_albedo: { value: new THREE.Vector4(0.1, 0.1, 0.1, 1) },
     };
     if (header.map.chart) {
@@ -496,7 +496,9 @@ export class Picture {
     box.expandByScalar(pad);
     const project = new THREE.Matrix4().makeOrthographic(box.min.x, box.max.x, box.max.y, box.min.y, -box.max.z, -box.min.z);
     this.shared.shadow_from_world.value.multiplyMatrices(project, view);
-    this.shared.shadow_texel_m.value = Math.max(box.max.x - box.min.x, box.max.y - box.min.y) / this.shadow.width;
+    const [wide, high, deep] = box.getSize(new THREE.Vector3()).toArray();
+    this.shared.plane_scale.value.set(wide * wide, high * high, deep * deep);
+    this.shared.shadow_texel_depth.value = Math.max(wide, high) / this.shadow.width / deep;
     // Without light too: surfaces cannot be drawn with a map that was never there.
     this.renderer.setRenderTarget(this.shadow);
     this.renderer.clear(false);
@@ -749,8 +751,7 @@ function clipFromWorld(camera) {
 function shadowTarget(edge) {
   const target = new THREE.WebGLRenderTarget(edge, edge, { depthBuffer: true });
   const depth = new THREE.DepthTexture(edge, edge, THREE.FloatType);
-  depth.compareFunction = THREE.LessEqualCompare;
-  depth.magFilter = depth.minFilter = THREE.LinearFilter;
+  depth.magFilter = depth.minFilter = THREE.NearestFilter;
   target.depthTexture = depth;
   return target;
 }

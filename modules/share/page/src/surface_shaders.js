@@ -162,11 +162,14 @@ uniform vec3 open_up;             // the open sky's irradiance of level ground
 uniform float light_scale, open_scale, mirror_scale, mirror_levels;
 uniform vec2 light_size;
 uniform vec3 key_direction, key_irradiance;
-uniform sampler2DShadow shadow_map;
+uniform highp sampler2D shadow_map;
 uniform sampler2D glass_map;
 uniform mat4 shadow_from_world;
-uniform float shadow_texel_m, shadow_radius;
+uniform vec3 plane_scale;          // from the map's axes of a plane's normal to those of its depths
+uniform float shadow_texel_depth; // a texel's width in the map's depth
 uniform float values_shown;       // factor on lux, which are shown in place of radiance; 0: radiance
+// Texels, and shares of the map's depth, that a caster must stand before a plane.
+const float OFF_PLANE = 0.15, ROUNDING = 1e-6;
 const float SMALLEST_ALPHA = 0.005, TABLE_F0 = 0.04, FEWEST = 0.05;
 
 vec3 open_irradiance(vec3 n) {
@@ -296,22 +299,26 @@ vec4 mirror_image(vec3 d, vec3 n, float nv, float alpha) {
 }
 #endif
 vec3 far_air(vec3 d) { return textureLod(mirrored_sky, horizon(d), 0.0).rgb * mirror_scale; }
+// Share of the key light: four texels around the place, each compared with the depth of the surface's
+// own plane at its middle (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques"), as in
+// render/shaders/sun_shadow.glsl. A look-up before the surface would shade it early where light grazes.
 float sun_lit(vec3 face) {
-    float slope = 1.0 - max(dot(face, key_direction), 0.0);
-    vec3 place = world + face * shadow_texel_m * (0.6 + 1.4 * slope);
-    vec3 p = (shadow_from_world * vec4(place, 1.0)).xyz * 0.5 + 0.5;
-    if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThan(p, vec3(1.0)))) return 1.0;
-#ifdef DRAFT
-    // One of a draft's texels is as wide as the others' four places.
-    return texture(shadow_map, p);
-#else
-    float texel = 1.0 / float(textureSize(shadow_map, 0).x), sum = 0.0;
+    vec3 p = (shadow_from_world * vec4(world, 1.0)).xyz * 0.5 + 0.5;
+    if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThan(p.xy, vec2(1.0)))) return 1.0;
+    float edge = float(textureSize(shadow_map, 0).x);
+    vec3 n = mat3(shadow_from_world) * face * plane_scale;
+    vec2 steep = -n.xy / min(n.z, -1e-3 * length(n)) / edge;
+    vec2 place = p.xy * edge - 0.5, within = fract(place);
+    ivec2 first = ivec2(place - within), last = ivec2(edge) - 1;
+    float depth = p.z - OFF_PLANE * (abs(steep.x) + abs(steep.y) + shadow_texel_depth) - ROUNDING, lit = 0.0;
     for (int k = 0; k < 4; ++k) {
-        vec2 off = (vec2(k & 1, k >> 1) - 0.5) * shadow_radius * texel;
-        sum += texture(shadow_map, vec3(p.xy + off, p.z));
+        ivec2 off = ivec2(k & 1, k >> 1);
+        float below = depth + dot(steep, vec2(off) - within);
+        float found = texelFetch(shadow_map, clamp(first + off, ivec2(0), last), 0).r;
+        vec2 share = mix(1.0 - within, within, vec2(off));
+        lit += share.x * share.y * step(min(below, 1.0), found);
     }
-    return 0.25 * sum;
-#endif
+    return lit;
 }
 // Share of a ray's sunlight that the scene shades, in the glow around the key light, where what
 // hides it shades most of a ray: the mean of a few places, as modules/air/shaders/light_shafts.glsl.
@@ -331,7 +338,7 @@ float shaded_glow(vec3 d, float metres) {
     for (int k = 0; k < steps; ++k) {
         vec3 p = mix(eye, end, min((float(k) + dither) / float(SHAFT_STEPS), 0.99));
         if (any(greaterThan(abs(p.xy), vec2(1.0)))) continue;
-        dark += 1.0 - textureLod(shadow_map, vec3(p.xy, min(p.z, 1.0)) * 0.5 + 0.5, 0.0);
+        dark += 1.0 - step(min(p.z, 1.0) * 0.5 + 0.5, textureLod(shadow_map, p.xy * 0.5 + 0.5, 0.0).r);
     }
     return glow * dark / float(SHAFT_STEPS);
 }
