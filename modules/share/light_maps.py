@@ -38,6 +38,9 @@ _BLACK = (0.0, 0.0, 0.0)
 # Rays of a texel over those of the program's light map, whose noise shows as blotches on even walls
 # and was most of the error of a page's lux. Four times the rays make an hour a quarter slower.
 _MORE_RAYS = 4
+# Texels over those of the program's light map, where a still has points of its own: in a street
+# light changes below sills within a quarter of a metre, and texels were half a metre wide.
+_MORE_TEXELS = 3
 
 
 def traced(
@@ -45,8 +48,9 @@ def traced(
 ) -> tuple[SceneTransport, MirrorRays | None]:
     """A scene's transport, and the surroundings of its glossy parts.
 
-    It has `_MORE_RAYS` times the rays of a tolerance, kept on disk. The transport has no such
-    surroundings: the page draws them each hour.
+    It has `_MORE_RAYS` times the rays of a tolerance, kept on disk, and without `texels`
+    `_MORE_TEXELS` times its texels. The transport has no such surroundings: the page draws them
+    each hour.
 
     Raises:
         UserError: the scene has no surfaces, or its light map is too large for a page.
@@ -54,16 +58,15 @@ def traced(
     if not scene.triangles:
         raise UserError("the scene has no surfaces: there is no light on them to share")
     quality = quality_for(tolerance)
-    sizes = TransportSizes(
-        None, texels or quality.texels, quality.patch_texels, quality.bounces_left
-    )
+    wanted = texels or max(quality.texels, min(_MORE_TEXELS * quality.texels, MOST_VALUES // 2))
+    sizes = TransportSizes(None, wanted, quality.patch_texels, quality.bounces_left)
     surfaces = surfaces_of(scene)
     found = SceneTransport.of_scene(scene, surfaces, sizes)
     values = len(MapValues.of(found).where)
     if values > MOST_VALUES:
         raise UserError(
             f"the light map has {values:,} texels, more than the {MOST_VALUES:,} that fit into a "
-            f"page: reduce them, as by --texels {max(quality.texels // 2, 1000)}"
+            f"page: reduce them, as by --texels {max(wanted // 2, 1000)}"
         )
     found.add_mirrors(mirror_parts(scene, surfaces))
     mirrors, found.mirrors = found.mirrors, None

@@ -25,11 +25,12 @@ from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
 from share.sky_shares import COMPONENTS, SkyShares, sky_shares
 from share.sky_table import LOWER, SkyTable, check_sky, sky_table
+from share.sun_coefficients import sun_coefficients
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
 from vrut_lite.frame_part import SUN_GLOW_RAD
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.geometry.encoding import decode_float16, encode_float16, float16_scale
+from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.false_colours import colours_at
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.headless import Project, display_numbers, tracked
@@ -151,10 +152,8 @@ def _page(
     )
     basis = light_basis(maps, terms)
     shares = sky_shares(maps.sky_share, places.heights > 0.0)
-    # As the page reads them; coefficients have either sign.
-    sun_scale = float16_scale(float(np.abs(basis.sun).max()))
-    sun_bits = (basis.sun / np.float32(sun_scale)).astype(np.float16)
-    sun = decode_float16(sun_bits, sun_scale)
+    coded_sun = sun_coefficients(basis.sun)
+    sun = coded_sun.decoded()
     moons, albedo = opened.moons()
     moon = _moon_table(moons)
     sightings = list(opened.star_sightings())
@@ -185,7 +184,6 @@ def _page(
             "terms": len(basis.terms),
             "power": POWER,
             "codes_per_stop": CODES_PER_STOP,
-            "sun_scale": sun_scale,
             "lamps_bright": float(maps.by_lamps.max()),
             "glow_bright": float(maps.by_glow.max()),
             "share_components": COMPONENTS,
@@ -218,7 +216,8 @@ def _page(
     planes = _planes(basis, values, shares)
     arrays: dict[str, NDArray] = {
         "planes": planes,
-        "sun": sun_bits.view(np.uint16),
+        "sun": coded_sun.codes,
+        "sun_step": coded_sun.step,
         "share_weights": shares.weights,
         "night_and_lamps": np.stack([basis.glow, basis.lamps]),
         "sky": table.radiance.view(np.uint16),

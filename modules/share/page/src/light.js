@@ -1,6 +1,5 @@
 // The light map of an hour: a sum of basis maps, whose coefficients depend on where the sun stands.
 import * as THREE from 'three';
-import { HALVES } from './data.js';
 import { placeWeights } from './places.js';
 import { fullScreen, LIGHT_FRAGMENT } from './shaders.js';
 
@@ -15,8 +14,9 @@ export class LightMap {
     this.table = table;
     /** Coefficients of a place: clusters by terms by channels. */
     this.count = about.clusters * about.terms * 3;
-    /** Bits of float16s; a few places' alone are needed at an hour. */
-    this.sun = data.array('sun');
+    /** Coefficients of the sun's places in steps, of which each cluster has its own. */
+    this.sun = summed(data.array('sun'), this.count);
+    this.steps = data.array('sun_step');
     this.shares = data.array('share_weights');
     /** Weights of the share of the sky's light, those of the sources in the share of their light. */
     this.shareWeights = new Float64Array(about.share_components);
@@ -40,10 +40,13 @@ export class LightMap {
   add(body, into) {
     const level = this.table.level(body.trueRad);
     for (const [place, weight] of placeWeights(this.places, body)) {
-      const start = place * this.count;
-      for (let c = 0; c < 3; ++c) {
-        const factor = weight * level[c] * body.share[c] * this.about.sun_scale;
-        for (let k = c; k < this.count; k += 3) into[k] += factor * HALVES[this.sun[start + k]];
+      const start = place * this.count, each = this.count / this.steps.length;
+      const factors = level.map((v, c) => weight * v * body.share[c]);
+      for (let cluster = 0; cluster < this.steps.length; ++cluster) {
+        const step = this.steps[cluster], first = cluster * each;
+        for (let k = first; k < first + each; k += 3) {
+          for (let c = 0; c < 3; ++c) into[k + c] += factors[c] * step * this.sun[start + k + c];
+        }
       }
     }
   }
@@ -74,6 +77,18 @@ export class LightMap {
     }
     this.map.update(this.values, this.shareWeights, renderer);
   }
+}
+
+/** Coefficients of places, of differences to the place before: the twin of
+ * share/sun_coefficients.py. @param {Uint8Array} codes low bytes, then high ones
+ * @param {number} count coefficients of a place */
+function summed(codes, count) {
+  const found = new Int16Array(codes.length / 2);
+  for (let i = 0; i < found.length; ++i) {
+    const folded = codes[i] | codes[found.length + i] << 8;
+    found[i] = (i < count ? 0 : found[i - count]) + (folded & 1 ? ~(folded >> 1) : folded >> 1);
+  }
+  return found;
 }
 
 /** The sum of the basis maps by a shader. */
