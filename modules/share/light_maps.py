@@ -38,8 +38,8 @@ _BLACK = (0.0, 0.0, 0.0)
 # Rays of a texel over those of the program's light map, whose noise shows as blotches on even walls
 # and was most of the error of a page's lux. Four times the rays make an hour a quarter slower.
 _MORE_RAYS = 4
-# Texels over those of the program's light map, where a still has points of its own: in a street
-# light changes below sills within a quarter of a metre, and texels were half a metre wide.
+# Ratio of a page's texels to those of the program's light map, whose stills add points in view.
+# Light below a street's sills changes within a quarter of a metre; texels were half a metre wide.
 _MORE_TEXELS = 3
 
 

@@ -203,6 +203,96 @@ def test_a_draft_keeps_a_shadow_map_that_the_sun_has_hardly_left(written, tmp_pa
         browser.close()
 
 
+# Illuminance by the sun alone on the ground about so many lengths of the room's shadow from it,
+# as a camera from 14 m above sees it; rows and columns.
+SUNLIGHT = """
+    const sunlight = (page, lengths, edge) => {
+        const { view } = page, { probe, renderer, shared, camera } = view;
+        const { lower, upper, ground_m } = page.header.scene, towards = view.keyDirection;
+        const far = lengths * (upper[1] - ground_m) / towards.y;
+        const [x, y, z] = [0, 1, 2].map((k) => (k === 1 ? ground_m
+            : 0.5 * (lower[k] + upper[k]) - far * towards.getComponent(k)));
+        camera.position.set(x, y + 14, z);
+        camera.up.set(0, 0, -1);
+        camera.lookAt(x, y, z);
+        camera.aspect = 1;
+        camera.updateProjectionMatrix();
+        camera.updateMatrixWorld(true);
+        probe.setSize(edge, edge);
+        const lux = new Float32Array(4 * edge * edge);
+        const seen = () => {
+            shared.values_shown.value = 1;
+            renderer.setRenderTarget(probe);
+            renderer.clear();
+            renderer.render(view.scene, camera);
+            renderer.readRenderTargetPixels(probe, 0, 0, edge, edge, lux);
+            shared.values_shown.value = 0;
+            return lux.filter((_, k) => k % 4 === 0);
+        };
+        const all = seen(), key = shared.key_irradiance.value.clone();
+        shared.key_irradiance.value.set(0, 0, 0);
+        const others = seen();
+        shared.key_irradiance.value.copy(key);
+        const by_sun = Array.from(all, (lx, k) => lx - others[k]);
+        return Array.from({ length: edge }, (_, row) => by_sun.slice(row * edge, (row + 1) * edge));
+    };
+"""
+
+
+@pytest.mark.long
+def test_coarse_texels_of_a_shadow_map_do_not_move_its_shadows(written, tmp_path):
+    """By a low sun a map of 96 texels shades what one of 2048 shades, to half a pixel along edges:
+    a look-up before the surface, by as much as a texel, would move them by more than one."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T19:30")
+        script = f"""(() => {{
+            {SUNLIGHT}
+            const page = window.daylight, {{ view }} = page;
+            page.frame = () => {{}};
+            view.draftShadow.setSize(96, 96);
+            return [false, true].map((draft) => {{
+                view.setHour(page.date, draft);
+                return sunlight(page, 1, 160);
+            }});
+        }})()"""
+        fine, coarse = np.array(browser.value(script))
+        sunny = 0.5 * np.quantile(fine, 0.9)
+        lit = fine > sunny
+        edges = (lit[1:] != lit[:-1]).sum() + (lit[:, 1:] != lit[:, :-1]).sum()
+        assert edges > 160
+        assert (np.abs(coarse - fine) > sunny).sum() < 0.5 * edges
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
+def test_a_shadow_goes_on_beyond_the_box_of_the_scene(written, tmp_path):
+    """By a low sun a room's shadow ends on the ground several metres from it, farther from the sun
+    than any of its corners, and the ground after it is lit."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T19:30")
+        script = f"""(() => {{
+            {SUNLIGHT}
+            const page = window.daylight, {{ view }} = page;
+            page.frame = () => {{}};
+            view.setHour(page.date);
+            return [0.8, 4].map((lengths) => sunlight(page, lengths, 17)[8][8]);
+        }})()"""
+        shaded, free = browser.value(script)
+        assert shaded == pytest.approx(0.0, abs=1.0)
+        assert free > 1000.0
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
 @pytest.mark.long
 def test_a_night_without_a_moon_has_surfaces_planets_and_the_milky_way(written, tmp_path):
     """Surfaces reflect the glow, the band of the Milky Way turns with the stars, the planets stand

@@ -18,6 +18,7 @@ from share.page_stars import world_from_sky
 from share.shared_page import about_places, about_sky
 from share.shared_scene import SunSky
 from share.sky_table import COLUMNS, LOWER, UPPER, sky_table
+from share.sun_coefficients import sun_coefficients
 from share.sun_places import SunPlaces, equatorial
 
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
@@ -130,6 +131,22 @@ def test_light_is_interpolated_between_the_same_places(node):
         for place, weight in places.weights(sun["trueRad"], sun["northRad"]):
             other[place] += weight
         assert one == pytest.approx(other, abs=1e-9)
+
+
+def test_coefficients_of_the_suns_places_are_summed_alike(node):
+    """Changes of either sign, in one byte and in two, from the very bytes of a page."""
+    random = np.random.default_rng(8)
+    values = random.normal(size=(6, 4, 2, 3)) * [[[1.0]], [[30.0]], [[1e-3]], [[0.0]]]
+    coded = sun_coefficients(values.astype(np.float32))
+    script = """
+        import { summed } from './src/light.js';
+        const whole = summed(new Uint8Array(readFileSync('content.bin')), given.count);
+        console.log(JSON.stringify(Array.from(whole)));
+    """
+    found = node(script, {"count": 24}, coded.codes.tobytes())
+    made = np.reshape(found, values.shape) * coded.step[:, None, None]
+    assert np.abs(coded.codes[1]).max() > 0
+    assert made == pytest.approx(coded.decoded(), rel=1e-6)
 
 
 def test_the_skys_table_is_read_alike(node):

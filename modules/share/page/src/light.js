@@ -82,7 +82,7 @@ export class LightMap {
 /** Coefficients of places, of differences to the place before: the twin of
  * share/sun_coefficients.py. @param {Uint8Array} codes low bytes, then high ones
  * @param {number} count coefficients of a place */
-function summed(codes, count) {
+export function summed(codes, count) {
   const found = new Int16Array(codes.length / 2);
   for (let i = 0; i < found.length; ++i) {
     const folded = codes[i] | codes[found.length + i] << 8;
