@@ -142,6 +142,8 @@ class PartFrame:
         seen: surfaces that may be in the picture.
         size_px: width and height.
         is_still: whether it must be complete; otherwise it is a moving picture and must be quick.
+        is_first_view: False for the views of a frame after its first, a headset's second eye: work
+            that is done in slices goes on in the first alone, and all show the same.
         highest_m: y that no surface of the scene exceeds.
         ground_level_m: y of the ground behind the scene.
         key_light: the light with shadows, unattenuated by parts.
@@ -172,6 +174,7 @@ class PartFrame:
     shadow: PartShadow | None
     light_shafts: bool
     air: tuple[str, ...] = ()
+    is_first_view: bool = True
 
 
 class PartTarget(Protocol):
@@ -260,6 +263,13 @@ class PartGl(Protocol):
 
     def compute(self, shader: Path, defines: tuple[str, ...] = ()) -> ComputePass:
         """A compute shader of a module's own; it includes as fragment shaders do."""
+
+    def check_wanted(self) -> None:
+        """Call it between pieces of slow work in `prepare`.
+
+        Raises:
+            GivenUp: nobody waits for the picture any more; the part lets it pass.
+        """
 
     def report(self, job: str, error: str) -> None:
         """Send the part's module a failed `JobResult`; the part stays in pictures."""

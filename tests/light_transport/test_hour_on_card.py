@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from lamp_maker import lamps_of
 from light_stage import box_file
-from light_transport.drawing.hour_on_card import HourOnCard
+from light_transport.drawing import hour_on_card
+from light_transport.drawing.hour_on_card import PIECE, HourOnCard
 from light_transport.hour.card_tables import largest_return, sweep_weights
 from light_transport.hour.illumination import Illumination
 from light_transport.public import (
@@ -18,6 +19,7 @@ from light_transport.public import (
     tree_of,
 )
 
+from vrut_lite.errors import GivenUp
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.kernel.work_counters import WorkCounters
@@ -72,15 +74,27 @@ def transport_of(scene, texels=6000, rays=64, lamps=None):
 
 
 @pytest.fixture(scope="module")
-def card(gl_owner):
-    """Computes an hour as a picture's frame part does, and reads its textures."""
+def begin(gl_owner):
+    """Begins the light of hours as a picture's frame part does: programs and light."""
     from vrut_lite.render.frame_parts import PartRenderer
+    from vrut_lite.render.tiles import Patience
+
+    made = []
 
     def begun(context):
-        gl = PartRenderer(context, WorkCounters(), None, print)
-        return gl, HourOnCard(gl)
+        counters = WorkCounters()
+        gl = PartRenderer(context, counters, Patience(counters), print)
+        made.append((gl, HourOnCard(gl)))
+        return made[-1]
 
-    gl, on_card = gl_owner.call(begun)
+    yield lambda: gl_owner.call(begun)
+    gl_owner.call(lambda _: [thing.release() for pair in made for thing in reversed(pair)])
+
+
+@pytest.fixture(scope="module")
+def card(gl_owner, begin):
+    """Computes an hour, and reads its textures."""
+    _, on_card = begin()
 
     def computed(context, transport, hour):
         recipe = transport.card_hour(hour)
@@ -109,8 +123,7 @@ def card(gl_owner):
         on_card.write_mirror(number, made)
         return np.stack([floats(made.read(face), edge, edge) for face in range(6)])
 
-    yield lambda transport, hour: gl_owner.call(lambda c: computed(c, transport, hour))
-    gl_owner.call(lambda _: (on_card.release(), gl.release()))
+    return lambda transport, hour: gl_owner.call(lambda c: computed(c, transport, hour))
 
 
 def floats(data, *shape):
@@ -199,3 +212,81 @@ def test_the_largest_return_bounds_each_bounce():
         returned[tables.patches[:, 0, 3] > 0.0] = albedo
         assert most == pytest.approx(float((returned * tables.enclosure).max()))
         assert 0.0 < most < 1.0
+
+
+# --- a bake's tables and programs, piece by piece --------------------------------------------
+
+
+def map_of(context, on_card, tables):
+    texture = context.texture(tables.shown.shape[::-1], 4, dtype="f4")
+    on_card.write_map(texture)
+    return texture.read()
+
+
+def test_a_bake_comes_in_pieces_of_stated_size_and_gives_the_same_light(
+    gl_owner, begin, monkeypatch
+):
+    """A call brings one piece: so many bytes of tables, or one program. Until the last has come the
+    hour before stays; then the map is to the byte that of a bake that came whole."""
+    before = transport_of(packed(load_scene(SCENES / "work/indoor.glb")), 2000)
+    now = transport_of(packed(load_scene(SCENES / "pavilion.gltf")), 2000)
+    first, then = before.card_hour(HOURS["low sun"]), now.card_hour(HOURS["overcast"])
+    gl, on_card = begin()
+    _, at_once = begin()
+    monkeypatch.setattr(hour_on_card, "PIECE_BYTES", 300_000)
+    compiled = []
+    monkeypatch.setattr(
+        gl, "compute", lambda *key: compiled.append(key) or type(gl).compute(gl, *key)
+    )
+
+    def one_a_call(context, hour):
+        """Calls until the hour is there."""
+        calls = 1
+        while not on_card.compute(hour, 1):
+            assert gl.counters.done[PIECE] == calls
+            calls += 1
+        gl.counters.done.clear()
+        return calls
+
+    def work(context):
+        calls = one_a_call(context, first)
+        programs = len(compiled)
+        shown = map_of(context, on_card, first.tables)
+        assert not on_card.compute(then, 1)
+        assert not on_card.compute(then, 0)
+        gl.counters.done.clear()
+        assert map_of(context, on_card, first.tables) == shown
+        assert on_card.holds(first)
+        pieces = one_a_call(context, then)
+        assert at_once.compute(then)
+        maps = [map_of(context, each, then.tables) for each in (on_card, at_once)]
+        return calls, programs, pieces, maps
+
+    calls, programs, pieces, maps = gl_owner.call(work)
+    assert len(set(compiled)) == len(compiled) == programs
+    for hour, count in ((first, calls - programs), (then, pieces + 1)):
+        data = sum(array.nbytes for array in hour.tables.arrays)
+        # Besides the tables there are rows in which an hour is computed: a fifth as much, or less.
+        assert data < count * 300_000 < 1.5 * data + 600_000
+    assert maps[0] == maps[1]
+    assert np.frombuffer(maps[0], np.float32).max() > 0.0
+
+
+def test_a_still_that_is_given_up_leaves_its_pieces_to_the_next(gl_owner, begin):
+    """Somebody drags while a still waits for a bake's tables: it ends after a piece, and the next
+    picture goes on with the second."""
+    hour = transport_of(packed(load_scene(SCENES / "work/indoor.glb")), 2000).card_hour(
+        HOURS["overcast"]
+    )
+    gl, on_card = begin()
+
+    def work(_):
+        gl._patience.is_given_up = lambda: True
+        for calls in (1, 2):
+            with pytest.raises(GivenUp):
+                on_card.compute(hour)
+            assert gl.counters.done[PIECE] == calls
+        gl._patience.is_given_up = None
+        assert on_card.compute(hour)
+
+    gl_owner.call(work)

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from light_transport.drawing.hour_on_card import HourOnCard
+from house_fixtures import CARD_NS
+from light_transport.drawing import hour_on_card
+from light_transport.drawing.hour_on_card import PIECE, HourOnCard
 from light_transport.drawing.surface_light import SurfaceLightOnGpu
 from light_transport.messages import NAME
 
@@ -18,13 +20,15 @@ from vrut_lite.host import Host
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SetClock, SetSetting
 from vrut_lite.messages.late_array import LateArray
 from vrut_lite.messages.light_map import SurfaceLightChanged
-from vrut_lite.messages.picture import Resize
+from vrut_lite.messages.picture import Resize, SetExposure
 from vrut_lite.messages.place import SetPlace
 from vrut_lite.messages.renderer import RendererTried
 from vrut_lite.messages.scene import LoadScene
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.replay import Replay
+from vrut_lite.render.eye_pictures import HeadsetEye
+from vrut_lite.render.gl_owner import GlOwner
 
 pytestmark = pytest.mark.gl
 
@@ -111,6 +115,7 @@ def test_no_picture_shows_the_map_of_another_scene(host):
 
 def test_a_moved_hour_uploads_no_texels(host, monkeypatch):
     """Its map is written by the card: a call that would upload one is an error."""
+    host.draw()
     first = host.draw(still=False)
 
     def refused(*_):
@@ -120,12 +125,107 @@ def test_a_moved_hour_uploads_no_texels(host, monkeypatch):
     host.settle()
     monkeypatch.setattr(SurfaceLightOnGpu, "_open_sky_of", lambda self, _: self._open_sky)
     monkeypatch.setattr(SurfaceLightOnGpu, "_written", refused)
-    monkeypatch.setattr(HourOnCard, "_upload", refused)
+    monkeypatch.setattr(HourOnCard, "_brought", refused)
     done = host.frame_counters.done["hour on the card"]
     second = host.draw(still=False)
     assert host.frame_counters.done["hour on the card"] == done + 1
     assert apart(first, second)[1] > 0.1
     host.settle()
+
+
+@pytest.fixture
+def card_host():
+    """A renderer that draws as a card does, at the end of a bake that no picture has shown."""
+    with Host(gl=GlOwner(CARD_NS)) as host:
+        host.inject(*BEGIN, SetClock(instant=NOON), LoadScene(path=INDOOR), by("gpu"))
+        host.settle()
+        yield host
+
+
+def until_done(host, draw):
+    """Draw while a bake's tables come, a piece a picture, and once more: all of these pictures."""
+    done, pictures = host.frame_counters.done, []
+    before = done["hour on the card"]
+    while done["hour on the card"] == before:
+        pieces = done[PIECE]
+        pictures.append(draw())
+        assert done[PIECE] - pieces == int(done["hour on the card"] == before)
+    return pictures
+
+
+def test_moving_pictures_show_the_last_light_while_a_bake_comes_to_the_card(card_host, monkeypatch):
+    """None waits for all of it, and none is black: between surfaces they have the light of the
+    picture before. With the last piece comes the picture of a bake that came whole, to the byte."""
+    host, moved = card_host, SetClock(instant=NOON + timedelta(hours=1))
+    monkeypatch.setattr(hour_on_card, "PIECE_BYTES", 300_000)
+    host.inject(by("cpu"))
+    last = host.draw(still=False)
+    host.inject(by("gpu"))
+    host.settle()
+    begun = host.draw_now(still=False)
+    assert np.array_equal(begun.radiance, last.radiance)
+    # The sun is that of the new hour at once, the sky that is mirrored after twelve pictures.
+    host.inject(moved)
+    host.settle()
+    *between, done = (picture.radiance for picture in until_done(host, lambda: moving(host)))
+    assert len(between) > 20
+    assert all(np.array_equal(radiance, between[-1]) for radiance in between[15:])
+    assert between[0].mean() == pytest.approx(between[-1].mean(), rel=1e-2)
+    assert 0.3 < between[-1].mean() / done.mean() < 0.99
+    assert np.array_equal(moving(host).radiance, done)
+    host.inject(by("cpu"))
+    host.settle()
+    host.draw_now(still=False)
+    host.inject(by("gpu"))
+    host.settle()
+    pieces = host.frame_counters.done[PIECE]
+    host.draw_now()
+    assert host.frame_counters.done[PIECE] > pieces + 5
+    assert np.array_equal(moving(host).radiance, done)
+
+
+def moving(host):
+    return host.draw_now(still=False)
+
+
+def test_a_first_picture_has_the_processors_light_while_a_bake_comes_to_the_card(card_host):
+    """There is no last light: under the open sky a room would be too bright, and else black."""
+    first, *between, done = until_done(card_host, lambda: moving(card_host))
+    assert all(np.array_equal(picture.radiance, first.radiance) for picture in between)
+    assert 0.0 < apart(first, done)[1] < 5e-3
+
+
+def test_both_eyes_of_a_frame_have_one_light_while_a_bake_comes_to_the_card(card_host):
+    """A frame of two eyes brings one piece, and the new light is seen by both at once."""
+    host = card_host
+    host.inject(by("cpu"))
+    host.draw(still=False)
+    host.inject(SetClock(instant=NOON + timedelta(hours=1)), by("gpu"))
+    host.inject(SetExposure(mode="manual", ev100=9.0))
+    host.settle()
+
+    def draw():
+        return host.gl.call(lambda context: seen_by_two(context, host))
+
+    pictures = until_done(host, draw)
+    assert len(pictures) > 10
+    assert all(np.array_equal(*eyes) for eyes in pictures)
+    assert pictures[-1][0].mean() > pictures[-2][0].mean() + 2
+
+
+def seen_by_two(context, host):
+    """The bytes that two eyes at one place see."""
+    textures = [context.texture((96, 64), 4) for _ in range(2)]
+    eye_m = np.array(host.state.camera.eye_m)
+    tangents = (-0.9, 0.9, -0.6, 0.6)
+    host.draw_eyes(
+        host.state,
+        [HeadsetEye(eye_m, np.eye(3), tangents, (96, 64), texture.glo) for texture in textures],
+    )
+    found = [texture.read() for texture in textures]
+    for texture in textures:
+        texture.release()
+    return [np.frombuffer(picture, np.uint8) for picture in found]
 
 
 def test_numbers_are_the_processors_and_late(host, monkeypatch):

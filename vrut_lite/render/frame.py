@@ -189,7 +189,10 @@ class Frame:
         shared = self._shared(scene, views, light, state, False, False, quick)
         return self._eyes.draw(
             # A part prepares an eye after the one before was drawn.
-            (self._shot(scene, eye.view, eye.light, eye.state, False, shared) for eye in eyes),
+            (
+                self._shot(scene, eye.view, eye.light, eye.state, False, shared, number == 0)
+                for number, eye in enumerate(eyes)
+            ),
             [eye.texture for eye in eyes],
         )
 
@@ -235,6 +238,7 @@ class Frame:
         state: SceneState,
         still: bool,
         shared: _SharedLight,
+        is_first: bool = True,
     ) -> FrameInputs:
         """The inputs of a view's picture, for which parts have prepared."""
         assert state.key_light is not None
@@ -246,6 +250,7 @@ class Frame:
             shadow = PartShadow(shadows.scene.texture, shadow_from_eye(shadows.scene, view))
         parts = _part_frame(scene, view, seen, light, shadow, shafts, state, still, self._casters)
         with self._passes.measure("parts before surfaces"):
+            parts = replace(parts, is_first_view=is_first)
             defines = self._passes.parts.prepare(parts)
         parts = replace(parts, air=defines.air)
         disc = self._disc(light, state.key_light, state.shown(MoonDiscChanged))

@@ -302,6 +302,14 @@ class PartRenderer:
         self._made.append(made)
         return made
 
+    def check_wanted(self) -> None:
+        """Return if the picture is still wanted.
+
+        Raises:
+            GivenUp: it is not.
+        """
+        self._patience.check()
+
     def report(self, job: str, error: str) -> None:
         """Send the part's module a failed `JobResult`.
 

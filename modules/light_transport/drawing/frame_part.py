@@ -24,6 +24,7 @@ from light_transport.drawing.surface_look_up import reached_irradiance
 from light_transport.drawing.value_light import ValueLight
 from light_transport.messages import CARD_JOB
 from vrut_lite.array import Array
+from vrut_lite.errors import GivenUp
 from vrut_lite.frame_part import (
     GROUND,
     FramePart,
@@ -71,6 +72,8 @@ class LightMapPart(FramePart):
         self._values = ValueLight()
         # Late light that the card could not compute, and its numbers.
         self._read: tuple[SurfaceLightChanged, SurfaceLightChanged] | None = None
+        # The light of the last picture that showed light.
+        self._last: SurfaceLightChanged | None = None
         self._heard: Heard = {}
         self._laid: LightMapLaid | None = None
         self._charts: list[MeshChart | None] | None = None
@@ -118,6 +121,8 @@ class LightMapPart(FramePart):
             self._mirror_of = {part: number for number, part in enumerate(parts)}
         if self._lit is None and self._gpu is not None:
             self._gpu.free()
+        if self._lit is None:
+            self._last = None
         is_late = self._lit is not None and isinstance(self._lit.light.texels, LateArray)
         if self._card is not None and not is_late:
             self._card.release()
@@ -146,7 +151,9 @@ class LightMapPart(FramePart):
         view_light = None
         if frame.is_still and drawn is lit:
             view_light = light_of_view(self._heard, frame.camera, frame.size_px)
-        card, light = self._computed(drawn.light)
+        card, light = self._computed(drawn, frame)
+        if drawn is lit:
+            self._last = light
         drawn = self._drawn = drawn._replace(light=light)
         self._gpu.show(light, card)
         self._has_view_light = self._gpu.show_view(view_light)
@@ -155,9 +162,13 @@ class LightMapPart(FramePart):
         self._upload_mirrors(frame.seen)
 
     def _computed(
-        self, light: SurfaceLightChanged
+        self, drawn: MappedScene, frame: PartFrame
     ) -> tuple[HourOnCard | None, SurfaceLightChanged]:
-        """The card, where it has computed this light, and the light to draw."""
+        """The card, where it has computed the light to draw, and that light.
+
+        Moving pictures show the last light while a bake's tables come to the card piece by piece.
+        """
+        light = drawn.light
         texels = light.texels
         if not isinstance(texels, LateArray):
             return None, light
@@ -165,16 +176,32 @@ class LightMapPart(FramePart):
             self._read = None
             if self._card is None:
                 self._card = HourOnCard(self.gl)
+            most_pieces = None if frame.is_still else int(frame.is_first_view)
             try:
-                self._card.compute(texels.recipe)
+                is_there = self._card.compute(texels.recipe, most_pieces)
+            except GivenUp:
+                raise
             except Exception as error:  # Drivers and moderngl raise exceptions of many types.
                 self._card.release()
                 self.gl.report(CARD_JOB, f"the graphics card could not light surfaces ({error})")
                 self._read = light, _read(light)
             else:
+                if not is_there:
+                    return self._meanwhile(drawn)
                 self._counters.did("hour on the card")
                 return self._card, light
         return None, self._read[1]
+
+    def _meanwhile(self, drawn: MappedScene) -> tuple[HourOnCard | None, SurfaceLightChanged]:
+        """The last light of this map, which costs nothing; without one the processor's numbers."""
+        last, card = self._last, self._card
+        assert card is not None
+        if last is not None and last.fits(drawn.laid):
+            if not isinstance(last.texels, LateArray):
+                return None, last
+            if card.holds(last.texels.recipe):
+                return card, last
+        return None, _read(drawn.light)
 
     def _light_of(self, frame: PartFrame, lit: MappedScene) -> MappedScene | None:
         """The scene with light, or with the values in its place that the picture shows."""

@@ -1,11 +1,13 @@
 """The light of hours on the graphics card, written into the textures that pictures sample.
 
-The tables of a bake are uploaded once (`hour/card_tables.py`); an hour brings its inputs, and
-nothing is read back. On the GL thread only.
+The tables of a bake are uploaded once (`hour/card_tables.py`), in pieces so that a moving picture
+need not wait for all of them; an hour brings its inputs, and nothing is read back. On the GL thread
+only.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,30 +30,51 @@ _SHADERS = Path(__file__).parent / "shaders"
 _GROUP, _GROUP_2D, _GROUP_3D = 64, 8, 4
 _ROW_BYTES, _WORD_BYTES = 16, 4
 _LARGEST_BUFFER = "GL_MAX_SHADER_STORAGE_BLOCK_SIZE"
+# Bytes of tables that a moving picture uploads: 1 ms of its time at 4 GB/s.
+PIECE_BYTES = 4_000_000
+PIECE = "piece of the light on the card"
+# A shader's file, and its defines.
+_Program = tuple[str, tuple[str, ...]]
+
+
+class _Coming(NamedTuple):
+    """Tables that are being uploaded: the pieces that are left, and the buffers that they fill."""
+
+    tables: CardTables
+    pieces: Iterator[None]
+    buffers: dict[str, Any]
 
 
 class HourOnCard:
-    """Buffers and programs of the light of hours; the hour that was computed last is kept."""
+    """Buffers and programs of the light of hours; the hour that was computed last is kept.
+
+    The counters count each "piece of the light on the card": a part of a bake's tables, or a
+    program.
+    """
 
     def __init__(self, gl: PartGl):
         self._gl, self._context = gl, gl.context
-        self._passes: dict[tuple[str, tuple[str, ...]], ComputePass] = {}
+        self._passes: dict[_Program, ComputePass] = {}
         self._tables: CardTables | None = None
         self._inputs: CardInputs | None = None
         self._buffers: dict[str, Any] = {}
+        self._coming: _Coming | None = None
 
-    def compute(self, hour: CardHour) -> None:
-        """Compute an hour, unless it is the last one.
+    def compute(self, hour: CardHour, most_pieces: int | None = None) -> bool:
+        """Compute an hour, unless it is the last one; returns whether it is there.
+
+        A bake's first hour brings its tables and programs, at most so many pieces a call; None
+        means all. Until they are there the last hour stays.
 
         Raises:
             UserError: the driver allows no buffer as large as the tables.
+            GivenUp: the picture that is drawn is no longer wanted; the next call goes on.
         """
-        if hour.inputs is self._inputs:
-            return
+        if self.holds(hour):
+            return True
+        if hour.tables is not self._tables and not self._brought(hour.tables, most_pieces):
+            return False
         self._inputs = None
-        if hour.tables is not self._tables:
-            self.release()
-            self._upload(hour.tables)
         tables, inputs = hour.tables, hour.inputs
         self._put("key", inputs.key.values)
         self._put("seen_shares", inputs.seen.values)
@@ -61,6 +84,11 @@ class HourOnCard:
         self._smoothed(tables)
         self._finished(tables, inputs, columns)
         self._inputs = inputs
+        return True
+
+    def holds(self, hour: CardHour) -> bool:
+        """Whether this is the hour that was computed last."""
+        return hour.inputs is self._inputs
 
     def write_map(self, texture: Any) -> None:
         """Write the light map, rgba32f."""
@@ -90,9 +118,8 @@ class HourOnCard:
 
     def release(self) -> None:
         """Free the buffers."""
-        for buffer in self._buffers.values():
-            buffer.release()
-        self._buffers.clear()
+        self._free_coming()
+        _free(self._buffers)
         self._tables = self._inputs = None
 
     # --- the steps, as in hour/relighting.py ----------------------------------------------
@@ -168,7 +195,7 @@ class HourOnCard:
     def _finished(self, tables: CardTables, inputs: CardInputs, columns: str) -> None:
         finish = self._pass(
             "hour_finish.comp",
-            () if tables.lamps is None else ("LAMPS",),
+            _lamps(tables),
             count=tables.lit,
             texels=tables.texels,
             least_of_sky=_least_of_sky(inputs),
@@ -204,57 +231,143 @@ class HourOnCard:
         for binding, name in enumerate(names):
             self._buffers[name].bind_to_storage_buffer(binding)
 
-    def _upload(self, tables: CardTables) -> None:
-        sent: dict[str, NDArray[Any] | None] = {
-            "entry": tables.entry,
-            "rows": tables.rows,
-            "patches": tables.patches,
-            "back": tables.back,
-            "border_of": tables.border_of,
-            "borders": tables.borders,
-            "lamps": tables.lamps,
-            "row_of": tables.shown,
-            "seen": tables.seen,
-            "target": tables.target,
-            **_of_links("members", tables.members),
-            **_of_links("transfer", tables.transfer),
-            **_of_links("smoothing", tables.smoothing),
-        }
-        if tables.probes is not None:
-            sent |= _of_links("probes", tables.probes)
+    def _brought(self, tables: CardTables, most_pieces: int | None) -> bool:
+        """Bring at most so many pieces of these tables, in place of the last once all are there."""
+        if self._coming is None or self._coming.tables is not tables:
+            self._free_coming()
+            buffers: dict[str, Any] = {}
+            self._coming = _Coming(tables, self._pieces(tables, buffers), buffers)
+        done = 0
+        while done != most_pieces:
+            if not self._brought_piece(self._coming):
+                _free(self._buffers)
+                self._tables, self._buffers, self._coming = tables, self._coming.buffers, None
+                return True
+            self._gl.counters.did(PIECE)
+            self._gl.check_wanted()
+            done += 1
+        return False
+
+    def _brought_piece(self, coming: _Coming) -> bool:
+        """Bring one more piece; False when there is none."""
+        try:
+            return next(coming.pieces, _NO_MORE) is not _NO_MORE
+        except Exception:
+            # What has failed begins anew with the next call.
+            self._free_coming()
+            raise
+
+    def _pieces(self, tables: CardTables, buffers: dict[str, Any]) -> Iterator[None]:
+        """Fill buffers, `PIECE_BYTES` at a time, and compile programs, one at a time."""
+        sent = _buffers_of(tables)
         limit = int(self._context.info[_LARGEST_BUFFER])
-        largest = max(values.nbytes for values in sent.values() if values is not None)
+        largest = max(data.nbytes for data in sent.values())
         if largest > limit:
             raise UserError(
                 f"the tables of the light map take {largest / 1e6:.0f} MB, and this driver allows "
                 f"{limit / 1e6:.0f} MB"
             )
-        for name, values in sent.items():
-            if values is not None:
-                self._put(name, values)
-        patches = len(tables.patches)
-        kept = {
-            "columns": NODES + patches + 1,
-            "other_columns": NODES + patches + 1,
-            "source": patches,
-            "light": len(tables.rows) - 1,
-            "smooth": tables.lit,
-            "spare": tables.texels,
-            "shown": tables.lit,
-            "radiance": 0 if tables.seen is None else len(tables.seen),
-        }
-        for name, rows in kept.items():
-            self._put(name, np.zeros(rows * _ROW_BYTES, np.uint8))
-        self._tables = tables
+        room = PIECE_BYTES
+        for name, data in sent.items():
+            buffers[name] = self._context.buffer(reserve=_whole_words(data.nbytes))
+            offset = 0
+            while offset < data.nbytes:
+                part = data[offset : offset + room]
+                buffers[name].write(part, offset=offset)
+                offset += part.nbytes
+                room -= part.nbytes
+                if room == 0:
+                    yield
+                    room = PIECE_BYTES
+        for key in _programs_of(tables):
+            if key not in self._passes:
+                self._pass(*key)
+                yield
+
+    def _free_coming(self) -> None:
+        if self._coming is not None:
+            _free(self._coming.buffers)
+            self._coming = None
 
     def _put(self, name: str, values: NDArray[Any]) -> None:
-        """Write numbers into a buffer of whole words, made at its first use; none is empty."""
-        data = np.ascontiguousarray(values).tobytes() or bytes(_ROW_BYTES)
-        data += bytes(-len(data) % _WORD_BYTES)
-        if name in self._buffers:
-            self._buffers[name].write(data)
-        else:
-            self._buffers[name] = self._context.buffer(data)
+        """Write an hour's numbers into a buffer, made at its first use."""
+        data = _bytes_of(values)
+        if name not in self._buffers:
+            self._buffers[name] = self._context.buffer(reserve=_whole_words(data.nbytes))
+        self._buffers[name].write(data)
+
+
+_NO_MORE = object()
+
+
+def _free(buffers: dict[str, Any]) -> None:
+    for buffer in buffers.values():
+        buffer.release()
+    buffers.clear()
+
+
+def _bytes_of(values: NDArray[Any]) -> NDArray[np.uint8]:
+    return np.ascontiguousarray(values).reshape(-1).view(np.uint8)
+
+
+def _whole_words(size: int) -> int:
+    """Bytes of a buffer for so many: whole words, for shaders read these, and never none."""
+    return max(-(-size // _WORD_BYTES) * _WORD_BYTES, _ROW_BYTES)
+
+
+def _buffers_of(tables: CardTables) -> dict[str, NDArray[np.uint8]]:
+    """The bytes of a bake's buffers: its tables, and zeros where an hour is computed."""
+    sent: dict[str, NDArray[Any] | None] = {
+        "entry": tables.entry,
+        "rows": tables.rows,
+        "patches": tables.patches,
+        "back": tables.back,
+        "border_of": tables.border_of,
+        "borders": tables.borders,
+        "lamps": tables.lamps,
+        "row_of": tables.shown,
+        "seen": tables.seen,
+        "target": tables.target,
+        **_of_links("members", tables.members),
+        **_of_links("transfer", tables.transfer),
+        **_of_links("smoothing", tables.smoothing),
+    }
+    if tables.probes is not None:
+        sent |= _of_links("probes", tables.probes)
+    patches = len(tables.patches)
+    kept = {
+        "columns": NODES + patches + 1,
+        "other_columns": NODES + patches + 1,
+        "source": patches,
+        "light": len(tables.rows) - 1,
+        "smooth": tables.lit,
+        "spare": tables.texels,
+        "shown": tables.lit,
+        "radiance": 0 if tables.seen is None else len(tables.seen),
+    }
+    sent |= {name: np.zeros(rows * _ROW_BYTES, np.uint8) for name, rows in kept.items()}
+    return {name: _bytes_of(values) for name, values in sent.items() if values is not None}
+
+
+def _programs_of(tables: CardTables) -> list[_Program]:
+    """The programs of an hour and of its textures."""
+    wide = _wide(tables)
+    found: list[_Program] = [
+        ("hour_gather.comp", wide),
+        ("hour_direct.comp", ()),
+        ("hour_bounce.comp", ()),
+        ("hour_gather.comp", ("PATCHES", *wide)),
+        ("hour_smooth.comp", ()),
+        ("hour_difference.comp", ()),
+        ("hour_restore.comp", ()),
+        ("hour_finish.comp", _lamps(tables)),
+        ("hour_map.comp", ()),
+    ]
+    if tables.probes is not None:
+        found.append(("hour_probes.comp", ()))
+    if tables.seen is not None:
+        found += [("hour_seen.comp", ()), ("hour_mirror.comp", ())]
+    return found
 
 
 def _of_links(name: str, links: Links) -> dict[str, NDArray[Any] | None]:
@@ -263,6 +376,10 @@ def _of_links(name: str, links: Links) -> dict[str, NDArray[Any] | None]:
 
 def _wide(tables: CardTables) -> tuple[str, ...]:
     return ("WIDE",) if tables.is_wide else ()
+
+
+def _lamps(tables: CardTables) -> tuple[str, ...]:
+    return () if tables.lamps is None else ("LAMPS",)
 
 
 def _least_of_sky(inputs: CardInputs) -> float:
