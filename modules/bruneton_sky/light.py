@@ -17,7 +17,8 @@ from bruneton_sky.background import (
 from bruneton_sky.polarised_sky import HIGHEST_M, polarised_cube
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_atmosphere_of
 from bruneton_sky.sky_view.gpu import cube_scale, sky_view_job, view_shader
-from bruneton_sky.sky_view.table_on_card import standing_sky_job
+from bruneton_sky.sky_view.table import coarse_view
+from bruneton_sky.sky_view.table_on_card import table_cube_job, table_on_card, table_view_shader
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectra, sky_spectrum
@@ -31,6 +32,7 @@ from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob, TexelFormat
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.haze import SetHaze
+from vrut_lite.messages.sky import ViewShader
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.sky_of_hour import (
     AIR_JOB,
@@ -45,6 +47,9 @@ from vrut_lite.sky.sky_of_hour import (
 )
 
 NAME = "bruneton_sky"
+# Room for what the coarse table of an eye aloft lacks: mirrored skies are in half precision, whose
+# range is larger by far.
+ROOM_ALOFT = 8.0
 
 
 @dataclass(frozen=True)
@@ -151,20 +156,25 @@ class BrunetonLight(Sky):
         return Background(ground_cube(around, size), around.ground_radiance_rgb)
 
     def gpu_background(self, size: int, format: TexelFormat) -> tuple[GpuJob, Background]:
-        """The same cube map by the GPU; for an observer on the ground it makes the table too."""
-        # A cube in half precision takes its scale from the whole table.
-        around = self.memo.of(self, view_on_card=format == "rgba32f")
-        if around.disc is None and format == "rgba32f":
-            scale = cube_scale(around.standing, around.ground_radiance_rgb)
-            job = standing_sky_job(
-                self.solved, around.sun_direction, size, around.ground_radiance_rgb, scale,
-                NAME, CUBE_JOB, around.finer,
-            )  # fmt: skip
-        else:
+        """The same cube map by the GPU, which makes the table too; in half precision the processor
+        makes it, as journals say that have such cubes."""
+        if format == "rgba16f":
+            around = self.memo.of(self)
             where = around.view, size, around.ground_radiance_rgb
-            job, scale = sky_view_job(*where, NAME, CUBE_JOB, format=format)
+            job, scale = sky_view_job(*where, NAME, CUBE_JOB)
+            texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
+            return job, background_with(around, texture, scale)
+        around = self.memo.of(self, view_on_card=True)
+        table = table_on_card(self.solved, around.altitude_m, around.sun_direction, around.finer)
+        ground, disc = around.ground_radiance_rgb, around.disc
+        if disc is None:
+            scale, view = cube_scale(around.standing, ground), None
+        else:
+            coarse = coarse_view(self.solved, around.altitude_m, around.sun_direction)
+            scale, view = ROOM_ALOFT * cube_scale(coarse, ground), table_view_shader(table, disc)
+        job = table_cube_job(table, size, ground, scale, NAME, CUBE_JOB)
         texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
-        return job, background_with(around, texture, scale)
+        return job, background_of(around, texture, scale, view)
 
     def sun(self) -> SunDisc:
         """The sun as the scene's light."""
@@ -237,11 +247,24 @@ def background_with(
 ) -> Background:
     """The surroundings of an eye as a `Background` with this cube."""
     disc = around.disc
+    return background_of(
+        around, cube, scale, view_shader(around.view, disc) if disc is not None else None
+    )
+
+
+def background_of(
+    around: Surroundings,
+    cube: Float32Array | GpuTexture,
+    scale: float,
+    view: ViewShader | None,
+) -> Background:
+    """The same with this shader, None for an eye on the ground."""
+    disc = around.disc
     return Background(
         cube,
         around.ground_radiance_rgb,
         scale,
         ground_through_air=disc is not None,
-        view=view_shader(around.view, disc) if disc is not None else None,
+        view=view,
         seen_sun_rgb=disc.seen_rgb if disc is not None else None,
     )

@@ -10,7 +10,7 @@ from bruneton_sky import solver_job
 from bruneton_sky.field_tables import table_of_field
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import table
-from bruneton_sky.sky_view.table_on_card import standing_sky_job
+from bruneton_sky.sky_view.table_on_card import table_on_card
 from bruneton_sky.solved_sky import SolvedSky
 from bruneton_sky.solver import SourceField
 
@@ -39,9 +39,8 @@ def test_a_sky_is_freed_with_all_tables_that_were_made_of_it():
     sky.radiance(0.0, np.array([0.5]), np.array([0.6]), np.array([0.9]))
     sky.stokes(0.0, np.array([0.5]), np.array([0.6]), np.array([0.9]))
     sky.cube_map(16)
-    standing_sky_job(
-        sky.field, np.array([0.0, 0.6, 0.8]), 16, (0.0, 0.0, 0.0), 1.0, "bruneton_sky", "cube"
-    )
+    for altitude_m in (0.0, 1e5):
+        table_on_card(sky.field, altitude_m, np.array([0.0, 0.6, 0.8]))
     field = weakref.ref(sky.field)
     del sky
     gc.collect()

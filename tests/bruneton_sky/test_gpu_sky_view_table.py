@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bruneton_sky.light import ROOM_ALOFT
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.sky_view.gpu import cube_scale
-from bruneton_sky.sky_view.table_on_card import standing_sky_job
+from bruneton_sky.sky_view.table import coarse_view
+from bruneton_sky.sky_view.table_on_card import table_cube_job, table_on_card
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 
 from vrut_lite.sky.cube_sum import sum_of_parts
@@ -21,9 +23,14 @@ COARSE = SolverSizes(
 # Over the larger of the value and a hundredth of the brightest. Where particles alone scatter
 # again, light changes fast with the azimuth from the sun, which both devices take from a cosine in
 # single precision: the square root of its last digit is 3e-4.
-WORST = {"haze": 1e-4, "molecules": 1e-4, "aerosol": 5e-4, "fog under the stratosphere": 5e-4}
+WORST = {
+    "haze": 1e-4, "molecules": 1e-4, "aerosol": 5e-4, "fog under the stratosphere": 5e-4,
+    "a small planet's": 1e-4,
+}  # fmt: skip
 SIZE = 64
-NOON, LOW, SET, DEEP = 65.0, 4.0, -3.0, -8.0
+NOON, LOW, SET, DEEP, NIGHT = 65.0, 4.0, -3.0, -8.0, -20.0
+# In the haze and over it, under the edge of the air and over it, and as high as weather satellites.
+HEIGHTS_M = (20.0, 3e3, 5.9e4, 6.5e4, 4e5, 3.6e7)
 
 
 def air_of(**settings):
@@ -38,6 +45,7 @@ def fields() -> dict[str, SourceField]:
         "fog under the stratosphere": air_of(fog_visibility_m=800.0),
         "molecules": replace(air_of(preset="earth-clear"), mie_scattering=(0.0,) * 4),
         "aerosol": replace(air_of(), rayleigh_scattering=(0.0,) * 4),
+        "a small planet's": replace(air_of(), ground_radius_m=2.4e6, top_altitude_m=9e4),
     }
     return {name: solve(air, 3, COARSE) for name, air in airs.items()}
 
@@ -49,15 +57,15 @@ def sun_at(elevation_deg):
     return np.array([level[0], np.sin(elevation), level[1]])
 
 
-def job_of(field, sun_deg, scale=1.0, size=SIZE, finer=1.0):
-    where = field, sun_at(sun_deg), size, GROUND * scale, scale
-    return standing_sky_job(*where, "test", "cube", finer, read_back=True)
+def job_of(field, sun_deg, scale=1.0, size=SIZE, finer=1.0, altitude_m=0.0):
+    table = table_on_card(field, altitude_m, sun_at(sun_deg), finer)
+    return table_cube_job(table, size, GROUND * scale, scale, "test", "cube", read_back=True)
 
 
-def apart(compute, field, sun_deg, finer=1.0):
-    view = sky_view(field, 0.0, sun_at(sun_deg), finer)
+def apart(compute, field, sun_deg, finer=1.0, altitude_m=0.0):
+    view = sky_view(field, altitude_m, sun_at(sun_deg), finer)
     scale = cube_scale(view, np.zeros(3))
-    card = compute(job_of(field, sun_deg, scale, finer=finer))[..., :3]
+    card = compute(job_of(field, sun_deg, scale, SIZE, finer, altitude_m))[..., :3]
     processor = fill_cube(view, SIZE, GROUND * scale).astype(float) / scale
     assert processor.max() > 1.0
     return (np.abs(card - processor) / np.maximum(processor, 1e-2 * processor.max())).max()
@@ -72,9 +80,32 @@ def test_the_cards_table_is_the_processors(compute, fields, air, sun_deg):
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("sun_deg", [LOW, NIGHT])
+@pytest.mark.parametrize("altitude_m", HEIGHTS_M)
+@pytest.mark.parametrize("air", ["haze", "fog under the stratosphere", "a small planet's"])
+def test_the_cards_table_aloft_is_the_processors(compute, fields, air, altitude_m, sun_deg):
+    """Sky, limb, and the ground behind air, up to where the planet is small; at night the twilight
+    at its edge is all there is."""
+    assert apart(compute, fields[air], sun_deg, altitude_m=altitude_m) < 2.0 * WORST[air]
+
+
+@pytest.mark.gl
 def test_a_sun_in_the_zenith_and_a_table_of_another_size(compute, fields):
     """The sun has no azimuth; no work group divides the rows and columns."""
     assert apart(compute, fields["haze"], 90.0, finer=1.33) < WORST["haze"]
+
+
+@pytest.mark.parametrize("sun_deg", [NOON, LOW, SET, DEEP, NIGHT])
+@pytest.mark.parametrize("altitude_m", HEIGHTS_M)
+@pytest.mark.parametrize("air", ["haze", "fog under the stratosphere", "a small planet's"])
+def test_the_coarse_table_tells_the_scale(fields, air, altitude_m, sun_deg):
+    """A mirrored sky is in half precision: its brightest texel must stay below the largest half,
+    and its darkest parts above the smallest."""
+    where = fields[air], altitude_m, sun_at(sun_deg)
+    scale, right = (
+        cube_scale(view, np.zeros(3)) for view in (coarse_view(*where), sky_view(*where))
+    )
+    assert right <= ROOM_ALOFT * scale <= 64.0 * right
 
 
 @pytest.mark.gl
@@ -96,7 +127,10 @@ def test_a_moved_sun_brings_no_buffer(fields):
         kept = dict(first.programs[step].buffers)
         return [at for at, values in job.programs[step].buffers if values is not kept[at]]
 
-    first, again, moved, low = (job_of(fields["haze"], sun) for sun in (NOON, NOON, 40.0, SET))
-    assert first.recipe == again.recipe != moved.recipe
-    assert [sent(moved, step) for step in (0, 1)] == [[], []]
-    assert sent(low, 0) == [BINS, ROWS]
+    for altitude_m in (0.0, 3e4):
+        first, again, moved, low = (
+            job_of(fields["haze"], sun, altitude_m=altitude_m) for sun in (NOON, NOON, 40.0, SET)
+        )
+        assert first.recipe == again.recipe != moved.recipe
+        assert [sent(moved, step) for step in (0, 1)] == [[], []]
+        assert sent(low, 0) == [BINS, ROWS]

@@ -15,6 +15,7 @@ from bruneton_sky.background import (
 )
 from bruneton_sky.light import background_with
 from bruneton_sky.sky_view import SkyView, level_direction
+from bruneton_sky.sky_view.table_on_card import table_on_card, table_view_shader
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 from bruneton_sky.sun_light import disc_light
 from directions import towards
@@ -157,6 +158,40 @@ def test_a_pixel_is_the_table_there(backend, height_m, pitch_deg, sun_deg):
     assert error[whole].max() < 1e-3
     assert (height < 0.0).any()
     assert (height > 0.0).any()
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(("height_m", "pitch_deg"), [(12_000.0, -3.0), (4e5, -19.0)])
+def test_a_pixel_is_the_same_where_a_card_makes_the_table(backend, height_m, pitch_deg):
+    """As the sun moves, with nothing of the processor's table in the message; and after the shader
+    has been away."""
+    for sun_deg in (40.0, -6.0):
+        around = surroundings(field(), height_m, direction(sun_deg))
+        table = table_on_card(field(), height_m, direction(sun_deg))
+        made = table_view_shader(table, around.disc)
+        show(backend, around)
+        expected, _ = look(backend, pitch_deg)
+        for view in (made, None, made):
+            show(backend, around, view=view)
+        picture, _ = look(backend, pitch_deg)
+        apart = np.abs(picture - expected) / np.maximum(expected, 1e-3 * expected.max())
+        assert apart.max() < 1e-3
+        assert sum(array.values.size for _, array in made.buffers) < around.view.nodes.size
+
+
+@pytest.mark.gl
+def test_a_table_that_no_driver_compiles_is_reported_and_the_cube_is_drawn(backend):
+    """As a shader that does not."""
+    around = surroundings(field(), 4e5, direction(30.0))
+    show(backend, around, view=None)
+    coarse, _ = look(backend, -19.0)
+    made = table_view_shader(table_on_card(field(), 4e5, direction(30.0)), around.disc)
+    (program,) = made.programs
+    broken = msgspec.structs.replace(program, compute_shader="no GLSL")
+    other = made.source + "\n"
+    with pytest.raises(UserError, match="its cube map is shown instead"):
+        show(backend, around, view=msgspec.structs.replace(made, source=other, programs=(broken,)))
+    np.testing.assert_array_equal(look(backend, -19.0)[0], coarse)
 
 
 @pytest.mark.gl

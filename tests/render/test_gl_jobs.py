@@ -188,15 +188,14 @@ def test_buffers_stay_known_where_the_next_cannot_be_made():
             self.made.append(Buffer())
             return self.made[-1]
 
-    def job(*contents):
-        arrays = enumerate(Array(np.array(content, np.float32)) for content in contents)
-        return msgspec.structs.replace(Keeper.job, buffers=tuple(arrays))
+    def program(*contents):
+        return tuple(enumerate(Array(np.array(content, np.float32)) for content in contents))
 
     buffers, context = JobBuffers(), Context()
-    buffers.send(context, job([1.0]))
+    buffers.send(context, "job", [program([1.0])])
     with pytest.raises(ValueError, match="of nothing"):
-        buffers.send(context, job([2.0], []))
-    buffers.send(context, job([3.0]))
+        buffers.send(context, "job", [program([2.0], [])])
+    buffers.send(context, "job", [program([3.0])])
     assert [buffer.released for buffer in context.made] == [True, True, False]
 
 

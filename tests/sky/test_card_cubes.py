@@ -4,6 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+from bruneton_sky import background
 from bruneton_sky.module import BrunetonSky
 from card_stage import CARD, SkyStage, apart
 from dynamic_skylight.module import DynamicSkyLight
@@ -94,6 +95,28 @@ def test_a_night_from_aloft_ends_at_its_own_horizon(both):
     both.tell(SetClock(instant=MOONLESS))
     card, processor = both.cubes()
     assert apart(card, processor) < ROUNDED
+
+
+@pytest.mark.gl
+def test_a_day_from_aloft_is_the_processors_with_no_table_of_its(both, monkeypatch):
+    """From 20 km, as the sun moves: the card makes the cube, and the table of each pixel's sky if
+    the sky has one; the processor is not asked for it, nor are its numbers sent."""
+    both.tell(MoveCamera(eye_m=(0.0, 2e4, 0.0), target_m=(0.0, 2e4, -1.0)))
+    for hour in (8, 11, 16):
+        with monkeypatch.context() as patch:
+            patch.setattr(background, "sky_view", _refused)
+            both.card.tell(SetClock(instant=datetime(2026, 6, 21, hour, tzinfo=UTC)))
+        both.processor.tell(SetClock(instant=datetime(2026, 6, 21, hour, tzinfo=UTC)))
+        assert both.card.faults == []
+        card, processor = both.cubes()
+        assert apart(card, processor) < ROUNDED
+        views = [stage.kernel.last(BackgroundChanged).view for stage in both.stages]
+        if both.sky == "bruneton_sky":
+            assert [len(view.programs) for view in views] == [1, 0]
+
+
+def _refused(*_):
+    raise AssertionError("the processor made a table")
 
 
 @pytest.mark.gl

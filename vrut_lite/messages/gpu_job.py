@@ -93,18 +93,9 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
         checks.wholes(self, "groups", 1, _MOST_GROUPS, most=3)
         checks.flag(self, "read_back")
         checks.whole(self, "scratch", 0, _MOST_SCRATCH)
-        checks.instance(self, "then", tuple)
-        for step in self.then:
-            if not isinstance(step, GpuPass):
-                checks.refuse(self, "then", "be programs")
-            step.check()
+        check_programs(self, "then")
         checks.instance(self, "reads", (GpuTexture, type(None)))
-        checks.instance(self, "shared", tuple)
-        for pair in self.shared:
-            if not (isinstance(pair, tuple) and len(pair) == 2 and all(map(checks.is_whole, pair))):
-                checks.refuse(self, "shared", "be pairs of a binding and a number of float32")
-            if not (pair[0] >= 0 and 0 < pair[1] <= _MOST_SHARED):
-                checks.refuse(self, "shared", f"have at most {_MOST_SHARED} numbers each")
+        check_shared(self, "shared")
 
     @property
     def programs(self) -> tuple[GpuPass, ...]:
@@ -127,6 +118,33 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
         reads = None if self.reads is None else self.reads.recipe
         return recipe_of(self.compute_shader, self.uniforms, self.output, self.size, self.format,
                          self.groups, _digests(self.buffers), then, reads)  # fmt: skip
+
+
+def check_programs(message: msgspec.Struct, name: str) -> None:
+    """Check a field of programs.
+
+    Raises:
+        UserError: it holds something else, or one is invalid.
+    """
+    checks.instance(message, name, tuple)
+    for step in getattr(message, name):
+        if not isinstance(step, GpuPass):
+            checks.refuse(message, name, "be programs")
+        step.check()
+
+
+def check_shared(message: msgspec.Struct, name: str) -> None:
+    """Check a field of storage buffers that programs have in common.
+
+    Raises:
+        UserError: it is no tuple of bindings and sizes.
+    """
+    checks.instance(message, name, tuple)
+    for pair in getattr(message, name):
+        if not (isinstance(pair, tuple) and len(pair) == 2 and all(map(checks.is_whole, pair))):
+            checks.refuse(message, name, "be pairs of a binding and a number of float32")
+        if not (pair[0] >= 0 and 0 < pair[1] <= _MOST_SHARED):
+            checks.refuse(message, name, f"have at most {_MOST_SHARED} numbers each")
 
 
 def _digests(buffers: tuple[tuple[int, Array], ...]) -> list[tuple[int, str]]:

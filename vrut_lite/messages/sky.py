@@ -11,6 +11,7 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.kernel.messages import Derived, Input
+from vrut_lite.messages.gpu_job import GpuPass, check_programs, check_shared
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
 from vrut_lite.numeric_types import Number, Vector
@@ -36,16 +37,24 @@ class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     pixel alike, so that derivatives may be taken. All names that it declares begin with
     `background_`. It reads `uniforms` by name, and `buffers`: pairs of a binding and the content
     of the std430 storage buffer there, an `Array` of float32.
+
+    `programs` are compute shaders that run once, one after the other, before its first picture;
+    they write `shared`: storage buffers that the source reads too, pairs of a binding and a number
+    of float32.
     """
 
     source: str
     uniforms: dict[str, Number | tuple[Number, ...]]
     buffers: tuple[tuple[int, Array], ...] = ()
+    programs: tuple[GpuPass, ...] = ()
+    shared: tuple[tuple[int, int], ...] = ()
 
     def check(self) -> None:
         """Check the source and its inputs; only OpenGL can tell whether it compiles."""
         checks.text(self, "source")
         checks.shader_inputs(self)
+        check_programs(self, "programs")
+        check_shared(self, "shared")
 
 
 class BackgroundChanged(Derived, frozen=True, kw_only=True):

@@ -11,15 +11,15 @@ from vrut_lite import __version__
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.messages.gpu_job import GpuJob, GpuPass
+from vrut_lite.messages.gpu_job import GpuJob
 from vrut_lite.messages.gpu_texture import GpuTexture
 from vrut_lite.messages.renderer import RendererTried
+from vrut_lite.render.compute_programs import ComputePrograms
 from vrut_lite.render.context_loss import loss
 from vrut_lite.render.device import Device
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.job_buffers import JobBuffers
 from vrut_lite.render.texture_pool import NUMPY_TYPES, TexturePool
-from vrut_lite.render.unlocked import run_compute
 
 NAME = "gl_jobs"
 
@@ -41,7 +41,7 @@ class GlJobs(Module):
         # A pool for each job: alternating jobs would release each other's textures.
         self._pools: defaultdict[str, TexturePool] = defaultdict(TexturePool)
         self._buffers = JobBuffers()
-        self._programs: dict[str, Any] = {}
+        self._programs = ComputePrograms()
         self._latest: dict[str, GpuJob] = {}
         # Jobs whose result was not sent, by identity: two of one key may be under way.
         self._unanswered: dict[int, GpuJob] = {}
@@ -84,33 +84,22 @@ class GlJobs(Module):
         # Lent until the end: the next job of the key may write them again.
         pool = self._pools[f"{job.key()}.scratch"]
         scratch = [pool.take(context, job) for _ in range(job.scratch)]
-        if kept := self._buffers.send(context, job):
+        name, buffers = job.key(), [step.buffers for step in job.programs]
+        if kept := self._buffers.send(context, name, buffers, job.shared):
             self.counters.skip("gpu job's buffer: still there", kept)
         for number, step in enumerate(job.programs):
-            program = self._program(context, step)
             texture.bind_to_image(0, read=number > 0, write=True)
             if job.reads is not None:
                 job.reads.opaque.bind_to_image(1, read=True, write=False)
             for unit, image in enumerate(scratch, 2):
                 image.opaque.bind_to_image(unit, read=True, write=True)
-            self._buffers.bind(job, number)
-            run_compute(program, *step.groups)
-            context.memory_barrier()
-
-    def _program(self, context: Any, step: GpuPass) -> Any:
-        if step.compute_shader not in self._programs:
-            self._programs[step.compute_shader] = context.compute_shader(step.compute_shader)
-        program = self._programs[step.compute_shader]
-        for name, value in step.uniforms.items():
-            # A uniform that the compiler found unused is not an error.
-            if name in program:
-                program[name].value = value
-        return program
+            self._buffers.bind(name, number)
+            self._programs.run(context, step)
 
     def _rebuild(self, context: Any) -> None:
         """After a reset: compute the textures that are referred to again, and all unfinished."""
         self._buffers = JobBuffers()
-        self._programs.clear()
+        self._programs = ComputePrograms()
         # All textures first: a job reads those of another, and pools drop the lost ones.
         remade = [each for pool in self._pools.values() for each in pool.remade(context)]
         for job, texture in remade:

@@ -17,7 +17,7 @@ from bruneton_sky.published.gpu_single_scattering import single_scattering_cube_
 from bruneton_sky.published.pipeline.pipeline import run_pipeline
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.sky_view.gpu import sky_view_job
-from bruneton_sky.sky_view.table_on_card import standing_sky_job
+from bruneton_sky.sky_view.table_on_card import table_cube_job, table_on_card
 from clouds.genera import Genus
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
@@ -45,6 +45,7 @@ from vrut_lite_lab.card_check import night_and_clouds
 from vrut_lite_lab.card_check.parts import Keep
 
 _SUNS_DEG = (60.0, 4.0, -4.0)
+_HEIGHTS_M = {0.0: "", 3e3: ", from 3 km", 4e5: ", from 400 km"}
 _TWILIGHT_DEG = (0.0, -2.0, -8.0, -30.0)
 _BLACK = np.zeros(3)
 _OF_LARGEST = 1e-2
@@ -84,8 +85,9 @@ def _products() -> dict[str, Callable[[], dict[str, Any]]]:
         for size, format in _SKY_VIEW:
             name = f"sky-view cube {size}², {_TEXELS[format]}, sun {sun_deg:g}°"
             made[name] = partial(_sky_view, sun_deg, size, format)
-        name = f"sky-view table and cube 512², float32, sun {sun_deg:g}°"
-        made[name] = partial(_standing_sky, sun_deg)
+        for altitude_m, place in _HEIGHTS_M.items():
+            name = f"sky-view table and cube 512², float32{place}, sun {sun_deg:g}°"
+            made[name] = partial(_sky_by_table, sun_deg, altitude_m)
         made[f"air volume, sun {sun_deg:g}°"] = partial(_air_volume, sun_deg)
     for sun_deg in _SUNS_DEG[:2]:
         made[f"light scattered once, cube 64², sun {sun_deg:g}°"] = partial(_once, sun_deg)
@@ -147,10 +149,12 @@ def _sky_view(sun_deg: float, size: int, format: TexelFormat) -> dict[str, Any]:
     return _difference(GlTexture(job, scale)().read(), fill_cube(view, size, _BLACK))
 
 
-def _standing_sky(sun_deg: float) -> dict[str, Any]:
+def _sky_by_table(sun_deg: float, altitude_m: float) -> dict[str, Any]:
     field, sun, size = solved("clear air"), sun_at(sun_deg), 512
-    job = standing_sky_job(field, sun, size, _BLACK, 1.0, "check", "cube")
-    return _difference(GlTexture(job)().read(), fill_cube(sky_view(field, 0.0, sun), size, _BLACK))
+    table = table_on_card(field, altitude_m, sun)
+    job = table_cube_job(table, size, _BLACK, 1.0, "check", "cube")
+    expected = fill_cube(sky_view(field, altitude_m, sun), size, _BLACK)
+    return _difference(GlTexture(job)().read(), expected)
 
 
 def _air_volume(sun_deg: float) -> dict[str, Any]:

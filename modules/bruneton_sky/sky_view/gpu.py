@@ -110,16 +110,31 @@ def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
 
     The table must have rows below the horizon.
     """
+    look_up = look_up_uniforms(view.shape, view.depth, view.sun_direction)
+    return shader_of_table(look_up, view.depth, _table_buffers(view), disc)
+
+
+def shader_of_table(
+    look_up: Uniforms,
+    depth: NDArray[np.float64],
+    buffers: tuple[tuple[int, Array], ...],
+    disc: DiscLight,
+    programs: tuple[GpuPass, ...] = (),
+    shared: tuple[tuple[int, int], ...] = (),
+) -> ViewShader:
+    """The shader of `view_shader` for a table in `buffers`, or one that `programs` make."""
     roots = np.zeros((len(disc.irradiance_rgb), 4), np.float32)
     roots[:, :3] = disc.irradiance_rgb**0.25
     return ViewShader(
         source=shader_source("sky_view_background.glsl", PACKAGE),
         uniforms={
-            **look_up_uniforms(view.shape, view.depth, view.sun_direction),
+            **look_up,
             # The difference, because 1 + mu would lose digits in float32.
-            "background_disc": floats(disc.depth[[0, -1]] - np.float32(view.depth[0])),
+            "background_disc": floats(disc.depth[[0, -1]] - np.float32(depth[0])),
         },
-        buffers=(*_table_buffers(view), (_SUNLIGHT_BINDING, Array(roots))),
+        buffers=(*buffers, (_SUNLIGHT_BINDING, Array(roots))),
+        programs=programs,
+        shared=shared,
     )
 
 

@@ -64,8 +64,8 @@ _DEEP_BELOW_MU_S, _DEEP_BINS = -0.06, 32
 # Bins for light scattered more than once in haze, for an observer inside the air: it changes
 # within shorter distances.
 _HAZE_BINS = 16
-# `SkyView.shape` of a table for the light on the scene.
-_LIGHT_SHAPE = (32, 0, 24)
+# `SkyView.shape` of a table for the light on the scene, and of one for the brightness aloft.
+_LIGHT_SHAPE, _COARSE_SHAPE = (32, 0, 24), (12, 12, 12)
 # Suns between which the ground's colour is interpolated, and numbers of a node.
 _SUNS, NODE = 192, 8
 _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)
@@ -162,6 +162,13 @@ def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyVie
     return _table(field, 0.0, sun_direction, _LIGHT_SHAPE, counts)
 
 
+def coarse_view(
+    field: SourceField, altitude_m: float, sun_direction: NDArray[np.float64]
+) -> SkyView:
+    """A table of a thirtieth of the nodes for an observer aloft, which tells how bright it is."""
+    return _table(field, altitude_m, sun_direction, _COARSE_SHAPE, _DAY)
+
+
 def _table(
     field: SourceField,
     altitude_m: float,
@@ -220,7 +227,7 @@ def _nodes(
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
     nodes = np.zeros((len(nu), nu.shape[1] * NODE), dtype=np.float32)
     colours, ground = colours_of(field)
-    matrix, kinds = bands_in_groups(field, _mean_above_m(field.atmosphere, altitude_m))
+    matrix, kinds = bands_in_groups(field, mean_above_m(field.atmosphere, altitude_m))
     bins = _row_bins(field, altitude_m, shape, counts)
     for k, (air, source) in enumerate(_sources(field)):
         for part, fine, coarse in bins[k]:
@@ -243,7 +250,7 @@ def _row_bins(
 ) -> list[list[tuple[slice, Bins, Bins]]]:
     """Rows of each group of wavelengths, and their bins for light scattered once and more."""
     rows = table_rows(field.atmosphere, altitude_m, 1.0, *shape)
-    parts = _parts(rows, counts)
+    parts = row_parts(rows, counts)
     return [
         [(part, *row_bins(air, rows, part, own)) for part, own in parts]
         for air, _ in _sources(field)
@@ -267,7 +274,7 @@ def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:
     return 5 * steps // 2, 5 * once // 2, more
 
 
-def _parts(
+def row_parts(
     rows: SkyViewRays, counts: tuple[int, int, int]
 ) -> list[tuple[slice, tuple[int, int, int]]]:
     """Rows and the counts they are made with: the limb, and the planet's disc."""
@@ -284,7 +291,7 @@ def aerosol_bands(field: SourceField, altitude_m: float) -> AerosolBands:
     Of more wavelengths they are red, green and blue, whose phase functions are means by the
     sunlight that aerosol scatters: exact where all wavelengths share one.
     """
-    return _bands(field, _mean_above_m(field.atmosphere, altitude_m))
+    return _bands(field, mean_above_m(field.atmosphere, altitude_m))
 
 
 @table_of_field
@@ -330,7 +337,7 @@ class ChannelPhases(NamedTuple):
 def channel_phases(field: SourceField, altitude_m: float) -> ChannelPhases:
     """The phase functions of a field's particles before things near an eye at an altitude."""
     # Air before objects is denser than the mean above the eye.
-    return _channels(field, 0.5 * _mean_above_m(field.atmosphere, altitude_m))
+    return _channels(field, 0.5 * mean_above_m(field.atmosphere, altitude_m))
 
 
 @table_of_field
@@ -340,7 +347,7 @@ def _channels(field: SourceField, above_m: float) -> ChannelPhases:
     return ChannelPhases(channels.astype(np.float32), _in_lanes_by_kind(each))
 
 
-def _mean_above_m(atmosphere: Atmosphere, altitude_m: float) -> float:
+def mean_above_m(atmosphere: Atmosphere, altitude_m: float) -> float:
     """Altitude above which the mean phase function is taken: ratios to it change slowly with the
     angle, as nodes far apart want. From space all of the air is seen."""
     in_air = atmosphere.mixed and altitude_m <= atmosphere.top_altitude_m

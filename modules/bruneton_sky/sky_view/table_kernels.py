@@ -98,16 +98,16 @@ def add_rows(  # type: ignore[no-untyped-def]
 
 
 @fast
-def pack_rows(air, altitude, mu, counts, out):  # type: ignore[no-untyped-def]
-    """The bins of rays (rows,) that miss the ground in the layout of shaders.
+def pack_rows(air, altitude, mu, hits, counts, out, end):  # type: ignore[no-untyped-def]
+    """The bins of rays (rows,) in the layout of shaders.
 
     `out` (rows, bins, BIN_FLOATS), zeros, takes the bins for light scattered once, then those for
-    more; `counts` as for `add_rows`.
+    more; `counts` as for `add_rows`. `end` (rows, 5) takes what `Bins.end` has.
     """
-    steps, end, share = empty_steps(air, counts[0]), np.empty(5), np.empty((4, 4))
+    steps, share = empty_steps(air, counts[0]), np.empty((4, 4))
     fine, coarse = empty_bins(counts[1]), empty_bins(counts[2])
     for i in range(mu.size):
-        fill_steps(air, altitude[i], mu[i], False, steps, end)
+        fill_steps(air, altitude[i], mu[i], hits[i], steps, end[i])
         merge_steps(air, altitude[i], mu[i], steps, fine)
         merge_steps(air, altitude[i], mu[i], steps, coarse)
         _pack(air, fine, share, out[i, : counts[1]])

@@ -2,14 +2,15 @@
 
 from typing import Any
 
-import numpy as np
-
 from vrut_lite.errors import UserError
 from vrut_lite.messages.sky import ViewShader
+from vrut_lite.render.compute_programs import ComputePrograms
+from vrut_lite.render.job_buffers import JobBuffers
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.shader_files import Defines, defined, shader_source
 
 _PLACE = "//!background"
+_VIEW = "background"
 
 
 class ViewScreen(FullScreen):
@@ -33,7 +34,7 @@ class BackgroundView:
     def __init__(self, context: Any):
         self._context = context
         self._screens: dict[tuple[str, Defines], ViewScreen | None] = {}
-        self._buffers: list[tuple[int, Any]] = []
+        self._buffers, self._programs = JobBuffers(), ComputePrograms()
         self._shown: ViewShader | None = None
 
     def show(self, view: ViewShader | None) -> None:
@@ -42,22 +43,18 @@ class BackgroundView:
         Raises:
             UserError: the shader does not compile; raised once per source.
         """
-        self._shown = view
-        self._release_buffers()
+        self._shown = None
         if view is None:
+            self._buffers.release()
             return
         is_new = (view.source, ()) not in self._screens
-        if self._screen(view.source, ()) is None:
-            self._shown = None
-            if is_new:
-                raise UserError(
-                    "the sky's own shader cannot be used here: its cube map is shown instead, "
-                    "coarser where it is looked at closely"
-                )
-            return
-        for binding, content in view.buffers:
-            values = np.ascontiguousarray(content.values, dtype=np.float32)
-            self._buffers.append((binding, self._context.buffer(values.tobytes())))
+        if self._screen(view.source, ()) is not None and self._prepared(view):
+            self._shown = view
+        elif is_new:
+            raise UserError(
+                "the sky's own shader cannot be used here: its cube map is shown instead, "
+                "coarser where it is looked at closely"
+            )
 
     def screen(self, defines: Defines) -> FullScreen | None:
         """The shader with its uniforms set; None to draw the cube map."""
@@ -69,13 +66,13 @@ class BackgroundView:
             # A uniform that the compiler found unused is not an error.
             if name in screen.program:
                 screen.program[name].value = value
-        for binding, buffer in self._buffers:
-            buffer.bind_to_storage_buffer(binding)
+        self._buffers.bind(_VIEW, len(view.programs))
         return screen
 
     def release(self) -> None:
         """Free the GL objects."""
-        self._release_buffers()
+        self._buffers.release()
+        self._programs.release()
         for screen in self._screens.values():
             if screen is not None:
                 screen.release()
@@ -90,7 +87,15 @@ class BackgroundView:
                 self._screens[key] = None
         return self._screens[key]
 
-    def _release_buffers(self) -> None:
-        for _, buffer in self._buffers:
-            buffer.release()
-        self._buffers = []
+    def _prepared(self, view: ViewShader) -> bool:
+        """Upload its buffers and run its programs; whether these compile."""
+        buffers = [*(step.buffers for step in view.programs), view.buffers]
+        self._buffers.send(self._context, _VIEW, buffers, view.shared)
+        for number, step in enumerate(view.programs):
+            self._buffers.bind(_VIEW, number)
+            try:
+                self._programs.run(self._context, step)
+            except Exception:
+                # As in `_screen`.
+                return False
+        return True

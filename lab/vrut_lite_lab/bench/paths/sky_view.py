@@ -6,7 +6,7 @@ from functools import lru_cache, partial
 import numpy as np
 from bruneton_sky.sky_view import SkyView, fill_cube, light_view, sky_view
 from bruneton_sky.sky_view.gpu import sky_view_job
-from bruneton_sky.sky_view.table_on_card import standing_sky_job
+from bruneton_sky.sky_view.table_on_card import table_cube_job, table_on_card
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
@@ -217,7 +217,7 @@ def _gpu_table_path(size: int, quick: bool) -> BenchPath:
 def _prepare_gpu_tables(size: int, quick: bool) -> Work:
     field = solved(_AIR)
     jobs = [
-        standing_sky_job(field, each.sun, size, _BLACK, 1.0, "bench", "cube")
+        table_cube_job(table_on_card(field, 0.0, each.sun), size, _BLACK, 1.0, "bench", "cube")
         for each in _from_ground(quick)
     ]
     return GlTextures([GlTexture(job) for job in jobs])
