@@ -51,6 +51,7 @@ class AirOnGpu:
             return
         light = _padded(volume.light.values, np.float32)
         if (second := volume.second) is not None:
+            assert second.light is not None
             of_second = _padded(second.light.values, np.float32)
             of_second *= np.float32(second.radiance_scale / volume.radiance_scale)
             light = np.concatenate([light, of_second])

@@ -47,8 +47,8 @@ from vrut_lite.sky.sky_of_hour import (
 )
 
 NAME = "bruneton_sky"
-# Room for what the coarse table of an eye aloft lacks: mirrored skies are in half precision, whose
-# range is larger by far.
+# Factor on the scale of a cube aloft: its coarse table may lack the brightest node, and mirrored
+# skies are in half precision.
 ROOM_ALOFT = 8.0
 
 

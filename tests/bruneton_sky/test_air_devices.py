@@ -1,6 +1,6 @@
 """A frame through Bruneton's air, filled by the CPU and by the GPU."""
 
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from vrut_lite.messages.place import SetPlace
 pytestmark = pytest.mark.gl
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
 EVENING = datetime(2026, 6, 21, 18, 30, tzinfo=UTC)
+DUSK = datetime(2026, 1, 3, 16, 0, tzinfo=UTC)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,6 @@ def host(walls):
         host.inject(
             ChooseSlot(slot="sky", module="bruneton_sky"),
             SetPlace(latitude_deg=50.1, longitude_deg=14.4),
-            SetExposure(mode="manual", ev100=13.0),
             Resize(width_px=96, height_px=60),
         )
         yield host
@@ -64,6 +64,7 @@ def test_pictures_agree_whether_cpu_or_gpu_filled_the_air(host, height_m, instan
         SetClock(instant=instant),
         setting("fog_visibility_m", 3000.0),
         setting("light_shafts", shafts, "scene"),
+        SetExposure(mode="manual", ev100=13.0),
         MoveCamera(eye_m=(0.0, height_m, 0.0), target_m=(0.0, height_m - down, -1000.0)),
     )
     pictures = {}
@@ -78,11 +79,38 @@ def test_pictures_agree_whether_cpu_or_gpu_filled_the_air(host, height_m, instan
     np.testing.assert_allclose(gpu.radiance, cpu.radiance, rtol=1e-3, atol=1e-5)
 
 
+def test_pictures_of_a_moonlit_dusk_agree(host):
+    """The sun is 7 degrees down and the full moon as far up: its shadows are cast, and both
+    light the air, which is one texture on a card. Seven minutes later, and by night, too."""
+    host.inject(
+        setting("fog_visibility_m", 3000.0),
+        setting("light_shafts", False, "scene"),
+        SetExposure(mode="manual", ev100=1.0),
+        MoveCamera(eye_m=(0.0, 1.7, 0.0), target_m=(0.0, 1.7, -1000.0)),
+    )
+    bodies = []
+    for minutes in (0, 7, 300):
+        host.inject(SetClock(instant=DUSK + timedelta(minutes=minutes)))
+        pictures = {}
+        for device in ("cpu", "gpu"):
+            host.inject(setting("cube_device", device))
+            pictures[device] = host.draw()
+            volume = host.kernel.last(AirChanged).volume
+            assert isinstance(volume.light, GpuTexture if device == "gpu" else Array)
+        cpu, gpu = pictures["cpu"], pictures["gpu"]
+        assert np.abs(cpu.display.astype(int) - gpu.display).max() <= 1
+        rounded = 1e-3 * cpu.radiance.max()
+        np.testing.assert_allclose(gpu.radiance, cpu.radiance, rtol=2e-3, atol=rounded)
+        assert cpu.display.max() > 20
+        bodies.append(1 if volume.second is None else 2)
+    assert bodies == [2, 2, 1]
+
+
 @pytest.mark.long
 def test_air_of_the_gpu_follows_the_sun(host):
     """Each hour has the air of its own job, not that of the hour before."""
     pictures = {}
-    host.inject(setting("light_shafts", False, "scene"))
+    host.inject(setting("light_shafts", False, "scene"), SetExposure(mode="manual", ev100=13.0))
     for device in ("gpu", "cpu"):
         host.inject(setting("cube_device", device))
         for instant in (NOON, EVENING, NOON):

@@ -97,9 +97,9 @@ def test_a_sun_in_the_zenith_and_a_reach_of_metres(compute, fields):
     assert_same(*both(compute, fields["haze"], 2.0, 90.0, 3.0))
 
 
-def test_field_is_uploaded_once(fields):
-    """Under another sun the field's tables are the same objects, which the GPU has already; the
-    recipe is another, and that of equal air the same."""
+def test_field_and_matter_are_uploaded_once(fields):
+    """Under another sun the field's tables and the matter along the rays are the same objects,
+    which the GPU has already; the recipe is another, and that of equal air the same."""
     first, again, other = (
         air_volume_job(fields["haze"], 2.0, sun_at(sun), 1e5, "test", "air", SIZES)
         for sun in (NOON, NOON, LOW)
@@ -108,4 +108,4 @@ def test_field_is_uploaded_once(fields):
     assert first[1] == again[1]
     sent = [dict(job.buffers) for job, _ in (first, other)]
     kept = [binding for binding in sent[0] if sent[0][binding] is sent[1][binding]]
-    assert sorted(kept) == [4, 5, 6, 7, 8]
+    assert sorted(kept) == [1, 2, 4, 5, 6, 7, 8]

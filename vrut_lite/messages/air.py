@@ -22,22 +22,27 @@ class SecondLight(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     Attributes:
         light: as the volume's, at the same nodes, but with columns counted from this body's azimuth
-            and phase functions of the angle to this body.
-        radiance_scale: factor of this light, a power of two.
+            and phase functions of the angle to this body. None where the volume's is a texture,
+            which has this light's slices after its own.
+        radiance_scale: factor of this light, a power of two; in a texture the volume's.
         direction: to the body, in world axes.
     """
 
-    light: Array
+    light: Array | None
     radiance_scale: float
     direction: Vector
 
-    def check(self, shape: tuple[int, ...]) -> None:
-        """Light of the volume's `shape`, a scale and a direction.
+    def check(self, shape: tuple[int, ...] | None) -> None:
+        """Light of the volume's `shape`, None for a texture; a scale and a direction.
 
         Raises:
             UserError: a field is invalid.
         """
-        checks.array(self, "light", shape, ("<f2",))
+        if shape is not None:
+            checks.instance(self, "light", Array)
+            checks.array(self, "light", shape, ("<f2",))
+        elif self.light is not None:
+            checks.refuse(self, "light", "be None where the volume's is a texture")
         check_scale(self)
         checks.direction(self, "direction")
 
@@ -99,8 +104,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             checks.refuse(self, "extinction", "have two slices or more")
         shape = (3, slices, rows, self.columns, 3)
         if self.second is not None:
-            checks.instance(self, "light", Array)
-            self.second.check(shape)
+            self.second.check(None if isinstance(self.light, GpuTexture) else shape)
         if not isinstance(self.light, GpuTexture):
             checks.array(self, "light", shape, ("<f2",))
         check_scale(self)

@@ -162,6 +162,7 @@ def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) 
 
     shaded, sunlit = light(light_of(volume), volume.radiance_scale, volume.sun_direction)
     if (second := volume.second) is not None:
+        assert second.light is not None
         shaded = shaded + sum(light(second.light.values, second.radiance_scale, second.direction))
     return AirLight(np.exp(-optical_depth), shaded, sunlit)
 

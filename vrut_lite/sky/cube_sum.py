@@ -19,13 +19,11 @@ from vrut_lite.sky.shader_text import floats, shader_source
 _GLOW_BINDING = 1
 _GROUP = 8
 _LOWEST_EXPONENT = -100
-_IMAGE = re.compile(
-    r"layout\(rgba32f, binding = 0\) (?:restrict )?writeonly uniform imageCube (\w+);"
-)
+_IMAGE = r"layout\(rgba32f, binding = 0\) (?:restrict )?writeonly uniform {kind} (\w+);"
 _STORE = """layout(rgba32f, binding = 0) uniform imageCube {image};
 uniform vec3 part_share;
 void store_part(ivec3 at, vec4 value) {{
-    vec3 before = {before};
+    vec3 before = BEFORE;
     imageStore({image}, at, vec4(before + part_share * value.rgb, 1.0));
 }}
 """
@@ -63,13 +61,22 @@ def sum_of_parts(parts: Sequence[tuple[GpuJob, FloatArray]]) -> GpuJob | None:
 
 def _adding(compute_shader: str, adds: bool) -> str | None:
     """A program that stores its values times a share, or adds them to what is there."""
-    found = _IMAGE.search(compute_shader)
+    before = "imageLoad({image}, at).rgb" if adds else "vec3(0.0)"
+    return with_store(compute_shader, "imageCube", _STORE.replace("BEFORE", before))
+
+
+def with_store(compute_shader: str, kind: str, store: str) -> str | None:
+    """A program whose stores into its image of a kind are calls of `store_part`.
+
+    `store` declares the image, which it names `{image}`, and that function; None where the program
+    declares none in texels of single precision at unit 0.
+    """
+    found = re.search(_IMAGE.format(kind=kind), compute_shader)
     if found is None:
         return None
     image = found[1]
-    before = f"imageLoad({image}, at).rgb" if adds else "vec3(0.0)"
     stored = compute_shader.replace(f"imageStore({image},", "store_part(")
-    return stored.replace(found[0], _STORE.format(image=image, before=before))
+    return stored.replace(found[0], store.format(image=image))
 
 
 def glow_pass(

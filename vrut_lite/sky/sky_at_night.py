@@ -25,6 +25,7 @@ from vrut_lite.messages.night import NO_ECLIPSE, MoonLight
 from vrut_lite.messages.sky import NO_LAMPS
 from vrut_lite.messages.sun import Body, SunMoved
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+from vrut_lite.sky.air_sum import LitAir, air_of_bodies
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite.sky.cube_sum import glow_pass, scale_of_sum, sum_of_parts
 from vrut_lite.sky.night_glow import glow_cube
@@ -48,8 +49,8 @@ _AIR_GLOWS = 0.5
 _NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG, _FADES_OUT_DEG = 0.5, 1.0, -19.0, 1.0
 # Zenith luminance in totality relative to day (Dandekar and Turtle 1971).
 _LEFT_IN_TOTALITY = 1e-4
-# Share of the key light's air below which the other body's is left out. Near the moon its air is a
-# hundred times as bright as on average: a thousandth of all at most.
+# Share of the key light's skylight below which the other body is left out of the air. Near the
+# moon its air is a hundred times as bright as on average: a thousandth of all at most.
 _LEAST_SHARE = 1e-5
 # Work of a texel of the glow's program, in trial pixels (`device_choice`).
 _GLOW_TRIALS = 0.25
@@ -178,9 +179,13 @@ class SkyAtNight(Sky):
         of_skies = sum(sky.card_cube_trials() for sky, _ in self._lights)
         return of_skies + (_GLOW_TRIALS if self._glows else 0.0)
 
+    def card_air_trials(self) -> float:
+        """Those of the bodies that light the air."""
+        return sum(sky.card_air_trials() for sky, _ in self._lights_of_air)
+
     def card_makes(self, product: str) -> bool:
-        """The cube where the card makes that of the sun's sky; of the air it has no sum."""
-        return product == "gpu_background" and self.by_sun.card_makes(product)
+        """Whether the sun's sky has a program for the product; the moon's is of the same kind."""
+        return self.by_sun.card_makes(product)
 
     def _sum(
         self, background_of: Callable[[Sky], Background], horizon_rad: float = 0.0
@@ -236,13 +241,22 @@ class SkyAtNight(Sky):
         radius = self.moon.angular_radius_rad
         return SunDisc(behind_air, radius, body="moon", direction=direction, haze=moon.haze)
 
+    @cached_property
+    def _ambient_by_sun(self) -> FloatArray:
+        return np.asarray(self.by_sun.ambient())
+
+    @cached_property
+    def _ambient_by_moon(self) -> FloatArray:
+        assert self.by_moon is not None
+        return np.asarray(self.by_moon.ambient())
+
     def ambient(self) -> FloatArray:
         """The sum of the harmonics."""
         harmonics = np.zeros((25, 3))
         if self.sunlit:
-            harmonics = harmonics + self._sun_left * self.by_sun.ambient()
+            harmonics = harmonics + self._sun_left * self._ambient_by_sun
         if self.by_moon is not None:
-            harmonics = harmonics + self._moon_share * self.by_moon.ambient()
+            harmonics = harmonics + self._moon_share * self._ambient_by_moon
         if self.glow is not None:
             harmonics = harmonics + self.share * _harmonics(self.glow, self._lit_ground)
         return harmonics
@@ -309,30 +323,74 @@ class SkyAtNight(Sky):
             lights.append((volume, _share_of(volume, share)))
         (volume, light), *others = lights
         second = None
-        if others and others[0][1].mean() > _LEAST_SHARE * light.mean():
-            values, scale = encode_float16(others[0][1])
-            direction = others[0][0].sun_direction
-            second = SecondLight(light=Array(values), radiance_scale=scale, direction=direction)
-        values, scale = encode_float16(light + self._glow_of_air)
+        for other, of_other in others:
+            values, scale = encode_float16(of_other)
+            second = SecondLight(
+                light=Array(values), radiance_scale=scale, direction=other.sun_direction
+            )
+        light[0] += self._glow_of_air.astype(np.float32)
+        values, scale = encode_float16(light)
         return msgspec.structs.replace(
             volume, light=Array(values), radiance_scale=scale, second=second
         )
 
-    @property
-    def _lights_of_air(self) -> list[tuple[Sky, FloatArray]]:
-        """Sky and share (3,) of one body that lights the air, or two, the key light's first."""
-        bodies = [(self.by_sun, self._sun_left)]
-        if self.by_moon is not None:
-            bodies.insert(0 if self.key == "moon" else 1, (self.by_moon, self._moon_share))
-        return [body for body in bodies if body[1].any()] or bodies[:1]
+    def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
+        """The same by the skies' own programs, both bodies in one texture."""
+        volumes, parts, glow = [], [], self._glow_of_air
+        for sky, share in self._lights_of_air:
+            asked = sky.gpu_air(eye_height_m, reach_m)
+            if asked is None:
+                return None
+            job, volume = asked
+            volumes.append(volume)
+            parts.append(LitAir(job, volume.radiance_scale * share, glow))
+            glow = np.zeros(3)
+        job_of_all = air_of_bodies(parts)
+        if job_of_all is None:
+            return None
+        texture = GpuTexture(
+            size=job_of_all.size, format=job_of_all.format, recipe=job_of_all.recipe
+        )
+        volume, *others = volumes
+        second = None
+        for other in others:
+            second = SecondLight(light=None, radiance_scale=1.0, direction=other.sun_direction)
+        return job_of_all, msgspec.structs.replace(
+            volume, light=texture, radiance_scale=1.0, second=second
+        )
 
     @property
-    def _glow_of_air(self) -> Float32Array:
-        """Radiance (3 kinds, 1, 1, 1, 3) of air in the glow, isotropic and unshadowed."""
-        kinds = np.zeros((3, 1, 1, 1, 3), np.float32)
-        if self.glow is not None:
-            kinds[0] = _AIR_GLOWS / np.pi * self.share * _on_level(self.glow)
-        return kinds
+    def has_dark_body(self) -> bool:
+        """Whether a body is left out of the air, for it lights it next to nothing."""
+        return self.by_moon is not None and len(self._lights_of_air) == 1
+
+    @cached_property
+    def _lights_of_air(self) -> list[tuple[Sky, FloatArray]]:
+        """Sky and share (3,) of one body that lights the air, or two, the key light's first."""
+        by_sun = self.by_sun, self._sun_left
+        if self.by_moon is None:
+            return [by_sun]
+        by_moon = self.by_moon, self._moon_share
+        sun, moon = (
+            float((share * ambient[0]).mean()) if share.any() else 0.0
+            for share, ambient in (
+                (self._sun_left, self._ambient_by_sun),
+                (self._moon_share, self._ambient_by_moon),
+            )
+        )
+        first, other = (by_sun, sun), (by_moon, moon)
+        if self.key == "moon":
+            first, other = other, first
+        if other[1] <= _LEAST_SHARE * first[1]:
+            return [first[0]]
+        return [first[0], other[0]] if first[1] > 0.0 else [other[0]]
+
+    @property
+    def _glow_of_air(self) -> FloatArray:
+        """Radiance (3,) of air in the glow, isotropic and unshadowed."""
+        if self.glow is None:
+            return np.zeros(3)
+        return np.asarray(_AIR_GLOWS / np.pi * self.share * _on_level(self.glow))
 
 
 _NOBODY = Sky()

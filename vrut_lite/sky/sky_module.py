@@ -460,6 +460,8 @@ class SkyModule(Module):
         self.devices["air"] = chosen
         asked = sky.gpu_air(eye_height_m, reach_m) if chosen.on_card else None
         job, volume = (None, sky.air(eye_height_m, reach_m)) if asked is None else asked
+        if isinstance(sky, SkyAtNight) and sky.has_dark_body:
+            self.counters.skip("air in a second light: dark")
         message = AirChanged(volume=volume, source=self.manifest.name)
         return self._first(AIR_JOB, job, message)
 
@@ -481,7 +483,7 @@ class SkyModule(Module):
         if kind is BackgroundChanged:
             chosen = choose_for_cube(setting, tried, sky.card_cube_trials())
         else:
-            chosen = choose(setting, tried, sky.air_trials)
+            chosen = choose(setting, tried, sky.card_air_trials())
         if not chosen.on_card:
             return chosen
         if demand.encoding:

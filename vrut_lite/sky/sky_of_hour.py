@@ -296,12 +296,19 @@ class Sky:
         return None
 
     def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
-        """The job `AIR_JOB` that makes the air's light, and the volume without the texture."""
+        """The job `AIR_JOB` that makes the air's light, and the volume without the texture.
+
+        Its last program stores each node once; so the base can have two bodies (`air_sum`).
+        """
         return None
 
     def card_cube_trials(self) -> float:
         """Work of a texel by `gpu_background` in this hour, in trial pixels."""
         return self.cube_trials
+
+    def card_air_trials(self) -> float:
+        """Work of the volume by `gpu_air` in this hour, in trial pixels."""
+        return self.air_trials
 
     def card_makes(self, product: str) -> bool:
         """Whether there is a program for a product, "gpu_background" or "gpu_air"."""

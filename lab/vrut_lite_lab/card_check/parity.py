@@ -33,6 +33,7 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.messages.gpu_job import TexelFormat
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
+from vrut_lite.sky.air_sum import LitAir, air_of_bodies
 from vrut_lite.sky.air_volume import light_of
 from vrut_lite_lab.bench.gl import GlTexture, close_gl, gl_owner
 from vrut_lite_lab.bench.light_on_card import LightOnCard
@@ -48,6 +49,7 @@ _SUNS_DEG = (60.0, 4.0, -4.0)
 _HEIGHTS_M = {0.0: "", 3e3: ", from 3 km", 4e5: ", from 400 km"}
 _TWILIGHT_DEG = (0.0, -2.0, -8.0, -30.0)
 _BLACK = np.zeros(3)
+_FULL_MOON, _AIRGLOW = 2.5e-6, 3e-7
 _OF_LARGEST = 1e-2
 # Sizes and formats: the processor's, and a card's own.
 _Cube = tuple[int, TexelFormat]
@@ -89,6 +91,7 @@ def _products() -> dict[str, Callable[[], dict[str, Any]]]:
             name = f"sky-view table and cube 512², float32{place}, sun {sun_deg:g}°"
             made[name] = partial(_sky_by_table, sun_deg, altitude_m)
         made[f"air volume, sun {sun_deg:g}°"] = partial(_air_volume, sun_deg)
+    made["air volume of moon, sun -10° and glow"] = _moonlit_air
     for sun_deg in _SUNS_DEG[:2]:
         made[f"light scattered once, cube 64², sun {sun_deg:g}°"] = partial(_once, sun_deg)
     for scene in _SCENES:
@@ -164,6 +167,28 @@ def _air_volume(sun_deg: float) -> dict[str, Any]:
     light = light_of(expected).astype(float) * expected.radiance_scale
     made = GlTexture(job, volume.radiance_scale)().read()
     return _difference(made.reshape(light.shape), light)
+
+
+def _moonlit_air() -> dict[str, Any]:
+    """The air of a full moon, a sun at -10 degrees and a glow, each body over its brightest."""
+    parts, expected = [], []
+    for body_deg, share, glow in ((40.0, _FULL_MOON, _AIRGLOW), (-10.0, 1.0, 0.0)):
+        where = (solved("clear air"), 2.0, sun_at(body_deg), 1.2e5)
+        job, volume = air_volume_job(*where, "check", "air")
+        factor = np.full(3, share * volume.radiance_scale)
+        parts.append(LitAir(job, factor, np.full(3, glow)))
+        by_processor = air_volume(*where)
+        light = light_of(by_processor).astype(float) * (share * by_processor.radiance_scale)
+        light[0] += glow
+        expected.append(light)
+    job_of_all = air_of_bodies(parts)
+    assert job_of_all is not None
+    made = GlTexture(job_of_all)().read().reshape(2, *expected[0].shape)
+    brightest = [light.max() for light in expected]
+    return _difference(
+        np.stack([body / most for body, most in zip(made, brightest, strict=True)]),
+        np.stack([light / most for light, most in zip(expected, brightest, strict=True)]),
+    )
 
 
 def _once(sun_deg: float) -> dict[str, Any]:

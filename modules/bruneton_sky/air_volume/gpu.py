@@ -1,7 +1,10 @@
 """The light of a volume of air as a job for the GPU; the solved field is uploaded once.
 
-The CPU computes the matter along the rays, row by row, the GPU the light of all columns.
+The CPU computes the matter along the rays, row by row, the GPU the light of all columns. Matter is
+the same under any sun, and of sun and moon: it is computed once an eye and reach.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +24,7 @@ from bruneton_sky.solver.wavelength_groups import groups_of_air
 from vrut_lite.array import Array
 from vrut_lite.messages.air import AirVolume
 from vrut_lite.messages.gpu_job import GpuJob, GpuTexture
+from vrut_lite.sky.air_volume import node_rays
 from vrut_lite.sky.shader_text import shader_source
 
 _GROUP = 8
@@ -45,7 +49,10 @@ def air_volume_job(
         read_back: whether the result is an array (3 * slices, rows, columns, 4), not a texture.
     """
     count = sizes or AirSizes()
-    matter = matter_before(field, altitude_m, sun_direction, reach_m, count)
+    packed = _packed(field, float(altitude_m), float(reach_m), count)
+    height = float(np.asarray(sun_direction, dtype=float)[1])
+    rays = node_rays(packed.matter.grid, count.columns, min(max(height, -1.0), 1.0))
+    suns = np.stack([rays.mu_s, rays.nu], axis=-1)
     tables = field_on_card(field)
     rows = count.rows_above + count.rows_below
     size = (count.columns, rows, 3 * count.slices)
@@ -57,7 +64,13 @@ def air_volume_job(
             **tables.uniforms,
             "shape": (count.slices, rows, count.columns),
         },
-        buffers=(*_buffers_of(field, matter), *tables.buffers),
+        buffers=(
+            (1, packed.slices),
+            (2, packed.rows),
+            (3, single_array(suns)),
+            (PHASES_BINDING, _angles(field, packed.matter.grid.observer_altitude_m)),
+            *tables.buffers,
+        ),
         output="3d",
         size=size,
         # Single precision: the brightest node is not known before the job has run.
@@ -66,11 +79,23 @@ def air_volume_job(
         read_back=read_back,
     )
     awaited = GpuTexture(size=size, format=made.format, recipe=made.recipe)
-    return made, volume_of(field, matter, sun_direction, awaited, 1.0)
+    return made, volume_of(field, packed.matter, sun_direction, awaited, 1.0)
 
 
-def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], ...]:
-    """The buffers that change with sun and observer, by binding."""
+class _PackedMatter(NamedTuple):
+    """The matter of a volume, and the shader's `Slices` and `Rows` of it."""
+
+    matter: Matter
+    slices: Array
+    rows: Array
+
+
+@table_of_field
+def _packed(
+    field: SourceField, altitude_m: float, reach_m: float, sizes: AirSizes
+) -> _PackedMatter:
+    # Under any sun.
+    matter = matter_before(field, altitude_m, (0.0, 1.0, 0.0), reach_m, sizes)
     (air,), rays = groups_of_air(field.thinned), matter.rays
     slices = np.zeros((*matter.centre.shape[1:3], SLICE_FLOATS), dtype=np.float32)
     pack_slices(
@@ -79,14 +104,7 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
     radius = air.ground_radius_m + rays.altitude_m
     above = rays.altitude_m * (radius + air.ground_radius_m) / (radius * radius)
     rows = np.stack([radius, above, rays.mu, np.zeros_like(radius)], axis=-1)
-    suns = np.stack([rays.mu_s, rays.nu], axis=-1)
-    angles = _angles(field, matter.grid.observer_altitude_m)
-    return (
-        (1, Array(slices)),
-        (2, single_array(rows)),
-        (3, single_array(suns)),
-        (PHASES_BINDING, angles),
-    )
+    return _PackedMatter(matter, Array(slices), single_array(rows))
 
 
 # One while the sun moves: not uploaded again.

@@ -165,7 +165,7 @@ def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyVie
 def coarse_view(
     field: SourceField, altitude_m: float, sun_direction: NDArray[np.float64]
 ) -> SkyView:
-    """A table of a thirtieth of the nodes for an observer aloft, which tells how bright it is."""
+    """A table of a thirtieth of the nodes, for the largest radiance that an observer aloft sees."""
     return _table(field, altitude_m, sun_direction, _COARSE_SHAPE, _DAY)
 
 

@@ -249,11 +249,11 @@ class HourOnCard:
         return False
 
     def _brought_piece(self, coming: _Coming) -> bool:
-        """Bring one more piece; False when there is none."""
+        """Bring one more piece; False after the last."""
         try:
             return next(coming.pieces, _NO_MORE) is not _NO_MORE
         except Exception:
-            # What has failed begins anew with the next call.
+            # The next call begins again.
             self._free_coming()
             raise
 
