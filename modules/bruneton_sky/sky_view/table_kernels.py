@@ -10,7 +10,6 @@ import numpy as np
 
 from bruneton_sky.solver.bin_kernels import (
     Bins,
-    empty_bins,
     empty_steps,
     fill_steps,
     merge_steps,
@@ -98,20 +97,15 @@ def add_rows(  # type: ignore[no-untyped-def]
 
 
 @fast
-def pack_rows(air, altitude, mu, hits, counts, out, end):  # type: ignore[no-untyped-def]
-    """The bins of rays (rows,) in the layout of shaders.
+def pack_rows(air, fine, coarse, out):  # type: ignore[no-untyped-def]
+    """The bins of rays (rows,), see `fill_row_bins`, in the layout of shaders.
 
-    `out` (rows, bins, BIN_FLOATS), zeros, takes the bins for light scattered once, then those for
-    more; `counts` as for `add_rows`. `end` (rows, 5) takes what `Bins.end` has.
+    `out` (rows, bins, BIN_FLOATS), zeros, takes the fine bins, then the coarse ones.
     """
-    steps, share = empty_steps(air, counts[0]), np.empty((4, 4))
-    fine, coarse = empty_bins(counts[1]), empty_bins(counts[2])
-    for i in range(mu.size):
-        fill_steps(air, altitude[i], mu[i], hits[i], steps, end[i])
-        merge_steps(air, altitude[i], mu[i], steps, fine)
-        merge_steps(air, altitude[i], mu[i], steps, coarse)
-        _pack(air, fine, share, out[i, : counts[1]])
-        _pack(air, coarse, share, out[i, counts[1] :])
+    share, once = np.empty((4, 4)), fine.centre.shape[1]
+    for i in range(len(out)):
+        _pack(air, _of_row(fine, i), share, out[i, :once])
+        _pack(air, _of_row(coarse, i), share, out[i, once:])
 
 
 @inner

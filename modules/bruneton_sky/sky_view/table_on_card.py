@@ -34,6 +34,7 @@ from bruneton_sky.sky_view.table import (
     bands_in_groups,
     colours_of,
     mean_above_m,
+    row_bins,
     row_parts,
     table_sizes,
 )
@@ -164,12 +165,12 @@ def _matter(
     rays = table_rows(field.atmosphere, altitude_m, 1.0, *shape)
     bins, first, numbers = [], 0, np.zeros((len(rays.mu), 3))
     end = np.zeros((len(rays.mu), LANES + 1))
-    for part, (steps, once, more) in row_parts(rays, counts):
-        own = np.zeros((len(rays.mu[part]), once + more, BIN_FLOATS), np.float32)
-        pack_rows(
-            air, rays.altitude_m[part], rays.mu[part], rays.hits[part], (steps, once, more), own,
-            end[part],
-        )  # fmt: skip
+    for part, own_counts in row_parts(rays, counts):
+        fine, coarse = row_bins(air, rays, part, own_counts)
+        once, more = own_counts[1:]
+        own = np.zeros((len(fine.edge), once + more, BIN_FLOATS), np.float32)
+        pack_rows(air, fine, coarse, own)
+        end[part] = fine.end
         numbers[part, 0] = first + (once + more) * np.arange(len(own))
         numbers[part, 1:] = once, more
         first += len(own) * (once + more)
