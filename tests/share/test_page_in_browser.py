@@ -75,6 +75,59 @@ def test_the_first_picture_is_shown_before_the_next_is_drawn(written, tmp_path):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("at", ["2026-06-21T12:30", "2026-06-21T22:00"], ids=["noon", "dusk"])
+@pytest.mark.parametrize("still", ["false", "true"], ids=["moving", "finished"])
+def test_lux_has_the_colours_of_its_scale(at, still, written, tmp_path):
+    """Brighter places have higher colours, whether thousands of lux or a few: by day all surfaces
+    once had the highest."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#{at}")
+        script = f"""(() => {{
+            const page = window.daylight, {{ view, canvas }} = page;
+            page.showValues();
+            page.frame = () => {{}};
+            // The ground north of the house, in its shadow and in the sun.
+            view.camera.position.set(0, 7, -9);
+            view.camera.lookAt(0, 0, -4);
+            view.camera.updateMatrixWorld(true);
+            page.change();
+            page.step();
+            // A finished picture begins with a draft.
+            for (let k = 0; k < 3; ++k) view.draw({still});
+            view.meterValues();
+            const url = canvas.toDataURL(), box = canvas.getBoundingClientRect(), found = [];
+            for (let j = 1; j < 12; ++j) {{
+                for (let i = 1; i < 16; ++i) {{
+                    const x = i / 16, y = j / 12;
+                    found.push([x, y, view.luxAt(x * box.width, y * box.height)]);
+                }}
+            }}
+            return [url, view.range, found];
+        }})()"""
+        url, (low, high), found = browser.value(script)
+        pixels = np.asarray(Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2]))))
+        height, width = pixels.shape[:2]
+        share, green = np.array(
+            [
+                (np.log(lux / low) / np.log(high / low), pixels[int(y * height), int(x * width), 1])
+                for x, y, lux in found
+                if lux is not None and low < lux < high
+            ]
+        ).T
+        assert len(share) > 50
+        assert share.max() - share.min() > 0.2
+        # The scale's green grows all the way, from 1 to 231.
+        darker = share < 0.5 * (share.min() + share.max())
+        assert np.median(green[darker]) < np.median(green[~darker]) - 20
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
 def test_numbers_stand_in_the_scene_in_the_colours_of_their_legend(written, tmp_path):
     """A daylight factor is chosen: its scale, tiles, and the number under the pointer."""
     if chromium() is None:

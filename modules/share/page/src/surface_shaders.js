@@ -477,7 +477,7 @@ void main() {
     vec3 view = to_eye / metres;
     Surface s = found_surface(view, opacity);
     vec3 radiance = lit_surface(s, view, metres, left);
-    if (values_shown > 0.0) { colour = vec4(radiance, radiance.r); return; }
+    if (values_shown > 0.0) { colour = vec4(radiance, 1.0); return; }
 #ifdef GLASS
     // The tint of what is behind is one number here: the page blends by alpha.
     vec4 done = finished(radiance * opacity, 1.0);
@@ -566,7 +566,7 @@ void main() {
     vec3 to_eye = cameraPosition - world;
     float metres = length(to_eye), left;
     vec3 radiance = lit_surface(s, to_eye / metres, metres, left);
-    colour = values_shown > 0.0 ? vec4(radiance, radiance.r) : finished(radiance, 1.0);
+    colour = values_shown > 0.0 ? vec4(radiance, 1.0) : finished(radiance, 1.0);
     vec4 clip = projectionMatrix * viewMatrix * vec4(world, 1.0);
     gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
 }`;
