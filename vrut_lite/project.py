@@ -49,7 +49,9 @@ from vrut_lite.write_atomic import atomic_output
 PROJECT_SUFFIX = ".toml"
 # Ending of new projects, by which a desktop recognises them (`desktop_entry.py`).
 PROJECT_ENDING = ".vrut.toml"
-Pixels = Annotated[int, msgspec.Meta(ge=16, le=LARGEST_PICTURE_PX)]
+# Edge of a picture file.
+SMALLEST_PICTURE_PX = 16
+Pixels = Annotated[int, msgspec.Meta(ge=SMALLEST_PICTURE_PX, le=LARGEST_PICTURE_PX)]
 # A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]

@@ -56,7 +56,7 @@ from vrut_lite.write_atomic import atomic_output
 _PICTURES = {
     "illuminance_lx": PictureQuantity("illuminance", "lx"),
     "daylight_factor_percent": PictureQuantity("daylight factor", "%"),
-    "sun_h": PictureQuantity("hours of sun", "h"),
+    "sun_h": PictureQuantity("hours of sun", "h", from_zero=True),
 }
 
 

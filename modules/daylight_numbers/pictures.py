@@ -33,10 +33,11 @@ _FIRST_DAYS = (0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334)
 
 
 class PictureQuantity(NamedTuple):
-    """Title and unit of the values in a picture."""
+    """Title and unit of the values in a picture; `from_zero`: see `Scale`."""
 
     title: str
     unit: str
+    from_zero: bool = False
 
 
 def plan_picture(
@@ -46,10 +47,10 @@ def plan_picture(
 
     Args:
         sensors: where the values are; points that lie in no grid are left out.
-        values: (P,), positive numbers are drawn.
+        values: (P,), 0 and positive numbers are drawn.
         quantity: what they are.
     """
-    scale = scale_of(values[sensors.cell[:, 0] >= 0])
+    scale = scale_of(values[sensors.cell[:, 0] >= 0], quantity.from_zero)
     counts = np.bincount(sensors.plane, sensors.cell[:, 0] >= 0, len(sensors.names))
     planes = [int(n) for n in np.argsort(-counts, kind="stable")[:_MOST_PLANS] if counts[n] > 0]
     plans = [_plan(sensors, values, plane, scale) for plane in sorted(planes)]

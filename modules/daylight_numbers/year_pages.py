@@ -65,8 +65,10 @@ from vrut_lite.quantities import percent_text
 
 Numbers = dict[str, FloatArray]
 _PLANS = {
-    "da_300_percent": PictureQuantity("time above 300 lx, 8:00 to 18:00", "%"),
-    "da_300_with_blinds_percent": PictureQuantity("time above 300 lx with blinds", "%"),
+    "da_300_percent": PictureQuantity("time above 300 lx, 8:00 to 18:00", "%", from_zero=True),
+    "da_300_with_blinds_percent": PictureQuantity(
+        "time above 300 lx with blinds", "%", from_zero=True
+    ),
     "dose_klxh": PictureQuantity("dose of a year", "klx h"),
 }
 _MOST_HEAT_MAPS = 4

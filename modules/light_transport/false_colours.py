@@ -39,4 +39,4 @@ def density_picture(laid: LightMapLaid, scene: SceneOpened) -> FalseColours:
 
 def _picture(values: FloatArray) -> FalseColours:
     scale = scale_of(values)
-    return FalseColours(coloured(values, scale), *scale)
+    return FalseColours(coloured(values, scale), scale.low, scale.high)

@@ -39,7 +39,8 @@ from vrut_lite.messages.night import MoonLight
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.numeric_types import Float32Array, FloatArray
-from vrut_lite.place_time import time_zone_at
+from vrut_lite.place_time import Place, local_text, time_zone_at
+from vrut_lite.quantities import figure
 
 # Geometric elevations (degrees) of the sun at which the sky is computed.
 _HEIGHTS_DEG = (
@@ -59,8 +60,8 @@ Follow = Callable[[Iterable[int], str, int], Iterable[int]]
 class HourError:
     """Error of the page's light map in one hour, in shares of the map's mean illuminance.
 
-    `mean_lux` is the mean of the scene's own light map; `rms`, `p99` and `worst` are of the
-    differences.
+    `at` is local time. `mean_lux` is the mean of the scene's own light map; `rms`, `p99` and
+    `worst` are of the differences.
     """
 
     at: str
@@ -73,7 +74,7 @@ class HourError:
     def line(self) -> str:
         """The error in one line."""
         return (
-            f"{self.at}, sun {self.sun_deg:.1f} deg: mean {self.mean_lux:,.4g} lx, error rms "
+            f"{self.at}, sun {self.sun_deg:.1f} deg: mean {figure(self.mean_lux)} lx, error rms "
             f"{self.rms:.2%}, 99 of 100 texels below {self.p99:.2%}, worst {self.worst:.1%}"
         )
 
@@ -159,7 +160,7 @@ def _page(
     sightings = list(opened.star_sightings())
     stars = fixed_stars(sightings, places.latitude_rad, place.north_offset_rad, pressure_pa)
     errors = [
-        _error(opened, transport, values, table, places, basis, sun, instant)
+        _error(opened, transport, values, table, places, basis, sun, instant, project.where())
         for instant in _hours_of(project.instant(), _ERROR_HOURS)
     ]
     header = {
@@ -363,6 +364,7 @@ def _error(
     basis: LightBasis,
     sun: Float32Array,
     instant: datetime,
+    place: Place,
 ) -> HourError:
     """The error of an hour: the page's map against that of the scene's own sky."""
     hour: Illumination = opened.hour(instant)
@@ -373,7 +375,7 @@ def _error(
     mean = max(float(true.mean()), 1e-30)
     off = np.abs(made - true) / mean
     return HourError(
-        at=instant.strftime("%Y-%m-%dT%H:%M"),
+        at=local_text(instant, place),
         sun_deg=math.degrees(bodies[0][0]),
         mean_lux=mean * LUMENS_PER_WATT,
         rms=float(np.sqrt(np.mean(off * off))),

@@ -8,7 +8,20 @@ from light_transport.false_colours import density_picture, error_picture, light_
 
 from vrut_lite.array import Array
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.geometry.false_colours import UNUSED, coloured, scale_of
 from vrut_lite.messages.scene import SceneOpened
+
+
+def test_a_scale_from_0_has_even_steps_and_a_colour_of_0():
+    """Hours of sun: a room without any is not coloured as the least that others have."""
+    hours = np.array([0.0, 2.0, 4.0, np.nan])
+    scale = scale_of(hours, from_zero=True)
+    assert [scale.at(share) for share in (0.0, 0.5, 1.0)] == [0.0, 2.0, 4.0]
+    none, middle, most, unknown = coloured(hours, scale)
+    ends = coloured(np.array([1.0, 10.0]), scale_of(np.array([1.0, 10.0])))
+    np.testing.assert_array_equal([none, most], ends)
+    assert none[1] < middle[1] < most[1]
+    np.testing.assert_array_equal(unknown, UNUSED)
 
 
 @pytest.fixture

@@ -9,9 +9,10 @@ import msgspec
 from vrut_lite.commands.options import Command, daylight_options, said, with_options
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.errors import UserError
+from vrut_lite.messages.picture import LARGEST_PICTURE_PX
 from vrut_lite.pictures.image_files import DISPLAY_FORMATS, check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
-from vrut_lite.project import CameraView, Project, project_of_path
+from vrut_lite.project import SMALLEST_PICTURE_PX, CameraView, Project, project_of_path
 from vrut_lite.render.gl_environment import compile_quickly
 from vrut_lite.scene.scene_state import Shown
 from vrut_lite.studio.engines import GL, engine_options, with_engine
@@ -39,6 +40,9 @@ def _size(text: str) -> tuple[int, int]:
         width, height = map(plain_int, text.lower().split("x"))
     except ValueError:
         raise UserError(f"--size {text} is not of the form WIDTHxHEIGHT, as 960x540") from None
+    low, high = SMALLEST_PICTURE_PX, LARGEST_PICTURE_PX
+    if not (low <= width <= high and low <= height <= high):
+        raise UserError(f"--size {text}: width and height are {low} to {high:,} pixels")
     return width, height
 
 

@@ -1,4 +1,4 @@
-"""Values as colours, on a scale by ratios that is perceptually even."""
+"""Values as colours, on a scale of ratios or of even steps; the colours are perceptually even."""
 
 from typing import NamedTuple
 
@@ -24,34 +24,48 @@ _LEAST = 1e-12
 
 
 class Scale(NamedTuple):
-    """Values of the darkest and of the brightest colour; 0 without values."""
+    """Values of the darkest and of the brightest colour; 0 without values.
+
+    `from_zero`: colours follow values in even steps from 0, not their ratios.
+    """
 
     low: float
     high: float
+    from_zero: bool = False
 
     def at(self, share: float) -> float:
         """The value at a share of the way from the darkest colour to the brightest."""
+        if self.from_zero:
+            return share * self.high
         return float(self.low ** (1.0 - share) * self.high**share)
 
+    def shares(self, values: AnyFloats) -> FloatArray:
+        """Shares of that way at which positive values stand, in the shape of `values`."""
+        if self.from_zero:
+            return np.asarray(values / self.high)
+        span = max(np.log(self.high / self.low), 1e-9)
+        return np.asarray(np.log(np.maximum(values, self.low) / self.low) / span)
 
-def scale_of(values: AnyFloats) -> Scale:
+
+def scale_of(values: AnyFloats, from_zero: bool = False) -> Scale:
     """A scale for values of any shape; only positive numbers count."""
     used = values[np.isfinite(values) & (values > 0.0)]
     if not len(used):
         return Scale(0.0, 0.0)
+    if from_zero:
+        return Scale(0.0, float(used.max()), from_zero)
     low, high = (float(value) for value in np.quantile(used, (_LOW, _HIGH)))
     return Scale(max(low, high / _WIDEST), high)
 
 
 def coloured(values: AnyFloats, scale: Scale) -> NDArray[np.uint8]:
-    """sRGB pixels (..., 3) of values (...,); UNUSED where a value is not a positive number."""
+    """sRGB pixels (..., 3) of values (...,); UNUSED where a value is not a positive number, or 0
+    on a scale from 0."""
     pixels = np.empty((*values.shape, 3), np.uint8)
     pixels[:] = UNUSED
-    used = np.isfinite(values) & (values > 0.0)
+    used = np.isfinite(values) & ((values > 0.0) | (scale.from_zero & (values == 0.0)))
     if scale.high > 0.0:
-        span = max(np.log(scale.high / scale.low), 1e-9)
-        share = np.log(np.maximum(values[used], scale.low) / scale.low) / span
-        pixels[used] = colours_at(np.clip(share, 0.0, 1.0))
+        pixels[used] = colours_at(np.clip(scale.shares(values[used]), 0.0, 1.0))
     return pixels
 
 

@@ -156,8 +156,10 @@ class SceneShot:
 
     @property
     def caption(self) -> str:
-        """The hour, the sun and the exposure."""
-        return f"{hour_text(self.metadata)}, EV100 {self.picture.ev100:.1f}"
+        """The hour, the sun and the exposure; false colours have none."""
+        hour = hour_text(self.metadata)
+        shows_light = self.plan.project.shows == "picture"
+        return f"{hour}, EV100 {self.picture.ev100:.1f}" if shows_light else hour
 
     def write(self, path: Path) -> None:
         """PNG and JPEG for display, EXR of radiance."""

@@ -28,7 +28,7 @@ _PICTURES = {
 }
 
 
-_OF_YEAR = PictureQuantity("time above 250 lx of melanopic EDI, 8:00 to 18:00", "%")
+_OF_YEAR = PictureQuantity("time above 250 lx of melanopic EDI, 8:00 to 18:00", "%", from_zero=True)
 
 
 class SpectralPages(NamedTuple):
