@@ -14,7 +14,7 @@ from pathlib import Path
 from vrut_lite import operating_system
 from vrut_lite.bundled.places import PACKAGE
 from vrut_lite.errors import UserError
-from vrut_lite.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output, make_folder
 
 PROJECT_TYPE = "application/x-vrut-lite-project"
 _NAME = "vrut-lite"
@@ -46,10 +46,7 @@ def install_entry() -> list[Path]:
     folder = _data_folder()
     for place, content in contents.items():
         file = folder / place
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UserError(f"cannot make the folder {file.parent}: {error.strerror}") from error
+        make_folder(file.parent)
         with atomic_output(file) as beside:
             beside.write_bytes(content)
     _tell_desktop(folder)

@@ -78,6 +78,20 @@ def check_all_writable(paths: Sequence[str | os.PathLike[str]]) -> None:
             raise UserError(f"cannot write {_shown(path)}: {objection}")
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder and its parents.
+
+    Raises:
+        UserError: it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise UserError(f"cannot make the folder {folder}: it is a file") from None
+    except OSError as error:
+        raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+
+
 def _shown(path: str | os.PathLike[str]) -> str:
     """A path for a sentence; of a path that is too long, its end."""
     text = os.fspath(path)

@@ -30,6 +30,7 @@ from vrut_lite.lazy import lazy
 from vrut_lite.messages.glazing import GlazingFile
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.plain_numbers import plain_float
+from vrut_lite.write_atomic import make_folder
 
 # scipy takes a third of a second to import, which --help need not wait for.
 _folder = lazy("daylight_numbers.folder")
@@ -286,7 +287,6 @@ def daylight(
     day = sun_day.date().replace(year=_year_light.YEAR)
     if not (2, 1) <= (day.month, day.day) <= (3, 21):
         raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
-    folders = _folders(Path(output), names, is_each=variants is not None or len(scenes) > 1)
     wanted = []
     for project, of_lamps in zip(projects, told_lamps, strict=True):
         told = project.sensors if sensors is None else sensors
@@ -312,6 +312,8 @@ def daylight(
                 periods,
             )
         )
+    # Last, so that what is refused leaves no folder.
+    folders = _folders(Path(output), names, is_each=variants is not None or len(scenes) > 1)
     with workers_of(jobs, dask, len(wanted)) as workers:
         found: Iterable[Any]
         if variants is not None:
@@ -401,13 +403,14 @@ def _vector(text: str) -> tuple[float, float, float]:
 
 
 def _folders(output: Path, names: tuple[str, ...], is_each: bool) -> list[Path]:
-    """The output, or a folder in it for each scene or variant, made."""
+    """The output, or a folder in it for each scene or variant, made.
+
+    Raises:
+        UserError: one cannot be made, or two have one name.
+    """
     folders = [output / name for name in names] if is_each else [output]
     if len(set(folders)) < len(folders):
         raise UserError("two scenes have one name: measure them into folders of their own")
     for folder in folders:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+        make_folder(folder)
     return folders

@@ -7,8 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from vrut_lite.errors import UserError
-from vrut_lite.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output, make_folder
 
 # The window keeps some kilobytes.
 _MOST_BYTES = 1 << 20
@@ -39,18 +38,6 @@ def set_aside(file: Path) -> None:
     """Rename the file, if it can be."""
     with suppress(OSError):
         os.replace(file, file.with_name(file.name + _ASIDE))
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder and its parents.
-
-    Raises:
-        UserError: it cannot be made.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"cannot make the folder {folder}: {error.strerror}") from None
 
 
 def _read(file: Path) -> dict[str, Any] | None:

@@ -31,6 +31,7 @@ from vrut_lite.studio.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.studio.picture_metadata import picture_metadata
 from vrut_lite.studio.progress import advancing_bar
 from vrut_lite.studio.time_span import at_instant
+from vrut_lite.write_atomic import make_folder
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host
@@ -62,7 +63,8 @@ def demo(out: str, scenes: str | None, weather: str | None) -> None:
     projects = scene_projects(Path(scenes) if scenes else example_named(_FIRST).opens.parent)
     prague = Project(place=PLACE, at=DAY + "T00:00")
     where = prague if weather is None else at_weather(prague, weather)
-    folder = _folder(Path(out))
+    folder = Path(out)
+    make_folder(folder)
     check_writable(folder / "contact_sheet.png")
     hours = _hours(where)
     with advancing_bar("pictures", len(hours) * len(projects)) as advance:
@@ -166,11 +168,3 @@ def _elevation_deg(kernel: Kernel, instant: datetime) -> float:
     kernel.inject(SetClock(instant=instant))
     kernel.pump()
     return float(np.degrees(require_sun(kernel).elevation_rad))
-
-
-def _folder(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
-    return folder

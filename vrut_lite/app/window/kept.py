@@ -10,9 +10,10 @@ from typing import Any, NamedTuple, Self
 
 from platformdirs import user_state_path
 
-from vrut_lite.app.json_files import make_folder, read_object, set_aside, write_object
+from vrut_lite.app.json_files import read_object, set_aside, write_object
 from vrut_lite.errors import UserError
 from vrut_lite.project import Project, daylight_inputs, load_project, save_project, view_inputs
+from vrut_lite.write_atomic import make_folder
 
 _MOST_RECENT = 10
 # The existence of at most so many files is checked.
