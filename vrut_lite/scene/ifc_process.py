@@ -54,19 +54,25 @@ def read(suffix: str, data: bytes) -> MeshFile:
     import ifcopenshell.geom
 
     data = _checked(data)
+    settings = ifcopenshell.geom.settings()
+    settings.set("apply-default-materials", False)
+    settings.set("no-normals", True)
+
+    def shapes_of(model: Any) -> Any:
+        # One thread: where memory ends, one of several may wait for another for ever.
+        return ifcopenshell.geom.iterator(
+            settings, model, 1, exclude=list(_NOT_DRAWN), geometry_library=_KERNEL
+        )
+
+    # Loads the kernels' libraries: where a file left no room for them it would be called damaged.
+    shapes_of(ifcopenshell.file(schema="IFC4")).initialize()
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
     model = ifcopenshell.file.from_string(text)
     del text
-    settings = ifcopenshell.geom.settings()
-    settings.set("apply-default-materials", False)
-    settings.set("no-normals", True)
-    # One thread: where memory ends, one of several may wait for another for ever.
-    shapes = ifcopenshell.geom.iterator(
-        settings, model, 1, exclude=list(_NOT_DRAWN), geometry_library=_KERNEL
-    )
+    shapes = shapes_of(model)
     reader = _Reader(model)
     if shapes.initialize():
         reader.add(shapes.get())
