@@ -264,6 +264,9 @@ def test_reading_ends_at_the_memory_limit(tmp_path: Path) -> None:
     assert load_scene(path, SceneBudget(2**29 + 60.0 * len(many))).triangles > 40
     with pytest.raises(UserError, match="left of the limit"):
         load_scene(path, SceneBudget(2**29 + 2.6 * len(many)))
+    with pytest.raises(UserError, match="above the limit") as fault:
+        load_scene(path, SceneBudget(2**29))
+    assert "damaged" not in str(fault.value)
 
 
 @settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))

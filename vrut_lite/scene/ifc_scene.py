@@ -33,6 +33,8 @@ def read_ifc_scene(
     folder = SceneFolder(path.parent, budget)
     try:
         text = ifc_text(folder.read(path), lambda size: budget.take(size, "the text of the IFC"))
+    except SceneFileError:
+        raise
     except ValueError as fault:
         raise SceneFileError(f"its IFC is damaged ({fault}); export it again") from fault
     place = stated_place(text)
