@@ -312,7 +312,7 @@ def daylight(
                 periods,
             )
         )
-    # Last, so that what is refused leaves no folder.
+    # Last, so that a refusal leaves no folder.
     folders = _folders(Path(output), names, is_each=variants is not None or len(scenes) > 1)
     with workers_of(jobs, dask, len(wanted)) as workers:
         found: Iterable[Any]

@@ -34,7 +34,7 @@ def test_bad_sensors_are_refused_before_the_scene_is_opened(tmp_path):
     path.write_text("1,2,nan\n")
     with pytest.raises(UserError, match="no finite point"):
         run("none.glb", "-o", tmp_path / "out", "--sensors", path)
-    # What is refused leaves nothing behind.
+    # A refusal leaves no folder.
     assert not (tmp_path / "out").exists()
 
 

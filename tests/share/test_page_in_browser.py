@@ -292,58 +292,55 @@ SUNLIGHT = """
 """
 
 
-@pytest.mark.long
-def test_coarse_texels_of_a_shadow_map_do_not_move_its_shadows(written, tmp_path):
-    """By a low sun a map of 96 texels shades what one of 2048 shades, to half a pixel along edges:
-    a look-up before the surface, by as much as a texel, would move them by more than one."""
+def evening(written, tmp_path, script):
+    """The result of a script that measures sunlight on the page by a low sun."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)
     try:
         browser.open(f"{written[0].as_uri()}#2026-06-21T19:30")
-        script = f"""(() => {{
+        found = browser.value(f"""(() => {{
             {SUNLIGHT}
             const page = window.daylight, {{ view }} = page;
             page.frame = () => {{}};
-            view.draftShadow.setSize(96, 96);
-            return [false, true].map((draft) => {{
-                view.setHour(page.date, draft);
-                return sunlight(page, 1, 160);
-            }});
-        }})()"""
-        fine, coarse = np.array(browser.value(script))
-        sunny = 0.5 * np.quantile(fine, 0.9)
-        lit = fine > sunny
-        edges = (lit[1:] != lit[:-1]).sum() + (lit[:, 1:] != lit[:, :-1]).sum()
-        assert edges > 160
-        assert (np.abs(coarse - fine) > sunny).sum() < 0.5 * edges
+            {script}
+        }})()""")
         assert browser.errors == []
+        return found
     finally:
         browser.close()
+
+
+@pytest.mark.long
+def test_coarse_texels_of_a_shadow_map_do_not_move_its_shadows(written, tmp_path):
+    """A map of 96 texels shades the same places as one of 2048, to half a pixel along edges: a
+    look-up before the surface, by as much as a texel, would move them by more than one."""
+    script = """
+        view.draftShadow.setSize(96, 96);
+        return [false, true].map((draft) => {
+            view.setHour(page.date, draft);
+            return sunlight(page, 1, 160);
+        });
+    """
+    fine, coarse = np.array(evening(written, tmp_path, script))
+    sunny = 0.5 * np.quantile(fine, 0.9)
+    lit = fine > sunny
+    edges = (lit[1:] != lit[:-1]).sum() + (lit[:, 1:] != lit[:, :-1]).sum()
+    assert edges > 160
+    assert (np.abs(coarse - fine) > sunny).sum() < 0.5 * edges
 
 
 @pytest.mark.long
 def test_a_shadow_goes_on_beyond_the_box_of_the_scene(written, tmp_path):
-    """By a low sun a room's shadow ends on the ground several metres from it, farther from the sun
-    than any of its corners, and the ground after it is lit."""
-    if chromium() is None:
-        pytest.skip("needs a browser (Debian: chromium)")
-    browser = Browser(tmp_path)
-    try:
-        browser.open(f"{written[0].as_uri()}#2026-06-21T19:30")
-        script = f"""(() => {{
-            {SUNLIGHT}
-            const page = window.daylight, {{ view }} = page;
-            page.frame = () => {{}};
-            view.setHour(page.date);
-            return [0.8, 4].map((lengths) => sunlight(page, lengths, 17)[8][8]);
-        }})()"""
-        shaded, free = browser.value(script)
-        assert shaded == pytest.approx(0.0, abs=1.0)
-        assert free > 1000.0
-        assert browser.errors == []
-    finally:
-        browser.close()
+    """A room's shadow ends on the ground several metres from it, farther from the sun than any of
+    its corners, and the ground after it is lit."""
+    script = """
+        view.setHour(page.date);
+        return [0.8, 4].map((lengths) => sunlight(page, lengths, 17)[8][8]);
+    """
+    shaded, free = evening(written, tmp_path, script)
+    assert shaded == pytest.approx(0.0, abs=1.0)
+    assert free > 1000.0
 
 
 @pytest.mark.long

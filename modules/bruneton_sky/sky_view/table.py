@@ -260,7 +260,10 @@ def _row_bins(
 def row_bins(
     air: WavelengthGroup, rows: SkyViewRays, part: slice, counts: tuple[int, int, int]
 ) -> tuple[Bins, Bins]:
-    """Bins of some of a table's rows for light scattered once, and for more."""
+    """Bins of a `part` of a table's rows for light scattered once, and for more.
+
+    `counts`: see `table_counts`. The rows are the first axis of the bins' arrays.
+    """
     altitude_m, mu, hits = rows.altitude_m[part], rows.mu[part], rows.hits[part]
     fine, coarse = (Bins.empty(mu.shape, count) for count in counts[1:])
     fill_row_bins(air, altitude_m, mu, hits, counts[0], fine, coarse)
