@@ -420,6 +420,7 @@ def _about_scene(scene: SceneOpened) -> dict[str, Any]:
         "size_m": size,
         "ground_m": ground,
         "glass": clear,
+        "lamps": scene.lamps is not None,
     }
 
 

@@ -102,7 +102,7 @@ def test_lux_has_the_colours_of_its_scale(at, still, written, tmp_path):
             for (let j = 1; j < 12; ++j) {{
                 for (let i = 1; i < 16; ++i) {{
                     const x = i / 16, y = j / 12;
-                    found.push([x, y, view.luxAt(x * box.width, y * box.height)]);
+                    found.push([x, y, view.luxAt(x * box.width, y * box.height).all]);
                 }}
             }}
             return [url, view.range, found];
@@ -122,6 +122,70 @@ def test_lux_has_the_colours_of_its_scale(at, still, written, tmp_path):
         # The scale's green grows all the way, from 1 to 231.
         darker = share < 0.5 * (share.min() + share.max())
         assert np.median(green[darker]) < np.median(green[~darker]) - 20
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
+def test_light_gathered_in_the_open_is_that_of_sky_and_ground(written, tmp_path):
+    """High above the scene, on planes of all slopes, half a cube of pictures sums to the integral
+    over the sky's table: form factors, directions and the ground below, without the sun."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T17:00")
+        script = """(() => {
+            const page = window.daylight, { view } = page, { open } = view;
+            page.frame = () => {};
+            page.lightHour(false);
+            const found = [], point = view.camera.position.clone().set(0, 300, 0);
+            for (let k = 0; k < open.normals.length; k += 7) {
+                const scale = view.shared.open_scale.value;
+                const sum = [0, 1, 2].map((c) => scale * open.values[4 * k + c]);
+                found.push([sum, view.gathered(point, open.normals[k])]);
+            }
+            return found;
+        })()"""
+        by_table, gathered = np.array(browser.value(script)).transpose(1, 0, 2)
+        assert len(by_table) > 20
+        assert by_table[:, 1].max() > 3.0 * by_table[:, 1].min()
+        assert gathered == pytest.approx(by_table, rel=0.02)
+        assert browser.errors == []
+    finally:
+        browser.close()
+
+
+@pytest.mark.long
+def test_a_resting_pointer_reads_lux_by_all_that_is_seen_from_its_place(written, tmp_path):
+    """First the light map's, said to be about right; then, on open ground, sky and sun exactly."""
+    if chromium() is None:
+        pytest.skip("needs a browser (Debian: chromium)")
+    browser = Browser(tmp_path)
+    try:
+        browser.open(f"{written[0].as_uri()}#2026-06-21T17:00")
+        first, by_sky = browser.value("""(() => {
+            const page = window.daylight, { view, canvas } = page, { shared } = view;
+            page.frame = () => {};
+            view.camera.position.set(0, 3, 60);
+            view.camera.lookAt(0, 0, 61);
+            view.camera.updateMatrixWorld(true);
+            page.dragging = false;
+            page.change();
+            page.step();
+            const box = canvas.getBoundingClientRect();
+            const { open_up: up, key_irradiance: key } = shared;
+            page.pointer = { x: box.width / 2, y: box.height / 2 };
+            page.tellLux();
+            const level = up.value.clone().addScaledVector(key.value, view.keyDirection.y);
+            const lux = 683 * (0.2126 * level.x + 0.7152 * level.y + 0.0722 * level.z);
+            return [document.getElementById('lux').textContent, lux];
+        })()""")
+        assert first.startswith("≈ ")
+        browser.until("!document.getElementById('lux').textContent.startsWith('≈')")
+        text = browser.value("document.getElementById('lux').textContent")
+        assert float(text.removesuffix(" lx").replace(",", "")) == pytest.approx(by_sky, rel=0.02)
         assert browser.errors == []
     finally:
         browser.close()

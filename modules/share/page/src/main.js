@@ -7,6 +7,8 @@ import { instantOf, wallOf } from './sun.js';
 
 // Milliseconds of a minute, minutes of a day, and minutes that pass in a second of play.
 const MINUTE = 60000, DAY = 1440, MINUTES_A_SECOND = 30;
+// Milliseconds after which a pointer rests: its lux is then told by all that is seen from there.
+const RESTS_MS = 150;
 
 /** @param {string} id @returns {any} */
 const part = (id) => document.getElementById(id);
@@ -54,6 +56,8 @@ export class Page {
     this.frames = 0;
     /** @type {{x: number, y: number} | null} */
     this.pointer = null;
+    /** Timer of a pointer that rests. */
+    this.rests = 0;
     this.headset = new Headset(this);
   }
 
@@ -209,8 +213,15 @@ export class Page {
       part('lux').textContent = numbers.at(this.view.camera, this.pointer.x, this.pointer.y, width, height);
       return;
     }
-    const lux = this.view.luxAt(this.pointer.x, this.pointer.y);
-    part('lux').textContent = Number.isFinite(lux) ? `${lux >= 100 ? Math.round(lux).toLocaleString('en') : lux.toPrecision(3)} lx` : '';
+    const { x, y } = this.pointer;
+    const said = (/** @type {number} */ lux) => `${lux >= 100 ? Math.round(lux).toLocaleString('en') : lux.toPrecision(3)} lx`;
+    const { all } = this.view.luxAt(x, y);
+    part('lux').textContent = Number.isFinite(all) ? `≈ ${said(all)}` : '';
+    clearTimeout(this.rests);
+    if (!Number.isFinite(all) || this.moves || this.header.scene.lamps) return;
+    this.rests = setTimeout(() => {
+      if (!this.moves) part('lux').textContent = said(this.view.gatheredLuxAt(x, y));
+    }, RESTS_MS);
   }
 
   /** @param {string} name */
@@ -250,7 +261,7 @@ export class Page {
       if (!this.controls.fingers.size) this.tellLux();
     });
     canvas.addEventListener('pointerup', () => this.change());
-    canvas.addEventListener('pointerleave', () => { this.pointer = null; part('lux').textContent = ''; });
+    canvas.addEventListener('pointerleave', () => { clearTimeout(this.rests); this.pointer = null; part('lux').textContent = ''; });
     addEventListener('resize', () => this.layOut());
     addEventListener('hashchange', () => this.readLink());
     addEventListener('keydown', (event) => this.key(event));

@@ -6,6 +6,8 @@ import { SURFACES } from './floor.js';
 import { DEPTH_FRAGMENT, DEPTH_VERTEX, TINT_FRAGMENT, program } from './shaders.js';
 import { KEEP_FRAGMENT, SURFACE_FRAGMENT, SURFACE_VERTEX } from './surface_shaders.js';
 
+/** Layer of cameras that sees what clear surfaces are, beside opaque ones. */
+export const CLEAR = 2;
 // Roughness above which no lobe of a coat is narrower than the texels of the sky's cube map.
 const SMOOTH = 0.21;
 
@@ -103,7 +105,9 @@ export async function sceneOf(glb, shared, defines, map) {
     if (!clear) placed.layers.enable(SURFACES);
     (clear ? glass : mirror !== undefined ? mirroring : opaque).add(placed);
     if (mirror !== undefined) glossy.set(mirror, [...(glossy.get(mirror) || []), placed]);
-    if (!clear) kept.add(twin(placed, program(SURFACE_VERTEX, KEEP_FRAGMENT, uniforms, own, { side: material.side })));
+    const keeps = twin(placed, program(SURFACE_VERTEX, KEEP_FRAGMENT, uniforms, own, { side: material.side }));
+    if (clear) keeps.layers.set(CLEAR);
+    kept.add(keeps);
     if (ground) continue;
     const cut = material.alphaTest > 0;
     const tint = [0, 1, 2].map((c) => (clear

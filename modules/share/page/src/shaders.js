@@ -185,6 +185,7 @@ uniform float disc_radius;
 uniform vec3 limb[6];
 uniform float eye_height;
 uniform float values_shown;
+uniform bool diffuse_shown;       // far ground without the air before it, as in the light map
 uniform vec3 to_sun;              // from the moon; 0: the disc is the sun's
 uniform float moon_level;         // one over the mean of shade and albedo on the disc
 uniform sampler2D moon_albedo;    // rows from the moon's south, columns from longitude -180 degrees
@@ -223,7 +224,8 @@ void main() {
     }
     upper += disc(d);
     vec3 lower = upper;
-    if (above < 1.0)
+    if (above < 1.0 && diffuse_shown) lower = below_horizon;
+    else if (above < 1.0)
         lower = through_air(below_horizon, d, max(eye_height, 0.1) / max(-d.y, 1e-5), 1.0, 0.0);
     colour = finished(mix(lower, upper, above), 1.0);
 }`;

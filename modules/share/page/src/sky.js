@@ -199,8 +199,9 @@ export class OpenIrradiance {
   }
 }
 
-/** @param {number} x @param {number} z @param {THREE.Vector3} out */
-function octahedral(x, z, out) {
+/** A direction by its place on an octahedron's unfolded surface. @param {number} x @param {number} z
+ * @param {THREE.Vector3} out */
+export function octahedral(x, z, out) {
   const y = 1 - Math.abs(x) - Math.abs(z);
   if (y < 0) {
     const a = (1 - Math.abs(z)) * (x < 0 ? -1 : 1), b = (1 - Math.abs(x)) * (z < 0 ? -1 : 1);

@@ -168,6 +168,7 @@ uniform mat4 shadow_from_world;
 uniform vec3 plane_scale;          // from the map's axes of a plane's normal to those of its depths
 uniform float shadow_texel_depth; // a texel's width in the map's depth
 uniform float values_shown;       // factor on lux, which are shown in place of radiance; 0: radiance
+uniform bool diffuse_shown;       // all that a surface sends back is diffuse, as in the light map
 // Texels, and shares of the map's depth, that a caster must stand before a plane.
 const float OFF_PLANE = 0.15, ROUNDING = 1e-6;
 const float SMALLEST_ALPHA = 0.005, TABLE_F0 = 0.04, FEWEST = 0.05;
@@ -398,7 +399,8 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
     }
     if (values_shown > 0.0) {
         float cosine = max(dot(s.even, key_direction), 0.0);
-        return vec3(values_shown * LUMENS_PER_WATT * dot(reached + sun * cosine, WEIGHTS));
+        // In red all, in green the key light's own.
+        return values_shown * LUMENS_PER_WATT * vec3(dot(reached + sun * cosine, WEIGHTS), dot(sun * cosine, WEIGHTS), 0.0);
     }
     vec3 radiance = s.emission;
     float metallic = s.metallic, roughness = s.roughness, coat_f90 = s.coat_f90;
@@ -411,9 +413,14 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
     vec3 more = 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
     float through = 1.0 - coat(share.xy, coat_peak, coat_f90);
     left = through;
+    // Share of diffuse light that the coat sends back, as light_transport/surfaces/terms.py.
+    float mean = share.z * coat_f90 + (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
+    if (diffuse_shown) {
+        vec3 paint = albedo * (1.0 - mean) + (1.0 - metallic) * mean * s.dielectric_f0 / max(coat_peak, 1e-6);
+        return radiance + (paint + metallic * s.base) * (reached + sun * max(dot(s.even, key_direction), 0.0)) / PI;
+    }
     vec3 diffuse = reached * through;
     if (sun.g > 0.0) {
-        float mean = share.z * coat_f90 + (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
         vec3 light = sun * nl;
         vec2 towards = shares(nl, roughness).xy;
         diffuse += light * (through / (1.0 - min(mean, 0.999))

@@ -1,0 +1,70 @@
+// Irradiance at a point by all that is seen from it, on the five faces of half a cube (Cohen and
+// Greenberg 1985, "The hemi-cube: a radiosity solution for complex environments").
+import * as THREE from 'three';
+
+// Texels of an edge of the face before the surface.
+const EDGE = 128;
+
+export class Hemicube {
+  /** @param {THREE.WebGLRenderer} renderer */
+  constructor(renderer) {
+    this.renderer = renderer;
+    const target = (/** @type {number} */ rows) => new THREE.WebGLRenderTarget(EDGE, rows, {
+      type: THREE.FloatType, depthTexture: new THREE.DepthTexture(EDGE, rows, THREE.FloatType),
+    });
+    this.front = { target: target(EDGE), weights: frontWeights() };
+    /** The upper half of each face at the sides. */
+    this.side = { target: target(EDGE / 2), weights: sideWeights() };
+    const { front, side } = this, sum = (/** @type {Float64Array} */ w) => w.reduce((a, b) => a + b);
+    const all = sum(front.weights) + 4 * sum(side.weights);
+    for (const { weights } of [front, side]) weights.forEach((w, i) => { weights[i] = Math.PI * w / all; });
+    this.camera = new THREE.PerspectiveCamera(90, 1);
+  }
+
+  /** Irradiance by channel, in the unit of what is drawn times sr. @param {THREE.Scene} scene
+   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal @param {number} near @param {number} far m */
+  irradiance(scene, eye, normal, near, far) {
+    const { camera, front, side } = this, sum = [0, 0, 0];
+    Object.assign(camera, { near, far });
+    camera.position.copy(eye);
+    const across = new THREE.Vector3(0, 1, 0).cross(normal);
+    if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
+    across.normalize();
+    camera.clearViewOffset();
+    this.look(scene, normal, across, front, sum);
+    camera.setViewOffset(EDGE, EDGE, 0, 0, EDGE, EDGE / 2);
+    for (const towards of [across, normal.clone().cross(across)]) {
+      this.look(scene, towards, normal, side, sum);
+      this.look(scene, towards.clone().negate(), normal, side, sum);
+    }
+    return sum;
+  }
+
+  /** @param {THREE.Scene} scene @param {THREE.Vector3} towards @param {THREE.Vector3} up
+   * @param {{target: THREE.WebGLRenderTarget, weights: Float64Array}} face @param {number[]} sum */
+  look(scene, towards, up, { target, weights }, sum) {
+    const { camera, renderer } = this, texels = new Float32Array(4 * weights.length);
+    camera.up.copy(up);
+    camera.lookAt(camera.position.clone().add(towards));
+    renderer.setRenderTarget(target);
+    renderer.clear();
+    renderer.render(scene, camera);
+    renderer.readRenderTargetPixels(target, 0, 0, target.width, target.height, texels);
+    for (let i = 0; i < weights.length; ++i) {
+      for (let c = 0; c < 3; ++c) sum[c] += weights[i] * texels[4 * i + c];
+    }
+  }
+}
+
+/** Places of texels' middles along an edge, from -1 to 1. */
+const places = () => Array.from({ length: EDGE }, (_, i) => 2 * (i + 0.5) / EDGE - 1);
+
+/** Form factors of the face before the surface, row by row, but for a factor. */
+function frontWeights() {
+  return Float64Array.from(places().flatMap((y) => places().map((x) => (1 + x * x + y * y) ** -2)));
+}
+
+/** Form factors of a side's upper half, rows upwards, but for the same factor. */
+function sideWeights() {
+  return Float64Array.from(places().slice(EDGE / 2).flatMap((z) => places().map((x) => z * (1 + x * x + z * z) ** -2)));
+}
