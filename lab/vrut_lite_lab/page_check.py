@@ -69,7 +69,7 @@ _FINISHED = """(() => {{
 }})()"""
 # Lux of all pixels, rows from the lower edge, as base64 of float32.
 _LUX = """(() => {{
-    const {{ view }} = window.daylight, {{ probe, renderer, shared }} = view;
+    const {{ view }} = window.daylight, {{ renderer, shared, points: {{ probe }} }} = view;
     const texels = new Float32Array(4 * {0} * {1});
     view.light.map.complete();
     probe.setSize({0}, {1});
@@ -89,7 +89,7 @@ _LUX = """(() => {{
     return btoa(text);
 }})()"""
 # Lux that a resting pointer reads in the middles of pixels, a column and a row each.
-_READ = "{0}.map(([x, y]) => window.daylight.view.gatheredLuxAt(x + 0.5, y + 0.5))"
+_READ = "{0}.map(([x, y]) => window.daylight.view.points.gathered(x + 0.5, y + 0.5))"
 # Pictures of a dragged hour; each waits for the last pixel, and has a code of its own.
 _DRAG = """new Promise((done) => {{
     const page = window.daylight, {{ view }} = page, gl = view.renderer.getContext();

@@ -102,7 +102,7 @@ def test_lux_has_the_colours_of_its_scale(at, still, written, tmp_path):
             for (let j = 1; j < 12; ++j) {{
                 for (let i = 1; i < 16; ++i) {{
                     const x = i / 16, y = j / 12;
-                    found.push([x, y, view.luxAt(x * box.width, y * box.height).all]);
+                    found.push([x, y, view.points.byMap(x * box.width, y * box.height).all]);
                 }}
             }}
             return [url, view.range, found];
@@ -144,7 +144,7 @@ def test_light_gathered_in_the_open_is_that_of_sky_and_ground(written, tmp_path)
             for (let k = 0; k < open.normals.length; k += 7) {
                 const scale = view.shared.open_scale.value;
                 const sum = [0, 1, 2].map((c) => scale * open.values[4 * k + c]);
-                found.push([sum, view.gathered(point, open.normals[k])]);
+                found.push([sum, view.points.irradiance(point, open.normals[k])]);
             }
             return found;
         })()"""

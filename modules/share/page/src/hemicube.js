@@ -22,8 +22,9 @@ export class Hemicube {
   }
 
   /** Irradiance by channel, in the unit of what is drawn times sr. @param {THREE.Scene} scene
-   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal @param {number} near @param {number} far m */
-  irradiance(scene, eye, normal, near, far) {
+   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal
+   * @param {number[]} depths of the nearest and the farthest things that are drawn, m */
+  irradiance(scene, eye, normal, [near, far]) {
     const { camera, front, side } = this, sum = [0, 0, 0];
     Object.assign(camera, { near, far });
     camera.position.copy(eye);

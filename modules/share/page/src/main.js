@@ -215,12 +215,12 @@ export class Page {
     }
     const { x, y } = this.pointer;
     const said = (/** @type {number} */ lux) => `${lux >= 100 ? Math.round(lux).toLocaleString('en') : lux.toPrecision(3)} lx`;
-    const { all } = this.view.luxAt(x, y);
+    const { all } = this.view.points.byMap(x, y);
     part('lux').textContent = Number.isFinite(all) ? `≈ ${said(all)}` : '';
     clearTimeout(this.rests);
     if (!Number.isFinite(all) || this.moves || this.header.scene.lamps) return;
     this.rests = setTimeout(() => {
-      if (!this.moves) part('lux').textContent = said(this.view.gatheredLuxAt(x, y));
+      if (!this.moves) part('lux').textContent = said(this.view.points.gathered(x, y));
     }, RESTS_MS);
   }
 

@@ -1,14 +1,14 @@
 // The picture of an hour: light map, sky, shadows, surfaces, exposure and display.
 import * as THREE from 'three';
 import { adaptedCd, automaticEv, scaleOf } from './exposure.js';
-import { Hemicube } from './hemicube.js';
 import { LightMap } from './light.js';
 import { Numbers } from './numbers.js';
-import { CLEAR, sceneOf } from './scene.js';
+import { PointLux } from './point_lux.js';
+import { sceneOf } from './scene.js';
 import {
   COPY_FRAGMENT, CUBE_FRAGMENT, SKY_FRAGMENT, SKY_VERTEX, TONE_FRAGMENT, fullScreen, program,
 } from './shaders.js';
-import { OpenIrradiance, SkyTable, directionOf, octahedral, placed } from './sky.js';
+import { OpenIrradiance, SkyTable, directionOf, placed } from './sky.js';
 import { Stars } from './stars.js';
 import { RELIGHT_FRAGMENT } from './surface_shaders.js';
 import { Ephemeris, moonAxes, nightShare, sunShare, visible } from './sun.js';
@@ -20,15 +20,12 @@ const LUX_SCALE = 1 / 8;
 const COARSER = [2, 5], PACE_S = [0.025, 0.05];
 // Linear value, 1 being white, that the meter sees of tiles with numbers.
 const GREY = 0.18;
-const LUMENS_PER_WATT = 683;
-// Distance from a surface of what looks from it, as a share of the scene's size.
-const OFF_SURFACE = 2e-4;
 // Turn of the key light (rad), two minutes of the day, within which drafts keep their shadow map.
 const DRAFT_TURN_RAD = 0.0087;
 // Texels of an edge of drafts' shadow map, and of the cubes in which surfaces mirror the sky.
 const DRAFT_SHADOW_EDGE = 640, CUBE_EDGE = 64, METER = [128, 72], DRAFT_METER = [64, 36], STILLS = 16;
 const WEIGHTS = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
-const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
+export const luminance = (/** @type {number[]} */ c) => c[0] * WEIGHTS[0] + c[1] * WEIGHTS[1] + c[2] * WEIGHTS[2];
 
 /** @param {number[]} rows of a 3 x 3 matrix, row after row */
 const matrix = (rows) => new THREE.Matrix3().fromArray(rows).transpose();
@@ -201,9 +198,7 @@ export class Picture {
     this.meter = meter(METER);
     this.draftMeter = meter(DRAFT_METER);
     this.glimpse = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.HalfFloatType });
-    this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
-    this.place = keptTarget(1, 1);
-    this.hemicube = new Hemicube(this.renderer);
+    this.points = new PointLux(this);
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
     this.stars = header.stars
@@ -436,6 +431,17 @@ export class Picture {
     return { meshes, camera, hollow };
   }
 
+  /** Hides tiles of numbers and stars, which light nothing; returns those that were shown. */
+  hideMarks() {
+    const shown = [];
+    for (const thing of [this.numbers?.mesh, this.stars?.points]) {
+      if (!thing?.visible) continue;
+      thing.visible = false;
+      shown.push(thing);
+    }
+    return shown;
+  }
+
   /** What glossy parts see around them: surfaces without the sky, which each adds itself. */
   drawMirrors() {
     const { pre, values_shown: shown, jitter } = this.shared;
@@ -443,7 +449,7 @@ export class Picture {
     jitter.value.set(0, 0);
     pre.value = 1 / this.shared.mirror_scale.value;
     this.skyPass.visible = false;
-    const apart = this.apart();
+    const hidden = this.hideMarks();
     const alpha = this.renderer.getClearAlpha();
     this.renderer.setClearAlpha(0);
     this.renderer.autoClear = true;
@@ -463,7 +469,7 @@ export class Picture {
     this.renderer.autoClear = false;
     this.renderer.setClearAlpha(alpha);
     this.skyPass.visible = true;
-    apart.forEach((thing) => { thing.visible = true; });
+    hidden.forEach((thing) => { thing.visible = true; });
   }
 
   /** @param {THREE.Mesh} mesh @param {THREE.CubeTexture} cube @param {number} share */
@@ -691,85 +697,6 @@ export class Picture {
     this.shared.from_radiance.value.copy(inset);
     this.shared.night_field.value = adaptedCd(this.ev) / 683;
   }
-
-  /** Illuminance in lux at a place of the picture by the light map, and the key light's part of it;
-   * NaN in the sky. @param {number} x @param {number} y CSS pixels */
-  luxAt(x, y) {
-    this.light.map.complete();
-    this.shared.values_shown.value = 1;
-    this.drawPoint(this.scene, this.probe, x, y);
-    this.shared.values_shown.value = this.values ? LUX_SCALE : 0;
-    const texel = new Float32Array(4);
-    this.renderer.readRenderTargetPixels(this.probe, 0, 0, 1, 1, texel);
-    const [all, key] = texel;
-    return all < 0 ? { all: NaN, key: NaN } : { all, key };
-  }
-
-  /** Illuminance in lux at a place of the picture by all that is seen from there; NaN in the sky.
-   * Next to edges it is closer than the light map's, whose texels are too wide there.
-   * @param {number} x @param {number} y CSS pixels */
-  gatheredLuxAt(x, y) {
-    const { key } = this.luxAt(x, y);
-    this.renderer.setClearAlpha(0);
-    this.camera.layers.enable(CLEAR);
-    this.drawPoint(this.keptScene, this.place, x, y);
-    this.camera.layers.disable(CLEAR);
-    this.renderer.setClearAlpha(1);
-    const [where, normals] = [0, 2].map((texture) => {
-      const texel = new Uint32Array(4);
-      this.renderer.readRenderTargetPixels(this.place, 0, 0, 1, 1, texel, undefined, texture);
-      return texel;
-    });
-    if (!where[3]) return key;
-    const [px, py, pz] = new Float32Array(where.buffer);
-    const [even, face] = [normals[1], normals[2]].map(folded);
-    const size = this.header.scene.size_m;
-    const eye = new THREE.Vector3(px, py, pz).addScaledVector(face, OFF_SURFACE * size);
-    return key + LUMENS_PER_WATT * luminance(this.gathered(eye, even));
-  }
-
-  /** Irradiance (W m^-2) by all that is seen from a point, without the key light's own.
-   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal */
-  gathered(eye, normal) {
-    const { pre, values_shown: shown, diffuse_shown: diffuse, mirror_scale: level } = this.shared;
-    const size = this.header.scene.size_m, apart = this.apart();
-    const disc = /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniforms.disc_radiance.value;
-    const [pre_before, shown_before, disc_before] = [pre.value, shown.value, disc.clone()];
-    pre.value = 1 / level.value;
-    shown.value = 0;
-    diffuse.value = true;
-    disc.set(0, 0, 0);
-    const irradiance = this.hemicube.irradiance(this.scene, eye, normal, OFF_SURFACE * size, 150 * size);
-    disc.copy(disc_before);
-    diffuse.value = false;
-    shown.value = shown_before;
-    pre.value = pre_before;
-    apart.forEach((thing) => { thing.visible = true; });
-    return irradiance.map((v) => v * level.value);
-  }
-
-  /** Hides tiles of numbers and stars, which light nothing, and returns those that were shown. */
-  apart() {
-    const shown = [];
-    for (const thing of [this.numbers?.mesh, this.stars?.points]) {
-      if (!thing?.visible) continue;
-      thing.visible = false;
-      shown.push(thing);
-    }
-    return shown;
-  }
-
-  /** Draws one pixel of the picture. @param {THREE.Scene} scene @param {THREE.WebGLRenderTarget} target
-   * @param {number} x @param {number} y CSS pixels */
-  drawPoint(scene, target, x, y) {
-    const { ratio } = this, [w, h] = this.size;
-    this.camera.setViewOffset(w, h, Math.floor(x * ratio), Math.floor(y * ratio), 1, 1);
-    this.shared.jitter.value.set(0, 0);
-    this.renderer.setRenderTarget(target);
-    this.renderer.clear();
-    this.renderer.render(scene, this.camera);
-    this.camera.clearViewOffset();
-  }
 }
 
 /** Mean of the shade (Lommel and Seeliger) times albedo over a disc that is seen towards `seen` and
@@ -795,18 +722,11 @@ export function meanShade(seen, towards, own, albedo) {
 }
 
 /** A target for what surfaces are. @param {number} width @param {number} height */
-function keptTarget(width, height) {
+export function keptTarget(width, height) {
   return new THREE.WebGLRenderTarget(width, height, {
     count: 4, type: THREE.UnsignedIntType, format: THREE.RGBAIntegerFormat, internalFormat: 'RGBA32UI',
     minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
   });
-}
-
-/** A direction by two numbers on an octahedron's unfolded surface, 16 bits each.
- * @param {number} bits */
-function folded(bits) {
-  const [x, z] = [bits << 16 >> 16, bits >> 16].map((v) => Math.max(v / 32767, -1));
-  return octahedral(x, z, new THREE.Vector3());
 }
 
 /** Cube maps of the sky that surfaces mirror, and of the air before them.

@@ -1,0 +1,96 @@
+// Illuminance at a point of the picture: at once by the light map, or by all that is seen from there.
+import * as THREE from 'three';
+import { Hemicube } from './hemicube.js';
+import { keptTarget, luminance } from './picture.js';
+import { CLEAR } from './scene.js';
+import { octahedral } from './sky.js';
+
+const LUMENS_PER_WATT = 683;
+// Distance (m) between a surface and the eye that looks from it, and the most as a share of the
+// scene's size. From a millimetre SwiftShader draws walls that end behind the eye 15 texels too long.
+const OFF_SURFACE_M = 0.015, MOST_OFF = 2e-3;
+
+export class PointLux {
+  /** @param {import('./picture.js').Picture} picture */
+  constructor(picture) {
+    this.picture = picture;
+    this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
+    this.place = keptTarget(1, 1);
+    this.hemicube = new Hemicube(picture.renderer);
+  }
+
+  /** Lux by the light map, and the key light's part of it; NaN in the sky.
+   * @param {number} x @param {number} y CSS pixels */
+  byMap(x, y) {
+    const { light, renderer, scene, shared } = this.picture, before = shared.values_shown.value;
+    light.map.complete();
+    shared.values_shown.value = 1;
+    this.draw(scene, this.probe, x, y);
+    shared.values_shown.value = before;
+    const texel = new Float32Array(4);
+    renderer.readRenderTargetPixels(this.probe, 0, 0, 1, 1, texel);
+    const [all, key] = texel;
+    return all < 0 ? { all: NaN, key: NaN } : { all, key };
+  }
+
+  /** Lux by all that is seen from a place of the picture; NaN in the sky. Next to edges it is closer
+   * than the light map's, whose texels are too wide there.
+   * @param {number} x @param {number} y CSS pixels */
+  gathered(x, y) {
+    const { camera, header, keptScene, renderer } = this.picture, { key } = this.byMap(x, y);
+    renderer.setClearAlpha(0);
+    camera.layers.enable(CLEAR);
+    this.draw(keptScene, this.place, x, y);
+    camera.layers.disable(CLEAR);
+    renderer.setClearAlpha(1);
+    const [where, normals] = [0, 2].map((texture) => {
+      const texel = new Uint32Array(4);
+      renderer.readRenderTargetPixels(this.place, 0, 0, 1, 1, texel, undefined, texture);
+      return texel;
+    });
+    if (!where[3]) return NaN;
+    const [px, py, pz] = new Float32Array(where.buffer), [even, face] = [normals[1], normals[2]].map(folded);
+    const off_m = Math.min(OFF_SURFACE_M, MOST_OFF * header.scene.size_m);
+    const eye = new THREE.Vector3(px, py, pz).addScaledVector(face, off_m);
+    return key + LUMENS_PER_WATT * luminance(this.irradiance(eye, even));
+  }
+
+  /** Irradiance (W m^-2) by all that is seen from a point, without the key light's own.
+   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal */
+  irradiance(eye, normal) {
+    const { depths, scene, shared, skyPass } = this.picture;
+    const { pre, values_shown: shown, diffuse_shown: diffuse, mirror_scale: level } = shared;
+    const disc = /** @type {THREE.RawShaderMaterial} */ (skyPass.material).uniforms.disc_radiance.value;
+    const before = [pre.value, shown.value, disc.clone()], hidden = this.picture.hideMarks();
+    pre.value = 1 / level.value;
+    shown.value = 0;
+    diffuse.value = true;
+    disc.set(0, 0, 0);
+    // The picture's own depths: a tenth of the nearest one puts the ground before floors and walls.
+    const found = this.hemicube.irradiance(scene, eye, normal, depths);
+    disc.copy(before[2]);
+    diffuse.value = false;
+    [pre.value, shown.value] = before;
+    hidden.forEach((thing) => { thing.visible = true; });
+    return found.map((v) => v * level.value);
+  }
+
+  /** Draws one pixel of the picture. @param {THREE.Scene} scene @param {THREE.WebGLRenderTarget} target
+   * @param {number} x @param {number} y CSS pixels */
+  draw(scene, target, x, y) {
+    const { camera, ratio, renderer, shared, size: [w, h] } = this.picture;
+    camera.setViewOffset(w, h, Math.floor(x * ratio), Math.floor(y * ratio), 1, 1);
+    shared.jitter.value.set(0, 0);
+    renderer.setRenderTarget(target);
+    renderer.clear();
+    renderer.render(scene, camera);
+    camera.clearViewOffset();
+  }
+}
+
+/** A direction by two numbers on an octahedron's unfolded surface, 16 bits each.
+ * @param {number} bits */
+function folded(bits) {
+  const [x, z] = [bits << 16 >> 16, bits >> 16].map((v) => Math.max(v / 32767, -1));
+  return octahedral(x, z, new THREE.Vector3());
+}
