@@ -5,6 +5,7 @@ Sources: Hosek and Wilkie 2012, "An Analytic Model for Full Spectral Sky-Dome Ra
 authors' own, version 1.4a. Every function takes turbidity 1 to 10.
 """
 
+import math
 from functools import lru_cache
 from typing import Literal
 
@@ -19,8 +20,9 @@ Quantity = Literal["rgb", "spec"]
 WAVELENGTHS_NM = np.arange(320.0, 721.0, 40.0)
 WAVELENGTHS_NM.flags.writeable = False
 # Quintic Bernstein weights of the six control points.
-_BINOMIAL = np.array([1.0, 5.0, 10.0, 10.0, 5.0, 1.0])
-_POWERS = np.arange(6)
+_BINOMIAL = (1.0, 5.0, 10.0, 10.0, 5.0, 1.0)
+# A to I and the factor.
+_NUMBERS = 10
 _SUN_SEGMENTS = 45
 
 
@@ -38,25 +40,40 @@ def channel_count(quantity: Quantity) -> int:
     return int(tables()[f"sky_rad_{quantity}"].shape[-1])
 
 
-def sky_distribution(
+def sky_formula(
     quantity: Quantity, turbidity: float, albedo: ArrayLike, sun_elevation_rad: float
-) -> FloatArray:
-    """The nine numbers A to I (C, 9) of the extended Perez formula, in the data's order.
+) -> tuple[FloatArray, FloatArray]:
+    """The numbers A to I (C, 9) of the extended Perez formula, and its factor (C,).
 
-    `albedo` is a number or one per channel (C,). The order is A B C D E F G H I with index 7 = H,
-    the factor of the zenith term, and index 8 = I, the anisotropy in chi.
+    The order is that of the data: A B C D E F G H I with index 7 = H, the factor of the zenith
+    term, and index 8 = I, the anisotropy in chi. The factor is in W m^-2 sr^-1 for "rgb", in
+    W m^-2 sr^-1 nm^-1 for "spec".
+
+    Linear between the integers of turbidity, and between ground albedo 0 and 1, a number or one per
+    channel (C,); a Bezier curve in the cube root of solar elevation (2012 paper, section 5.3),
+    which gives the low sun most of the curve.
     """
-    table = _between_turbidities(tables()[f"sky_params_{quantity}"], turbidity)
-    weight = np.asarray(albedo, dtype=float)[..., None]
-    return _between_albedos(table, weight, sun_elevation_rad)
+    table = _sky_table(quantity)
+    low = min(int(turbidity), len(table) - 1)
+    part = turbidity - low
+    e = math.cbrt(sun_elevation_rad / (math.pi / 2))
+    curve = [c * (1.0 - e) ** (5 - k) * e**k for k, c in enumerate(_BINOMIAL)]
+    weights = np.array([share * c for share in (1.0 - part, part) for c in curve])
+    points = table[low - 1 : low + 1].reshape(len(weights), -1)
+    black, white = np.dot(weights, points).reshape(2, -1, _NUMBERS)
+    share = np.asarray(albedo, dtype=float)[..., None]
+    numbers = black * (1.0 - share) + white * share
+    return numbers[:, :-1], numbers[:, -1]
 
 
-def sky_mean_radiance(
-    quantity: Quantity, turbidity: float, albedo: ArrayLike, sun_elevation_rad: float
-) -> FloatArray:
-    """The factor (C,) of the formula: W m^-2 sr^-1 for "rgb", W m^-2 sr^-1 nm^-1 for "spec"."""
-    table = _between_turbidities(tables()[f"sky_rad_{quantity}"], turbidity)
-    return _between_albedos(table, np.asarray(albedo, dtype=float), sun_elevation_rad)
+@lru_cache(maxsize=2)
+def _sky_table(quantity: Quantity) -> FloatArray:
+    """Control points (10, 6, 2 C 10): turbidity, curve, then albedo, channel and number at once."""
+    loaded = tables()
+    factors = loaded[f"sky_rad_{quantity}"][..., None]
+    table = np.concatenate([loaded[f"sky_params_{quantity}"], factors], axis=-1)
+    points = np.moveaxis(table, 2, 1)
+    return np.ascontiguousarray(points.reshape(*points.shape[:2], -1))
 
 
 def sun_radiance(turbidity: float, elevation_rad: ArrayLike) -> FloatArray:
@@ -85,15 +102,3 @@ def _between_turbidities(table: FloatArray, turbidity: float) -> FloatArray:
     low = min(int(turbidity), len(table) - 1)
     part = turbidity - low
     return table[low - 1] * (1.0 - part) + table[low] * part
-
-
-def _between_albedos(table: FloatArray, albedo: FloatArray, sun_elevation_rad: float) -> FloatArray:
-    """Linear between ground albedo 0 and 1, after the Bezier curve in solar elevation.
-
-    The cube root of elevation (2012 paper, section 5.3) gives the low sun most of the curve.
-    """
-    e = np.cbrt(sun_elevation_rad / (np.pi / 2))
-    bernstein = _BINOMIAL * (1.0 - e) ** (5 - _POWERS) * e**_POWERS
-    black, white = np.tensordot(bernstein, table, axes=(0, 1))
-    result: FloatArray = black * (1.0 - albedo) + white * albedo
-    return result

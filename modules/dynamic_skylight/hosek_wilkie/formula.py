@@ -14,7 +14,7 @@ def extended_perez(
 ) -> FloatArray:
     """Radiance relative to the mean (..., C) at zenith angles and angles from the sun (...,).
 
-    `parameters` (C, 9) are A to I as `coefficients.sky_distribution` returns them. cos_theta
+    `parameters` (C, 9) are A to I as `coefficients.sky_formula` returns them. cos_theta
     lies in [0, 1]. The chi in the paper's equation 9 has its denominator to the power 3/2.
     """
     c, g = np.broadcast_arrays(

@@ -16,5 +16,6 @@ class LevelledSky(HosekWilkieSky):
         super().__init__(turbidity, albedo, sun_elevation_rad)
         self._level = level
 
-    def _mean_radiance(self, quantity: Quantity) -> FloatArray:
-        return self._level * super()._mean_radiance(quantity)
+    def _formula(self, quantity: Quantity) -> tuple[FloatArray, FloatArray]:
+        distribution, mean_radiance = super()._formula(quantity)
+        return distribution, self._level * mean_radiance

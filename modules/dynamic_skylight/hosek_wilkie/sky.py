@@ -60,25 +60,25 @@ class HosekWilkieSky:
         """A fisheye with the sun in the south, for notebooks."""
         return fisheyes_png([self.cube_map(128, np.pi)])
 
-    @cached_property
+    @property
     def rgb_distribution(self) -> FloatArray:
         """The formula's parameters A to I (3, 9) for red, green and blue."""
-        return self._distribution("rgb")
+        return self._rgb[0]
 
-    @cached_property
+    @property
     def rgb_mean_radiance(self) -> FloatArray:
         """The formula's factors (3,), W m^-2 sr^-1."""
-        return self._mean_radiance("rgb")
+        return self._rgb[1]
 
-    @cached_property
+    @property
     def spectral_distribution(self) -> FloatArray:
         """The formula's parameters A to I (11, 9) at `WAVELENGTHS_NM`."""
-        return self._distribution("spec")
+        return self._spectral[0]
 
-    @cached_property
+    @property
     def spectral_mean_radiance(self) -> FloatArray:
         """The formula's factors (11,), W m^-2 sr^-1 nm^-1."""
-        return self._mean_radiance("spec")
+        return self._spectral[1]
 
     def radiance(self, theta_rad: ArrayLike, gamma_rad: ArrayLike) -> FloatArray:
         """Sky radiance (..., 3), linear sRGB primaries, W m^-2 sr^-1, without the disc.
@@ -222,26 +222,23 @@ class HosekWilkieSky:
         sun = _azimuth(sun_azimuth_rad), self.sun_elevation_rad
         return fill_cube(*numbers, *sun, size, out, faces, rows, dtype)
 
-    def _distribution(self, quantity: Quantity) -> FloatArray:
-        albedo = self._albedo_for(quantity)
-        return coefficients.sky_distribution(
-            quantity, self.turbidity, albedo, self.sun_elevation_rad
-        )
+    @cached_property
+    def _rgb(self) -> tuple[FloatArray, FloatArray]:
+        return self._formula("rgb")
 
-    def _mean_radiance(self, quantity: Quantity) -> FloatArray:
-        albedo = self._albedo_for(quantity)
-        return coefficients.sky_mean_radiance(
-            quantity, self.turbidity, albedo, self.sun_elevation_rad
-        )
+    @cached_property
+    def _spectral(self) -> tuple[FloatArray, FloatArray]:
+        return self._formula("spec")
 
-    def _albedo_for(self, quantity: Quantity) -> FloatArray:
+    def _formula(self, quantity: Quantity) -> tuple[FloatArray, FloatArray]:
         count = coefficients.channel_count(quantity)
         if self.albedo.shape not in ((), (count,)):
             raise ValueError(
                 f"this needs one albedo or {count} of them, but the sky was made with "
                 f"{self.albedo.size}"
             )
-        return np.broadcast_to(self.albedo, (count,))
+        hour = self.turbidity, self.albedo, self.sun_elevation_rad
+        return coefficients.sky_formula(quantity, *hour)
 
 
 def _azimuth(sun_azimuth_rad: float) -> float:
