@@ -1,24 +1,35 @@
 """The Hosek-Wilkie cube map in single precision, half precision or tone-mapped bytes.
 
-A row of texels takes three short passes: the zenith's part (shared by the four side faces and by
-the two halves of a row), places in the glow table (a loop that vectorises over texels), and the
-look-up of all three colours at once. `sky_tables` describes the tables, `texel_lanes` the look-up.
+A row of texels shares its zenith's part with the rows of the other side faces or, on the top, with
+the row at the same distance from the middle; that part is even, so half of it is computed. Rows of
+large maps are computed in blocks of texels, each from one piece of a table, those of small maps
+texel by texel. `sky_tables` describes the tables, `texel_lanes` the look-ups.
 """
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dynamic_skylight.hosek_wilkie.sky_tables import (
     COMPILE,
-    glow_place,
+    GLOW_SCALE,
+    ZENITH_SCALE,
+    glow_piece,
     sky_tables,
-    zenith_place,
+    zenith_piece,
 )
-from dynamic_skylight.hosek_wilkie.texel_lanes import TEXELS, look_up_zenith, shade_texels
+from dynamic_skylight.hosek_wilkie.texel_lanes import (
+    BLOCK,
+    encode_numbers,
+    light_of_blocks,
+    light_of_texel,
+    place_block,
+    zenith_of_blocks,
+    zenith_of_texel,
+)
 from vrut_lite.arguments import as_count, check_output, check_type, shown
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, FACES, texel_centres
 from vrut_lite.njit import njit
@@ -33,91 +44,156 @@ _NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
 _AXES = np.stack([FACE_S_AXES, FACE_NORMALS, -FACE_T_AXES], axis=1)
 _AXES[TOP, 2] = FACE_T_AXES[TOP]
 _ONE = np.float32(1.0)
-_GROUP, _COLOURS = np.uintp(TEXELS), np.uintp(3)
+_BLOCK, _PAIR = np.uintp(BLOCK), np.uintp(2 * BLOCK)
+# Least edge of a map whose blocks lie within a piece of the tables each.
+_BLOCKS_FROM = 256
+
+
+class _Spaces(NamedTuple):
+    """Numbers of the row in work, as many as the texels of whole pairs of blocks."""
+
+    inverse: Float32Array  # 1 / length of the directions
+    root: Float32Array  # of the cosines of their zenith angles
+    factors: Float32Array  # Z: three rows of a large map, or four numbers a texel
+    of_centres: Float32Array  # `inverse` of the blocks' centres
+    piece: NDArray[np.int32]  # of a table: its first number, where it begins, and
+    start: Float32Array
+    sign: Float32Array  # -1 where it lies about the point opposite the sun
+    place: Float32Array  # in a piece
+    light: Float32Array  # three numbers a texel of a small map
+    encoded: NDArray[Any]
 
 
 @njit(**COMPILE)
-def _zenith_row(up, rest, a, table, inverse, first, share, factors, terms):  # type: ignore[no-untyped-def]
-    """1 / length (n,) of a row's directions, and `look_up_zenith`'s numbers: they are even in a."""
-    n = a.size
-    half = (n + 1) // 2
-    for j in range(half):
-        q = _ONE / math.sqrt(rest + a[j] * a[j])
-        inverse[j] = q
-        first[j], share[j] = zenith_place(up * q)
-    for j in range(half):
-        mirrored = n - 1 - j
-        inverse[mirrored] = inverse[j]
-        look_up_zenith(
-            factors, terms, table, np.uintp(first[j]), share[j], np.uintp(j), np.uintp(mirrored)
-        )
+def _heights(up, rest, a, count, inverse, root):  # type: ignore[no-untyped-def]
+    """1 / length of `count` directions (a, ., .), and the roots of their cosines.
+
+    `up` is their height, `rest` the square of all but their first number.
+    """
+    for j in range(count):
+        inverse[j] = _ONE / math.sqrt(rest + a[j] * a[j])
+    for j in range(count):
+        root[j] = math.sqrt(up * inverse[j])
 
 
 @njit(**COMPILE)
-def _glow_row(inverse, a, out, up, sun, first, share):  # type: ignore[no-untyped-def]
-    """Places of the directions (a, out, up) in the glow table; `sun` (3,) is in the same axes."""
+def _zenith_pieces(root, count, piece, start):  # type: ignore[no-untyped-def]
+    for j in range(count):
+        piece[j], start[j] = zenith_piece(root[j])
+
+
+@njit(**COMPILE)
+def _zenith_row(up, rest, a, centres, table, at):  # type: ignore[no-untyped-def]
+    """The zenith's part of a row: it is even in a, and computed for half of it."""
+    n, stride = np.uintp(a.size), np.uintp(at.root.size)
+    if n < _BLOCKS_FROM:
+        _heights(up, rest, a, n, at.inverse, at.root)
+        half = (n + np.uintp(1)) // np.uintp(2)
+        _zenith_pieces(at.root, half, at.piece, at.start)
+        for j in range(half):
+            x = at.root[j] * ZENITH_SCALE + at.start[j]
+            twin = n - np.uintp(1) - j
+            zenith_of_texel(at.factors, table, np.uintp(at.piece[j]), x, j, twin)
+        return
+    blocks = (n + _PAIR - np.uintp(1)) // _PAIR
+    _heights(up, rest, centres, centres.size, at.of_centres, at.root)
+    _zenith_pieces(at.root, blocks, at.piece, at.start)
+    _heights(up, rest, a, blocks * _BLOCK, at.inverse, at.root)
+    for block in range(blocks):
+        texel = block * _BLOCK
+        zenith_of_blocks(
+            at.factors, stride, table, at.root, at.inverse,
+            np.uintp(at.piece[block]), at.start[block], texel, n - _BLOCK - texel,
+        )  # fmt: skip
+
+
+@njit(**COMPILE)
+def _glow_pieces(inverse, centres, height, sun, piece, start, sign):  # type: ignore[no-untyped-def]
+    for j in range(centres.size):
+        q = inverse[j]
+        piece[j], start[j], _, sign[j] = glow_piece(centres[j] * q, q, height * q, sun)
+
+
+@njit(**COMPILE)
+def _glow_places(inverse, a, height, sun, piece, place):  # type: ignore[no-untyped-def]
     for j in range(a.size):
         q = inverse[j]
-        first[j], share[j] = glow_place(a[j] * q, out * q, up * q, sun)
+        piece[j], start, chord, _ = glow_piece(a[j] * q, q, height * q, sun)
+        place[j] = chord * GLOW_SCALE + start
 
 
 @njit(**COMPILE)
-def _shade_row(row, count, table, first, share, factors, terms, rest):  # type: ignore[no-untyped-def]
-    """The row (3 n,) of `count` texels; the other arrays go on to a whole group of texels."""
-    groups = np.uintp((count - 1) // TEXELS)
-    for group in range(groups):
-        texel = group * _GROUP
-        shade_texels(row, texel * _COLOURS, table, first, share, texel, factors, terms)
-    # The last group must not write beyond the row.
-    texel = groups * _GROUP
-    shade_texels(rest, np.uintp(0), table, first, share, texel, factors, terms)
-    for k in range(np.uintp(3 * count) - texel * _COLOURS):
-        row[texel * _COLOURS + k] = rest[k]
+def _light_texels(row, a, height, sun, table, levels, at):  # type: ignore[no-untyped-def]
+    """A row (3 n,) of a small map, of the directions (a, 1, height); the sun's are alike."""
+    n = np.uintp(a.size)
+    _glow_places(at.inverse, a, height, sun, at.piece, at.place)
+    for j in range(n):
+        piece = np.uintp(at.piece[j])
+        light_of_texel(at.light, table, piece, at.place[j], at.factors, at.root[j], levels, j)
+    for k in range(np.uintp(0), np.uintp(3) * n, _PAIR):
+        encode_numbers(at.encoded, k, at.light, k)
+    for k in range(row.size):
+        row[k] = at.encoded[k]
+
+
+@njit(inline="always", **COMPILE)
+def _first_texel(pair, n):  # type: ignore[no-untyped-def]
+    """The last pair of blocks ends with the row."""
+    return min(pair * _PAIR, n - _PAIR)
 
 
 @njit(**COMPILE)
-def _fill(out, sides, suns, top, rows, a, tables, spaces):  # type: ignore[no-untyped-def]
+def _light_blocks(row, a, centres, height, sun, table, levels, at):  # type: ignore[no-untyped-def]
+    """As `_light_texels`, a row of a large map."""
+    n, stride = np.uintp(a.size), np.uintp(at.root.size)
+    pairs = (n + _PAIR - np.uintp(1)) // _PAIR
+    # Loops of their own: a processor then waits neither for roots nor for pieces.
+    _glow_pieces(at.of_centres, centres, height, sun, at.piece, at.start, at.sign)
+    for pair in range(pairs):
+        for half in range(np.uintp(2)):
+            block = np.uintp(2) * pair + half
+            place_block(
+                at.place, block * _BLOCK, a, at.inverse, _first_texel(pair, n) + half * _BLOCK,
+                height, sun[0], sun[1], sun[2], at.sign[block], at.start[block],
+            )  # fmt: skip
+    for pair in range(pairs):
+        first, second = at.piece[np.uintp(2) * pair], at.piece[np.uintp(2) * pair + np.uintp(1)]
+        light_of_blocks(
+            row, _first_texel(pair, n), table, np.uintp(first), np.uintp(second),
+            at.place, pair * _PAIR, at.factors, stride, at.root, levels,
+        )  # fmt: skip
+
+
+@njit(**COMPILE)
+def _fill(out, faces, top, suns, rows, a, centres, tables, at):  # type: ignore[no-untyped-def]
     """Rows `rows[0]` to `rows[1]` of the sky in `out` (6, n, 3 n).
 
-    `suns` (6, 3) are those of `_in_face_axes`, `sides` (k,) faces, `tables` and `spaces` those of
-    `sky_tables` and `_spaces`.
+    `faces` (k,) are sides, or the top twice; `suns` (6, 3) are those of `_in_face_axes`.
     """
-    n, (first, last), (glow, zenith) = a.size, rows, tables
-    inverse, place, share, factors, terms, rest = spaces
-    for i in range(first, min(last, n // 2) if sides.size else first):
-        up = -a[i]
-        _zenith_row(up, _ONE + up * up, a, zenith, inverse, place, share, factors, terms)
-        for face in sides:
-            sun = (suns[face, 0], suns[face, 1], suns[face, 2])
-            _glow_row(inverse, a, _ONE, up, sun, place, share)
-            _shade_row(out[face, i], n, glow, place, share, factors, terms, rest)
-    sun = (suns[TOP, 0], suns[TOP, 1], suns[TOP, 2])
-    for i in range(first, last if top else first):
-        # Rows at equal distances from the middle share their zenith angles.
-        mirrored = n - 1 - i
-        if first <= mirrored < i:
+    n, (first, last), (glow, zenith, levels) = a.size, rows, tables
+    for i in range(first, last):
+        # Rows of the top at equal distances from the middle share their zenith angles.
+        mirrored = n - 1 - i if top else i
+        if top and first <= mirrored < i:
             continue
-        _zenith_row(_ONE, _ONE + a[i] * a[i], a, zenith, inverse, place, share, factors, terms)
-        for k in (i, mirrored):
-            if k == i or i < k < last:
-                _glow_row(inverse, a, _ONE, a[k], sun, place, share)
-                _shade_row(out[TOP, k], n, glow, place, share, factors, terms, rest)
+        up = _ONE if top else -a[i]
+        _zenith_row(up, _ONE + a[i] * a[i], a, centres, zenith, at)
+        for k in range(1 if top and not i < mirrored < last else faces.size):
+            face, row = faces[k], mirrored if k else i
+            height = a[row] if top else up
+            sun = (suns[face, 0], suns[face, 1], suns[face, 2])
+            if n < _BLOCKS_FROM:
+                _light_texels(out[face, row], a, height, sun, glow, levels, at)
+            else:
+                _light_blocks(out[face, row], a, centres, height, sun, glow, levels, at)
 
 
-def _spaces(size: int, dtype: type[np.generic]) -> tuple[NDArray[Any], ...]:
-    """Arrays that rows overwrite, as long as the last group of texels.
-
-    They are separate: in rows of one array the loops would not compile to vector code.
-    """
-    n = size + TEXELS
-    return (
-        np.empty(n, np.float32),
-        np.zeros(n, np.int32),
-        np.zeros(n, np.float32),
-        np.zeros(4 * n, np.float32),
-        np.zeros(4 * n, np.float32),
-        np.empty(3 * TEXELS + 1, dtype),
-    )
+def _spaces(size: int, dtype: type[np.generic]) -> _Spaces:
+    n = size + 2 * BLOCK
+    inverse, root, of_centres, start, sign, place = (np.zeros(n, np.float32) for _ in range(6))
+    factors, light = np.zeros(4 * n, np.float32), np.zeros(3 * n, np.float32)
+    piece, encoded = np.zeros(n, np.int32), np.zeros(3 * n, dtype)
+    return _Spaces(inverse, root, factors, of_centres, piece, start, sign, place, light, encoded)
 
 
 def fill_cube(
@@ -146,25 +222,34 @@ def fill_cube(
     # Compiled code has no halves: it writes their bits.
     view = cube.view(np.uint16 if dtype == np.float16 else dtype).reshape(6, size, 3 * size)
     sides = [face for face in SIDES if face in faces]
-    top = TOP in faces
+    top = [TOP, TOP] if TOP in faces else []
     if sides or top:
-        _fill(
-            view, np.array(sides, np.intp), _in_face_axes(sun_azimuth_rad, sun_elevation_rad),
-            top, (first, last), _centres(size), sky_tables(distribution, mean_radiance),
-            _spaces(size, view.dtype.type),
-        )  # fmt: skip
+        a, centres = _centres(size)
+        suns = _in_face_axes(sun_azimuth_rad, sun_elevation_rad)
+        tables = sky_tables(distribution, mean_radiance)
+        spaces = _spaces(size, view.dtype.type)
+        for some, is_top, end in ((sides, False, min(last, size // 2)), (top, True, last)):
+            if some:
+                numbers = np.array(some, np.intp)
+                _fill(view, numbers, is_top, suns, (first, end), a, centres, tables, spaces)
     if out is None:
         return cube
+    # Bytes are cleared in half the time that other numbers take.
+    dark = view.view(np.uint8)
     for face in sides:
-        view[face, max(size // 2, first) : last] = 0
+        dark[face, max(size // 2, first) : last].fill(0)
     if BOTTOM in faces:
-        view[BOTTOM, first:last] = 0
+        dark[BOTTOM, first:last].fill(0)
     return cube
 
 
 @lru_cache(maxsize=8)
-def _centres(size: int) -> Float32Array:
-    return texel_centres(size).astype(np.float32)
+def _centres(size: int) -> tuple[Float32Array, Float32Array]:
+    """Face coordinates of the texels' centres, and of the centres of a row's blocks."""
+    first = np.minimum(2 * BLOCK * np.arange(-(-size // (2 * BLOCK))), max(size - 2 * BLOCK, 0))
+    texels = np.add.outer(first, (0, BLOCK)).ravel()
+    centres = (2.0 * texels + BLOCK) / size - 1.0
+    return texel_centres(size).astype(np.float32), centres.astype(np.float32)
 
 
 def _checked_size(size: int) -> int:

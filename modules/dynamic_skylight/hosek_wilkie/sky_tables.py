@@ -1,11 +1,12 @@
 """Two tables that stand for the formula of one sky: its light by angle from the sun and by height.
 
 The formula is Z(theta) (S(gamma) + H sqrt(cos theta)) in each colour. S is tabulated over the chord
-w to the sun, and beyond a right angle over the chord to the point opposite: both are smooth there,
-and no angle is needed. Z and Z H sqrt(cos theta) are tabulated over sqrt(cos theta). Each interval
-holds a quadratic through its ends and its middle. Over all turbidities, albedos and suns the
-quadratics err by at most 1e-6 of the larger of a value and a hundredth of the table's largest,
-about as much as single precision; a row of texels then needs a square root each for its places in
+to the sun, and beyond a right angle over the chord to the point opposite: both are smooth there,
+and no angle is needed. Z is tabulated over sqrt(cos theta). S is in quintic pieces, Z in cubic
+ones. They overlap, so that eight neighbouring texels of a large map may take the same piece: the
+one about the middle of the eight. Over all turbidities, albedos and suns the pieces err by at most
+2e-6 of the larger of a value and a hundredth of the map's largest, single precision by up to 7e-6
+where terms cancel at the horizon. A row of texels then needs a square root each for its places in
 the tables, and no exponential. `fast_formula` explains how the entries stay accurate.
 """
 
@@ -14,11 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from dynamic_skylight.hosek_wilkie.fast_formula import (
-    ANGLE_POLYNOMIAL,
-    EXP2M1_POLYNOMIAL,
-    fold,
-)
+from dynamic_skylight.hosek_wilkie.fast_formula import EXP2M1_POLYNOMIAL, fold
 from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -28,31 +25,52 @@ COMPILE: dict[str, Any] = {
     "nogil": True,
     "error_model": "numpy",
     "fastmath": SUMS_IN_ORDER,
+    "_nrt": False,
 }
-# Intervals towards the sun, as many away from it, and as many of the zenith's table.
-INTERVALS = 256
-# Numbers of an interval: three coefficients of red, green, blue and a pad; twice that by height.
-GLOW_NUMBERS, ZENITH_NUMBERS = 12, 24
-# First number of the zenith table's interval of zeros.
-BELOW_HORIZON = INTERVALS * ZENITH_NUMBERS
+# Numbers of a coefficient: red, green, blue and a pad.
+COEFFICIENT = 4
+# Pieces a unit of chord, and from the middle of a piece to its outermost nodes, in pieces: half a
+# piece, and half of eight texels of a map of 256, which are at most 1 / 128 apart.
+GLOW_PER_UNIT, GLOW_REACH, GLOW_DEGREE = 56, 2.0, 5
+GLOW_PIECE = (GLOW_DEGREE + 1) * COEFFICIENT
+# The chord of a right angle is the root of two; a block of texels may lie about it.
+_GLOW_PIECES = math.ceil(GLOW_PER_UNIT * math.sqrt(2.0)) + 1
+# First number of the pieces away from the sun.
+AWAY = _GLOW_PIECES * GLOW_PIECE
+# The root of the cosine changes by a quarter as much as the angle, at most.
+ZENITH_PER_UNIT, ZENITH_REACH, ZENITH_DEGREE = 128, 1.5, 3
+ZENITH_PIECE = (ZENITH_DEGREE + 1) * COEFFICIENT
+# First number of the zenith table's piece of zeros.
+BELOW_HORIZON = ZENITH_PER_UNIT * ZENITH_PIECE
 
-_P0, _P1, _P2, _P3, _P4, _P5, _P6 = ANGLE_POLYNOMIAL
 _Q0, _Q1, _Q2, _Q3, _Q4 = EXP2M1_POLYNOMIAL
 _ZERO, _ONE, _TWO, _FOUR = (np.float32(v) for v in (0, 1, 2, 4))
-_HALF, _PI = np.float32(0.5), np.float32(np.pi)
+_HALF, _TWO_THIRDS, _PI = np.float32(0.5), np.float32(2.0 / 3.0), np.float32(np.pi)
 _LEAST_EXPONENT = np.float32(-100.0)
 _OFFSET = np.float32(HORIZON_OFFSET)
 _ROUNDER = np.float32(1.5 * 2**23)
 _BITS_OF_ONE, _MANTISSA_BITS = np.int32(127 << 23), np.int32(23)
-# The chord of a right angle is the root of two.
-_GLOW_SCALE = np.float32(INTERVALS / math.sqrt(2.0))
-_GLOW_STEP = np.float32(math.sqrt(0.5) / INTERVALS)
-_AWAY = np.int32(INTERVALS * GLOW_NUMBERS)
-_GLOW_STRIDE, _NO_OFFSET = np.int32(GLOW_NUMBERS), np.int32(0)
-_ZENITH_SCALE, _ZENITH_STEP = np.float32(INTERVALS), np.float32(0.5 / INTERVALS)
-_ZENITH_STRIDE = np.int32(ZENITH_NUMBERS)
-# The last place within a table's intervals.
-_END = np.nextafter(np.float32(INTERVALS), np.float32(0.0))
+# Nodes of a piece of the glow lie 1, 3 and 4 half pieces from its middle, on either side. There
+# angles from the sun, also negative ones, the square of their chord and that of their cosine.
+_GLOW_NODES = 2 * _GLOW_PIECES + 7
+_TOWARDS = 2.0 * np.arcsin((np.arange(_GLOW_NODES) - 4.0) / (4.0 * GLOW_PER_UNIT))
+_ANGLES = np.stack([_TOWARDS, np.pi - _TOWARDS]).astype(np.float32)
+_CHORDS = (4.0 * np.sin(0.5 * np.stack([_TOWARDS, np.pi - _TOWARDS])) ** 2).astype(np.float32)
+_SQUARES = np.stack([np.cos(_TOWARDS) ** 2] * 2).astype(np.float32)
+# B multiplies these at the nodes of the zenith's pieces.
+_ZENITH_NODES = ZENITH_PER_UNIT + 3
+_DECAYS = 1.0 / (((np.arange(_ZENITH_NODES) - 1.0) / ZENITH_PER_UNIT) ** 2 + HORIZON_OFFSET)
+_DECAYS = _DECAYS.astype(np.float32)
+_GLOW_PIECES_A_UNIT, _GLOW_SHARE = np.float32(GLOW_PER_UNIT), np.float32(1.0 / GLOW_REACH)
+_ZENITH_PIECES_A_UNIT = np.float32(ZENITH_PER_UNIT)
+_ZENITH_SHARE = np.float32(1.0 / ZENITH_REACH)
+# A place in a piece is the product of this and the chord, or the root of the cosine, and what
+# `glow_piece` and `zenith_piece` return as the piece's start.
+GLOW_SCALE = np.float32(GLOW_PER_UNIT / GLOW_REACH)
+ZENITH_SCALE = np.float32(ZENITH_PER_UNIT / ZENITH_REACH)
+_GLOW_STRIDE, _ZENITH_STRIDE = np.int32(GLOW_PIECE), np.int32(ZENITH_PIECE)
+_AWAY, _NO_OFFSET = np.int32(AWAY), np.int32(0)
+_ZENITH_LAST = np.int32(ZENITH_PER_UNIT - 1)
 
 
 @njit(inline="always", **COMPILE)
@@ -72,52 +90,75 @@ def _exp2m1(y):  # type: ignore[no-untyped-def]
 def fill_tables(numbers, glow, zenith, values):  # type: ignore[no-untyped-def]
     """The flat tables of a sky's `numbers` (3, 11), those of `fold`.
 
-    `glow` has the intervals towards the sun, then those away from it. `zenith` has Z, then Z H
-    sqrt(cos theta), of every interval. Of both, pads and `BELOW_HORIZON` stay as they are. `values`
-    (2 INTERVALS + 1,) are overwritten.
+    `glow` has the pieces towards the sun, then those away from it. Of `zenith` the piece
+    `BELOW_HORIZON` stays as it is. `values` (n,) are overwritten.
     """
     for c in range(3):
         p = numbers[c]
         for away in range(2):
-            for k in range(values.size):
-                w = np.float32(k) * _GLOW_STEP
-                v = w * w
-                angle = _P0 + v * (_P1 + v * (_P2 + v * (_P3 + v * (_P4 + v * (_P5 + v * _P6)))))
-                angle *= w
-                angle, u = (_PI - angle, _FOUR - v) if away else (angle, v)
-                cosine = _ONE - _HALF * u
-                square = cosine * cosine
+            for k in range(_GLOW_NODES):
+                u, square = _CHORDS[away, k], _SQUARES[away, k]
                 t = _ONE / (p[8] + p[9] * u)
                 chi = (_ONE + square) * t * math.sqrt(t)
-                values[k] = p[3] + p[4] * _exp2m1(p[5] * angle) + p[6] * square + p[7] * chi
-            _quadratics(values, glow, away * _AWAY + c, GLOW_NUMBERS, 4)
-        for rooted in range(2):
-            for k in range(values.size):
-                root = np.float32(k) * _ZENITH_STEP
-                # 2^-100 is negligible beside 1; B' keeps all other exponents in range.
-                exponent = max(p[2] / (root * root + _OFFSET), _LEAST_EXPONENT)
-                z = p[0] + p[1] * _exp2m1(exponent)
-                values[k] = z * root * p[10] if rooted else z
-            _quadratics(values, zenith, 4 * rooted + c, ZENITH_NUMBERS, 8)
-
-
-@njit(**COMPILE)
-def _quadratics(values, table, first, stride, step):  # type: ignore[no-untyped-def]
-    """Coefficients through values (2 n + 1,) at ends and middles: table[first + stride k + step i].
-
-    The powers i of an interval k begin with the constant.
-    """
-    for k in range(INTERVALS):
-        start, middle, end = values[2 * k], values[2 * k + 1], values[2 * k + 2]
-        at = first + stride * k
-        table[at] = start
-        table[at + step] = _FOUR * (middle - start) - (end - start)
-        table[at + 2 * step] = _TWO * ((start - middle) + (end - middle))
+                light = p[3] + p[4] * _exp2m1(p[5] * _ANGLES[away, k])
+                values[k] = light + p[6] * square + p[7] * chi
+            for k in range(_GLOW_PIECES):
+                _quintic(values, 2 * k + 4, glow, away * AWAY + k * GLOW_PIECE + c)
+        for k in range(_ZENITH_NODES):
+            # 2^-100 is negligible beside 1; B' keeps all other exponents in range.
+            exponent = max(p[2] * _DECAYS[k], _LEAST_EXPONENT)
+            values[k] = p[0] + p[1] * _exp2m1(exponent)
+        for k in range(ZENITH_PER_UNIT):
+            _cubic(values, k, zenith, k * ZENITH_PIECE + c)
 
 
 @njit(inline="always", **COMPILE)
-def glow_place(x, y, z, sun):  # type: ignore[no-untyped-def]
-    """First number of the interval of a unit direction, and the share within it.
+def _quintic(values, middle, table, at):  # type: ignore[no-untyped-def]
+    """The piece through the values 1, 3 and 4 steps from its middle: even powers, then odd ones."""
+    below, above = values[middle - 1], values[middle + 1]
+    below3, above3 = values[middle - 3], values[middle + 3]
+    below4, above4 = values[middle - 4], values[middle + 4]
+    _spread_powers(
+        _HALF * (above + below), _HALF * (above3 + below3), _HALF * (above4 + below4), table, at
+    )
+    _spread_powers(
+        _TWO * (above - below),
+        _TWO_THIRDS * (above3 - below3),
+        _HALF * (above4 - below4),
+        table,
+        at + COEFFICIENT,
+    )
+
+
+@njit(inline="always", **COMPILE)
+def _spread_powers(one, three, four, table, at):  # type: ignore[no-untyped-def]
+    """Every other power through values at squares of 1/16, 9/16 and 1: divided differences."""
+    first = _TWO * (three - one)
+    second = np.float32(16.0 / 15.0) * (np.float32(16.0 / 7.0) * (four - three) - first)
+    linear = first - np.float32(0.625) * second
+    constant = one - np.float32(1 / 16) * first + np.float32(9 / 256) * second
+    table[at] = constant
+    table[at + 2 * COEFFICIENT] = linear
+    table[at + 4 * COEFFICIENT] = second
+
+
+@njit(inline="always", **COMPILE)
+def _cubic(values, first, table, at):  # type: ignore[no-untyped-def]
+    """The piece through four values, at -1, -1/3, 1/3 and 1."""
+    a, b, c, d = values[first], values[first + 1], values[first + 2], values[first + 3]
+    outer, inner = _HALF * (a + d), _HALF * (b + c)
+    square = np.float32(1.125) * (outer - inner)
+    slope, steeper = _HALF * (d - a), np.float32(1.5) * (c - b)
+    cube = np.float32(1.125) * (slope - steeper)
+    table[at] = outer - square
+    table[at + COEFFICIENT] = slope - cube
+    table[at + 2 * COEFFICIENT] = square
+    table[at + 3 * COEFFICIENT] = cube
+
+
+@njit(inline="always", **COMPILE)
+def glow_piece(x, y, z, sun):  # type: ignore[no-untyped-def]
+    """The piece of a unit direction: its first number, where it begins, and the chord and its sign.
 
     The chord is the shorter of those to the sun and to the point opposite: summed from differences,
     it is exact near both.
@@ -125,26 +166,29 @@ def glow_place(x, y, z, sun):  # type: ignore[no-untyped-def]
     away = x * sun[0] + y * sun[1] + z * sun[2] < _ZERO
     sign = -_ONE if away else _ONE
     dx, dy, dz = x - sign * sun[0], y - sign * sun[1], z - sign * sun[2]
-    at = min(math.sqrt(dx * dx + dy * dy + dz * dz) * _GLOW_SCALE, _END)
-    k = np.int32(at)
-    return k * _GLOW_STRIDE + (_AWAY if away else _NO_OFFSET), at - np.float32(k)
+    chord = math.sqrt(dx * dx + dy * dy + dz * dz)
+    k = np.int32(chord * _GLOW_PIECES_A_UNIT + _HALF)
+    first = k * _GLOW_STRIDE + (_AWAY if away else _NO_OFFSET)
+    return first, -np.float32(k) * _GLOW_SHARE, chord, sign
 
 
 @njit(inline="always", **COMPILE)
-def zenith_place(cos_theta):  # type: ignore[no-untyped-def]
-    """First number of the interval of a height, cos theta >= 0, and the share within it."""
-    at = min(math.sqrt(cos_theta) * _ZENITH_SCALE, _END)
-    k = np.int32(at)
-    return k * _ZENITH_STRIDE, at - np.float32(k)
+def zenith_piece(root):  # type: ignore[no-untyped-def]
+    """The piece of a height, by the root of cos theta: its first number, and where it begins."""
+    k = min(np.int32(root * _ZENITH_PIECES_A_UNIT), _ZENITH_LAST)
+    return k * _ZENITH_STRIDE, -(np.float32(k) + _HALF) * _ZENITH_SHARE
 
 
 def sky_tables(distribution: FloatArray, mean_radiance: FloatArray) -> tuple[Float32Array, ...]:
-    """The flat tables of a sky, of its glow and of the zenith's part.
+    """The flat tables of a sky, of its glow S and of Z, and H (4,) of the colours and a pad.
 
     `distribution` (3, 9) and `mean_radiance` (3,) are the formula's numbers.
     """
-    glow = np.zeros(2 * INTERVALS * GLOW_NUMBERS, np.float32)
-    zenith = np.zeros((INTERVALS + 1) * ZENITH_NUMBERS, np.float32)
-    values = np.empty(2 * INTERVALS + 1, np.float32)
-    fill_tables(fold(distribution, mean_radiance), glow, zenith, values)
-    return glow, zenith
+    glow = np.empty(2 * AWAY, np.float32)
+    zenith = np.zeros(BELOW_HORIZON + ZENITH_PIECE, np.float32)
+    values = np.empty(max(_GLOW_NODES, _ZENITH_NODES), np.float32)
+    numbers = fold(distribution, mean_radiance)
+    fill_tables(numbers, glow, zenith, values)
+    levels = np.zeros(COEFFICIENT, np.float32)
+    levels[:3] = numbers[:, 10]
+    return glow, zenith, levels

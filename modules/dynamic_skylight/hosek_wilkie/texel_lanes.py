@@ -1,19 +1,31 @@
-"""Four texels at once from the two tables of a sky, in the processor's vectors.
+"""Texels of a row from the two tables of a sky, in the processor's vectors.
 
-A texel's colours lie side by side in the tables, so that one load brings a coefficient of all
-three. numba has no vectors: these are written in LLVM's own terms. Where the processor's are
-narrower LLVM takes several; each lane is rounded by itself, so that no digit depends on it.
+A single texel takes its piece of a table, the colours side by side. Eight neighbours of a large map
+take one piece together: a lane is then a texel, its colours are three vectors, and each coefficient
+is loaded once for all eight. numba has no vectors: these are written in LLVM's own terms. Where
+the processor's are narrower LLVM takes several; each lane is rounded by itself, so that no digit
+depends on it.
 """
 
 from typing import Any
 
 import numpy as np
 
+from dynamic_skylight.hosek_wilkie.sky_tables import (
+    COEFFICIENT,
+    GLOW_DEGREE,
+    GLOW_PER_UNIT,
+    GLOW_REACH,
+    ZENITH_DEGREE,
+    ZENITH_PER_UNIT,
+    ZENITH_REACH,
+)
 from vrut_lite.lazy import lazy
 from vrut_lite.njit import cgutils, intrinsic, types
 
 ir = lazy("llvmlite.ir")
-TEXELS = 4
+# Texels of a block, which takes one piece of a table.
+BLOCK = 8
 LARGEST_HALF = 65504.0
 # In bits of a float32: half an ulp of a half, less one; bits that a half lacks.
 _ROUND, _SHIFT = 0x0FFF, 13
@@ -28,72 +40,158 @@ _ROUNDER, _MANTISSA_BITS = 1.5 * 2**23, 23
 
 
 @intrinsic
-def look_up_zenith(  # type: ignore[no-untyped-def]
-    _context, factors, terms, table, first, share, texel, twin
-):
-    """Writes Z to `factors` and Z H sqrt(cos theta) to `terms` (4 n,), for a texel and its twin.
-
-    `first` and `share` as `zenith_place` returns them for the flat `table`.
-    """
+def zenith_of_texel(_context, factors, table, piece, x, texel, twin):  # type: ignore[no-untyped-def]
+    """Writes Z to factors[4 texel:+3] and to that of its twin; `zenith_piece` finds `piece`."""
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         lanes = _Lanes(context, builder, signature, arguments)
-        found = lanes.quadratic(
-            [lanes.load(2, arguments[3], 8 * power, 8) for power in range(3)],
-            lanes.spread(arguments[4], 8),
-        )
-        for output in (0, 1):
-            half = lanes.part(found, range(4 * output, 4 * output + 4))
-            for place in arguments[5:]:
-                lanes.store(half, output, builder.mul(place, place.type(4)))
-        return context.get_dummy_value()
-
-    index, real = types.uintp, types.float32
-    return types.void(factors, terms, table, index, real, index, index), build
-
-
-@intrinsic
-def shade_texels(  # type: ignore[no-untyped-def]
-    _context, out, place, table, first, share, texel, factors, terms
-):
-    """Writes out[place:+12], the sky of four texels from `texel` on; out[place + 12] may be spoilt.
-
-    `first` (n,) and `share` (n,) are the texels' places in the flat glow `table`; `factors` and
-    `terms` (4 n,) are those of `look_up_zenith`. Radiance below 0 becomes 0. `out` is float32;
-    uint16, bits of the nearest half, ties to even; or uint8, 255 (1 - 2^-x) of a radiance x.
-    """
-
-    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        lanes = _Lanes(context, builder, signature, arguments)
-        pairs = [_light_of_pair(builder, lanes, arguments[5], pair) for pair in (0, 2)]
-        kind = signature.args[0].dtype
-        if kind == types.float32:
-            # Each store's pad is overwritten by the next.
-            for k in range(TEXELS):
-                part = lanes.part(pairs[k // 2], range(4 * (k % 2), 4 * (k % 2) + 4))
-                lanes.store(part, 0, builder.add(arguments[1], arguments[1].type(3 * k)))
-        else:
-            encode = lanes.halves if kind == types.uint16 else lanes.bytes
-            colours = [4 * k + c for k in range(TEXELS) for c in range(3)]
-            lanes.store(lanes.part(encode(lanes.joined(*pairs)), colours), 0, arguments[1])
+        piece, x = arguments[2:4]
+        found = lanes.polynomial(1, piece, lanes.spread(x, COEFFICIENT), ZENITH_DEGREE)
+        for texel in arguments[4:]:
+            lanes.store(found, 0, builder.mul(texel, texel.type(COEFFICIENT)))
         return context.get_dummy_value()
 
     index = types.uintp
-    return types.void(out, index, table, first, share, index, factors, terms), build
+    return types.void(factors, table, index, types.float32, index, index), build
 
 
-def _light_of_pair(builder: Any, lanes: Any, texel: Any, pair: int) -> Any:
-    """Radiance of two texels, a pad after each."""
-    size = texel.type
-    texel = builder.add(texel, size(pair))
-    at = [texel, builder.add(texel, size(1))]
-    places = [builder.zext(lanes.number(3, k), size) for k in at]
-    shares = lanes.joined(*[lanes.spread(lanes.number(4, k), 4) for k in at])
-    powers = [lanes.joined(*[lanes.load(2, k, 4 * power, 4) for k in places]) for power in range(3)]
-    column = builder.mul(texel, size(4))
-    factor, term = (lanes.load(argument, column, 0, 8) for argument in (6, 7))
-    light = lanes.sum_of_product(lanes.quadratic(powers, shares), factor, term)
-    return lanes.larger(light, 0.0)
+@intrinsic
+def light_of_texel(  # type: ignore[no-untyped-def]
+    _context, light, table, piece, x, factors, root, levels, texel
+):
+    """Writes Z (S + H sqrt(cos theta)) to light[3 texel:+3], and spoils one more.
+
+    `glow_piece` finds `piece` and `x`; `root` is that of the cosine, `levels` (4,) H.
+    """
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = _Lanes(context, builder, signature, arguments)
+        piece, x, _, root, _, texel = arguments[2:]
+        glow = lanes.polynomial(1, piece, lanes.spread(x, COEFFICIENT), GLOW_DEGREE)
+        level = lanes.load(6, texel.type(0), 0, COEFFICIENT)
+        both = lanes.sum_of_product(level, lanes.spread(root, COEFFICIENT), glow)
+        factor = lanes.load(4, builder.mul(texel, texel.type(COEFFICIENT)), 0, COEFFICIENT)
+        lanes.store(builder.fmul(both, factor), 0, builder.mul(texel, texel.type(3)))
+        return context.get_dummy_value()
+
+    index, real = types.uintp, types.float32
+    return types.void(light, table, index, real, factors, real, levels, index), build
+
+
+@intrinsic
+def encode_numbers(_context, out, place, light, first):  # type: ignore[no-untyped-def]
+    """Writes out[place:+16], `light` from `first` on, or 0 where it is negative.
+
+    `out` is float32; uint16, bits of the nearest half, ties to even; or uint8, 255 (1 - 2^-x) of
+    a radiance x.
+    """
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = _Lanes(context, builder, signature, arguments)
+        found = lanes.encoded(lanes.load(2, arguments[3], 0, 2 * BLOCK), signature.args[0].dtype)
+        lanes.store(found, 0, arguments[1])
+        return context.get_dummy_value()
+
+    return types.void(out, types.uintp, light, types.uintp), build
+
+
+@intrinsic
+def zenith_of_blocks(  # type: ignore[no-untyped-def]
+    _context, factors, stride, table, roots, inverse, piece, start, texel, twin
+):
+    """Writes Z of eight texels from `texel` on of a row of a large map, in reverse from `twin` on.
+
+    The colours of `factors` lie `stride` numbers apart. Roots of the cosines and inverse lengths
+    are known from `texel` on and written from `twin` on. The texels' piece of the flat `table`
+    begins at `piece`; it starts at `start`.
+    """
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = _Lanes(context, builder, signature, arguments)
+        stride = arguments[1]
+        piece, start, texel, twin = arguments[5:]
+        root = lanes.load(3, texel, 0, BLOCK)
+        lanes.store(lanes.reversed(root), 3, twin)
+        lanes.store(lanes.reversed(lanes.load(4, texel, 0, BLOCK)), 4, twin)
+        x = lanes.within(root, start, ZENITH_PER_UNIT / ZENITH_REACH)
+        for colour in range(3):
+            found = lanes.polynomial(2, piece, x, ZENITH_DEGREE, colour)
+            lanes.store(found, 0, texel)
+            lanes.store(lanes.reversed(found), 0, twin)
+            texel, twin = builder.add(texel, stride), builder.add(twin, stride)
+        return context.get_dummy_value()
+
+    index, real = types.uintp, types.float32
+    kinds = factors, index, table, roots, inverse, index, real, index, index
+    return types.void(*kinds), build
+
+
+@intrinsic
+def place_block(  # type: ignore[no-untyped-def]
+    _context, places, place, across, inverse, texel, height, along, normal, up, sign, start
+):
+    """Writes places[place:+8], of eight texels from `texel` on in their piece of the glow's table.
+
+    Directions are (across (n,), 1, height) times `inverse` (n,), the sun's (along, normal, up).
+    Chords are those to the sun or, with a `sign` of -1, to the point opposite; the piece starts
+    at `start`.
+    """
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = _Lanes(context, builder, signature, arguments)
+        texel, height, *sun, sign, start = arguments[4:]
+        outwards = builder.fmul(lanes.load(3, texel, 0, BLOCK), lanes.spread(sign, BLOCK))
+        minus = [lanes.spread(builder.fsub(each.type(-0.0), each), BLOCK) for each in sun]
+        dx = lanes.sum_of_product(lanes.load(2, texel, 0, BLOCK), outwards, minus[0])
+        dy = builder.fadd(outwards, minus[1])
+        dz = lanes.sum_of_product(lanes.spread(height, BLOCK), outwards, minus[2])
+        squared = lanes.sum_of_product(dx, dx, builder.fmul(dy, dy))
+        chord = lanes.root(lanes.sum_of_product(dz, dz, squared))
+        lanes.store(lanes.within(chord, start, GLOW_PER_UNIT / GLOW_REACH), 0, arguments[1])
+        return context.get_dummy_value()
+
+    index, real = types.uintp, types.float32
+    kinds = places, index, across, inverse, index, real, real, real, real, real, real
+    return types.void(*kinds), build
+
+
+@intrinsic
+def light_of_blocks(  # type: ignore[no-untyped-def]
+    _context, out, texel, table, first, second, places, place, factors, stride, roots, levels
+):
+    """Writes out[3 texel:+48], two blocks of a row of a large map, as `encode_numbers` does.
+
+    Their pieces of the flat `table` begin at `first` and `second`, their places in these at
+    places[place]. `factors` are those of `zenith_of_blocks`, `roots` (n,) those of the cosines,
+    `levels` (4,) H.
+    """
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = _Lanes(context, builder, signature, arguments)
+        texel, place, stride = arguments[1], arguments[6], arguments[8]
+        halves = [
+            (piece, lanes.load(5, place, offset, BLOCK))
+            for piece, offset in zip(arguments[3:5], (0, BLOCK), strict=True)
+        ]
+        root = lanes.load(9, texel, 0, 2 * BLOCK)
+        colours, column = [], texel
+        for colour in range(3):
+            glow = lanes.joined(
+                *[lanes.polynomial(2, piece, x, GLOW_DEGREE, colour) for piece, x in halves]
+            )
+            level = lanes.spread(lanes.number(10, texel.type(colour)), 2 * BLOCK)
+            both = lanes.sum_of_product(level, root, glow)
+            light = builder.fmul(both, lanes.load(7, column, 0, 2 * BLOCK))
+            colours.append(lanes.encoded(light, signature.args[0].dtype))
+            column = builder.add(column, stride)
+        place = builder.mul(texel, texel.type(3))
+        for k, part in enumerate(lanes.interleaved(*colours)):
+            lanes.store(part, 0, builder.add(place, place.type(2 * BLOCK * k)))
+        return context.get_dummy_value()
+
+    index = types.uintp
+    kinds = out, index, table, index, index, places, index, factors, index, roots, levels
+    return types.void(*kinds), build
 
 
 class _Lanes:
@@ -126,9 +224,6 @@ class _Lanes:
         undefined = ir.Constant(vector.type, ir.Undefined)
         return self._builder.shuffle_vector(vector, undefined, _integers(lanes))
 
-    def joined(self, first: Any, second: Any) -> Any:
-        return self._builder.shuffle_vector(first, second, _integers(range(2 * first.type.count)))
-
     def spread(self, number: Any, count: int) -> Any:
         undefined = ir.Constant(ir.VectorType(ir.FloatType(), count), ir.Undefined)
         one = self._builder.insert_element(undefined, number, ir.IntType(32)(0))
@@ -144,9 +239,56 @@ class _Lanes:
         )
         return self._builder.call(function, [first, second, third])
 
-    def quadratic(self, powers: list[Any], share: Any) -> Any:
-        constant, linear, square = powers
-        return self.sum_of_product(share, self.sum_of_product(share, square, linear), constant)
+    def root(self, vector: Any) -> Any:
+        kind = vector.type
+        function = cgutils.get_or_insert_function(
+            self._builder.module, ir.FunctionType(kind, [kind]), f"llvm.sqrt.v{kind.count}f32"
+        )
+        return self._builder.call(function, [vector])
+
+    def within(self, vector: Any, start: Any, scale: float) -> Any:
+        """Places in a piece, -1 to 1: `scale` times `vector`, and the piece's start."""
+        start = self.spread(start, vector.type.count)
+        return self.sum_of_product(vector, _floats(vector, scale), start)
+
+    def reversed(self, vector: Any) -> Any:
+        return self.part(vector, range(vector.type.count)[::-1])
+
+    def polynomial(
+        self, argument: int, first: Any, x: Any, degree: int, colour: int | None = None
+    ) -> Any:
+        """The piece of a table that begins at `first`: one colour a lane, or `colour` in all."""
+        found = None
+        for power in range(degree, -1, -1):
+            if colour is None:
+                loaded = self.load(argument, first, COEFFICIENT * power, x.type.count)
+            else:
+                at = self._builder.add(first, first.type(COEFFICIENT * power + colour))
+                loaded = self.spread(self.number(argument, at), x.type.count)
+            found = loaded if found is None else self.sum_of_product(found, x, loaded)
+        return found
+
+    def interleaved(self, red: Any, green: Any, blue: Any) -> list[Any]:
+        """Three vectors of the colours of texels side by side."""
+        count = red.type.count
+        found = []
+        for k in range(3):
+            lanes = range(count * k, count * (k + 1))
+            two = [lane // 3 + (count if lane % 3 == 1 else 0) for lane in lanes]
+            three = [count + lane // 3 if lane % 3 == 2 else lane - count * k for lane in lanes]
+            both = self._builder.shuffle_vector(red, green, _integers(two))
+            found.append(self._builder.shuffle_vector(both, blue, _integers(three)))
+        return found
+
+    def encoded(self, light: Any, kind: Any) -> Any:
+        """`light` in the numbers of `kind`, 0 where it is negative."""
+        light = self.larger(light, 0.0)
+        if kind == types.float32:
+            return light
+        return self.halves(light) if kind == types.uint16 else self.bytes(light)
+
+    def joined(self, first: Any, second: Any) -> Any:
+        return self._builder.shuffle_vector(first, second, _integers(range(2 * first.type.count)))
 
     def larger(self, vector: Any, least: float) -> Any:
         bound = _floats(vector, least)

@@ -7,24 +7,31 @@ from numpy.typing import ArrayLike
 
 from dynamic_skylight.hosek_wilkie.sky_tables import (
     BELOW_HORIZON,
+    COEFFICIENT,
     COMPILE,
-    glow_place,
+    GLOW_SCALE,
+    ZENITH_SCALE,
+    glow_piece,
     sky_tables,
-    zenith_place,
+    zenith_piece,
 )
-from dynamic_skylight.hosek_wilkie.texel_lanes import TEXELS, look_up_zenith, shade_texels
+from dynamic_skylight.hosek_wilkie.texel_lanes import (
+    BLOCK,
+    encode_numbers,
+    light_of_texel,
+    zenith_of_texel,
+)
 from vrut_lite.arguments import as_vectors
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.njit import njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-# Directions whose places are computed before they are looked up; a multiple of `TEXELS`.
+# Directions whose places are computed before they are looked up; a multiple of `BLOCK`.
 _BLOCK = 256
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 # Beyond them the square of a length leaves single precision.
 _LONGEST, _LEAST = 1e18, np.float32(1e-36)
 _BELOW = np.int32(BELOW_HORIZON)
-_GROUP, _COLOURS = np.uintp(TEXELS), np.uintp(3)
 
 
 def radiance_towards(
@@ -38,22 +45,26 @@ def radiance_towards(
     towards = as_vectors("directions", directions, _LONGEST)
     single = np.ascontiguousarray(towards.reshape(-1, 3), np.float32)
     sun = world_from_enu(direction_from_angles(sun_azimuth_rad, sun_elevation_rad))
-    # The last block is computed whole, and a pad follows it.
+    # The last block is computed whole.
     blocks = -(-len(single) // _BLOCK)
-    out = np.empty((blocks * _BLOCK + 1, 3), np.float32)
+    out = np.empty((blocks * _BLOCK, 3), np.float32)
     tables = sky_tables(distribution, mean_radiance)
-    if not _fill(single.reshape(-1), sun.astype(np.float32), *tables, out.reshape(-1)):
+    # Separate arrays: in rows of one the loop would not compile to vector code.
+    pieces = np.zeros(_BLOCK, np.int32), np.zeros(_BLOCK, np.int32)
+    # A texel of light spoils the first number of the next.
+    sizes = _BLOCK, _BLOCK, _BLOCK, COEFFICIENT * _BLOCK, 3 * _BLOCK + 1
+    spaces = *pieces, *(np.zeros(size, np.float32) for size in sizes)
+    toward_sun = sun.astype(np.float32)
+    if not _fill(single.reshape(-1), toward_sun, tables, out.reshape(-1), spaces):
         raise ValueError("directions must be longer than 1e-18")
     return out[: len(single)].reshape(towards.shape)
 
 
 @njit(**COMPILE)
-def _fill(directions, sun, glow, zenith, out):  # type: ignore[no-untyped-def]
+def _fill(directions, sun, tables, out, spaces):  # type: ignore[no-untyped-def]
     """Whether all directions (3 n,) have a length; their radiance is in `out`, in blocks."""
-    # Separate arrays: in rows of one the loop would not compile to vector code.
-    glow_first, glow_share = np.zeros(_BLOCK, np.int32), np.zeros(_BLOCK, np.float32)
-    zenith_first, zenith_share = np.zeros(_BLOCK, np.int32), np.zeros(_BLOCK, np.float32)
-    factors, terms = np.zeros(4 * _BLOCK, np.float32), np.zeros(4 * _BLOCK, np.float32)
+    glow, zenith, levels = tables
+    glow_at, zenith_at, glow_place, zenith_place, root, factors, light = spaces
     toward_sun = (sun[0], sun[1], sun[2])
     total = directions.size // 3
     for block in range(0, total, _BLOCK):
@@ -65,20 +76,19 @@ def _fill(directions, sun, glow, zenith, out):  # type: ignore[no-untyped-def]
             squared = dx * dx + dy * dy + dz * dz
             shortest = min(shortest, squared)
             q = _ONE / math.sqrt(max(squared, _LEAST))
-            first, share = glow_place(dx * q, dy * q, dz * q, toward_sun)
-            glow_first[j], glow_share[j] = first, share
-            first, share = zenith_place(max(dy * q, _ZERO))
-            zenith_first[j] = first if dy >= _ZERO else _BELOW
-            zenith_share[j] = share
+            first, start, chord, _ = glow_piece(dx * q, dy * q, dz * q, toward_sun)
+            glow_at[j], glow_place[j] = first, start + chord * GLOW_SCALE
+            root[j] = math.sqrt(max(dy * q, _ZERO))
+            first, start = zenith_piece(root[j])
+            zenith_at[j] = first if dy >= _ZERO else _BELOW
+            zenith_place[j] = start + root[j] * ZENITH_SCALE
         if shortest < _LEAST:
             return False
         for j in range(count):
             at = np.uintp(j)
-            look_up_zenith(
-                factors, terms, zenith, np.uintp(zenith_first[j]), zenith_share[j], at, at
-            )
-        for group in range((np.uintp(count) + _GROUP - np.uintp(1)) // _GROUP):
-            at = group * _GROUP
-            place = (np.uintp(block) + at) * _COLOURS
-            shade_texels(out, place, glow, glow_first, glow_share, at, factors, terms)
+            zenith_of_texel(factors, zenith, np.uintp(zenith_at[j]), zenith_place[j], at, at)
+            piece = np.uintp(glow_at[j])
+            light_of_texel(light, glow, piece, glow_place[j], factors, root[j], levels, at)
+        for j in range(0, 3 * count, 2 * BLOCK):
+            encode_numbers(out, np.uintp(3 * block + j), light, np.uintp(j))
     return True
