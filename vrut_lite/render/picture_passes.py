@@ -10,6 +10,7 @@ from vrut_lite.kernel.work_counters import WorkCounters
 from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.frame_parts import FrameParts, PartDefines, PartFailed
 from vrut_lite.render.light import Light, Reflection, Shadows
+from vrut_lite.render.passes.deferred_meshes import DeferredMeshes
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.sky_pass import SkyPass, VisibleSun
 from vrut_lite.render.passes.tone_pass import TonePass
@@ -82,6 +83,7 @@ class PicturePasses:
         placed: list[PlacedPrimitive],
         defines: Defines,
         blended: bool,
+        deferred: DeferredMeshes | None = None,
     ) -> None:
         """Draw some of a shot's meshes."""
         self.meshes.draw(
@@ -95,6 +97,7 @@ class PicturePasses:
             defines,
             self.parts.air_defines_on,
             blended,
+            deferred,
         )
 
     def release(self) -> None:

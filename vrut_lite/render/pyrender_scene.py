@@ -22,6 +22,8 @@ from vrut_lite.render.gl_environment import import_pyrender
 pyrender = import_pyrender()
 GL_POINTS, GL_LINES = 0, 1
 _TRIANGLES_AT_A_TIME = 1 << 15
+# Smallest size (texels) of a chart, to divide by.
+_LEAST_CHART_PX = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,9 +220,18 @@ def _cut_up(mesh: Mesh, surface: "Surface", chart: MeshChart | None) -> _Cut:
         material=surface,
     )
     primitive.wound_as_normals = _wound_as_normals(primitive)
+    primitive.chart_px = _chart_px(chart)
     model_from_centred = np.eye(4)
     model_from_centred[:3, 3] = centre
     return _Cut(primitive, model_from_centred)
+
+
+def _chart_px(chart: MeshChart | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """First corner (2,) and size (2,) of a chart, in texels; of 1 without one."""
+    if chart is None or not len(chart.uv):
+        return np.zeros(2), np.ones(2)
+    first = chart.uv.min(axis=0).astype(float)
+    return first, np.maximum(chart.uv.max(axis=0) - first, _LEAST_CHART_PX)
 
 
 class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]

@@ -115,7 +115,7 @@ class DepthTexture:
 
 
 class FloatDepth:
-    """A 32-bit depth attachment of a moderngl framebuffer, which has none yet; 0 `samples`: one."""
+    """A 32-bit depth attachment of a moderngl framebuffer, which has none yet; several samples."""
 
     def __init__(self, framebuffer: Any, size: tuple[int, int], samples: int):
         self._name = int(GL.glGenRenderbuffers(1))

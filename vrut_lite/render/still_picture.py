@@ -14,6 +14,8 @@ from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.value_picture import value_pixels, values_of
 from vrut_lite.render.card_targets import CardTargets
 from vrut_lite.render.culling import in_view, part_of
+from vrut_lite.render.passes.caster_renderer import is_all_solid
+from vrut_lite.render.passes.deferred_meshes import DeferredMeshes
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.picture_passes import ONE_SAMPLE, FrameInputs, PicturePasses
@@ -24,7 +26,7 @@ from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import SAMPLES, Targets
-from vrut_lite.render.tiles import Piece, TiledPass
+from vrut_lite.render.tiles import Piece, TiledPass, smaller_boxes
 from vrut_lite.scene.scene_state import SceneState, Shown
 
 # A still is the mean of pictures with one sample per pixel, shifted to the right and up, in pixels.
@@ -45,7 +47,7 @@ class StillPictures:
 
     def __init__(self, passes: PicturePasses, several_samples: bool):
         """`several_samples`: an unfinished picture is one multisampled picture."""
-        self._passes = passes
+        self._passes, self._defers = passes, not several_samples
         self._shifts_px = _UNSHIFTED_PX if several_samples else FEWER_SHIFTS_PX
         self._pieces = TiledPass(passes.patience)
         context = passes.context
@@ -202,20 +204,57 @@ class StillPictures:
     ) -> None:
         """Draw meshes in pieces of the picture, opaque ones after their depth."""
         passes = self._passes
+        # The same in all pieces: pixels must not depend on where these end.
+        fit = self._defers and targets.has_one_sample and not blended
+        deferred = DeferredMeshes.among(placed if fit else [], shot.view, targets.size)
+        if deferred.numbers:
+            passes.counters.did("deferred mesh", len(deferred.numbers))
 
         def draw(piece: Piece) -> None:
             within = placed
             if shot.state.skips.meshes and piece[2:] != targets.size:
                 part = part_of(shot.view, targets.size, piece)
                 within = [p for p in placed if in_view(p, part)]
-            if not blended:
+            here = deferred.within(within, piece)
+            if blended:
+                passes.draw_meshes(shot, within, defines, blended)
+            elif here.numbers:
+                self._draw_deferred(targets, shot, within, defines, piece, here)
+            else:
                 passes.meshes.draw_depth_of_solid(within, shot.view)
                 # At equal depth the last fragment shows: that of the nearer mesh.
-                within = within[::-1]
-            passes.draw_meshes(shot, within, defines, blended)
+                passes.draw_meshes(shot, within[::-1], defines, blended)
 
         if placed:
             self._pieces.draw(targets.size, draw)
+
+    def _draw_deferred(
+        self,
+        targets: DrawnInto,
+        shot: FrameInputs,
+        placed: list[PlacedPrimitive],
+        defines: Defines,
+        piece: Piece,
+        deferred: DeferredMeshes,
+    ) -> None:
+        """Draw opaque meshes, given from near to far, some of them deferred."""
+        assert isinstance(targets, Targets)
+        passes, surfaces = self._passes, targets.surfaces
+        at_once = [each for each in placed[::-1] if each not in deferred.numbers]
+        solid: list[PlacedPrimitive] = []
+        holed: list[PlacedPrimitive] = []
+        for each in at_once:
+            (solid if is_all_solid(each.primitive.material) else holed).append(each)
+        with smaller_boxes(piece):
+            surfaces.begin(deferred.boxes.values())
+        passes.meshes.draw_surfaces(placed, shot.view, passes.parts, deferred)
+        with smaller_boxes(piece):
+            surfaces.number(deferred.boxes.values())
+        passes.draw_meshes(shot, solid, defines, blended=False)
+        # At equal depth the nearer mesh has a pixel's number.
+        with smaller_boxes(piece), surfaces.lit():
+            passes.draw_meshes(shot, list(deferred.numbers), defines, False, deferred)
+        passes.draw_meshes(shot, holed, defines, blended=False)
 
     def _draw_sky(self, targets: DrawnInto, shot: FrameInputs) -> None:
         passes, skips = self._passes, shot.state.skips

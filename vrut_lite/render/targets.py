@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.render.graphics_memory import allocated
-from vrut_lite.render.reversed_depth import FloatDepth
+from vrut_lite.render.passes.surface_buffer import SurfaceBuffer
+from vrut_lite.render.reversed_depth import DepthTexture, FloatDepth
 from vrut_lite.render.unlocked import read_colours, read_rgba
 
 SAMPLES = 4
@@ -35,14 +36,28 @@ class Targets:
         self.buffer = self._resolved
         if self._colour is not None:
             self.buffer = context.framebuffer([self._colour])
-        # In OpenGL 0 means one sample, whose depth is tested before it is shaded.
-        self._depth = FloatDepth(self.buffer, size, samples if samples > 1 else 0)
+        self._depth: FloatDepth | DepthTexture
+        if samples > 1:
+            self._depth = FloatDepth(self.buffer, size, samples)
+        else:
+            self._depth = DepthTexture(size)
+            self.buffer.use()
+            self._depth.attach()
+        self._surfaces: SurfaceBuffer | None = None
         self.display = context.framebuffer([self.display_texture])
 
     @property
     def has_one_sample(self) -> bool:
         """Whether pixels have one sample each."""
         return self.buffer is self._resolved
+
+    @property
+    def surfaces(self) -> SurfaceBuffer:
+        """Attributes of the surfaces in a picture with one sample per pixel, made on first use."""
+        assert isinstance(self._depth, DepthTexture)
+        if self._surfaces is None:
+            self._surfaces = SurfaceBuffer(self._context, self.buffer, self.radiance, self._depth)
+        return self._surfaces
 
     def resolved(self) -> Any:
         """The texture with the mean of each pixel's samples."""
@@ -68,6 +83,8 @@ class Targets:
         if self._colour is not None:
             self.buffer.release()
             self._colour.release()
+        if self._surfaces is not None:
+            self._surfaces.release()
         for thing in (self._resolved, self.display, self._depth, self.radiance,
                       self.display_texture):  # fmt: skip
             thing.release()

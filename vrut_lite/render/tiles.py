@@ -4,7 +4,8 @@ A software renderer takes seconds for a finished picture. After each piece the c
 picture up, so that a user need not wait for it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from time import perf_counter, thread_time
 from typing import NamedTuple
 
@@ -35,6 +36,12 @@ class Piece(NamedTuple):
     def tiles(self) -> float:
         """Its area, in tiles."""
         return (self.right - self.left) * (self.upper - self.lower) / TILE**2
+
+    def within(self, other: "Piece") -> "Piece":
+        """Its part within another, perhaps without pixels."""
+        left, right = (min(max(x, other.left), other.right) for x in self[::2])
+        lower, upper = (min(max(y, other.lower), other.upper) for y in self[1::2])
+        return Piece(left, lower, right, upper)
 
 
 class Patience:
@@ -89,7 +96,7 @@ class TiledPass:
         try:
             while lower < size[1]:
                 piece = piece_at(left, lower, size, self._tiles)
-                GL.glScissor(left, lower, piece.right - left, piece.upper - lower)
+                set_scissor(piece)
                 times_s.append(_timed(draw, piece))
                 self._adapt(piece, *times_s[-1])
                 self._patience.check()
@@ -105,6 +112,24 @@ class TiledPass:
     def _adapt(self, drawn: Piece, placed_s: float, shaded_s: float) -> None:
         tiles = next_tiles(self._tiles, drawn.tiles, placed_s, shaded_s, self._piece_s)
         self._tiles = tiles if self._most_tiles is None else min(tiles, self._most_tiles)
+
+
+def set_scissor(piece: Piece) -> None:
+    """Set GL's scissor box."""
+    GL.glScissor(piece.left, piece.lower, piece.right - piece.left, piece.upper - piece.lower)
+
+
+@contextmanager
+def smaller_boxes(piece: Piece) -> Iterator[None]:
+    """Let GL's scissor box be smaller than the piece that is being drawn."""
+    was_enabled = GL.glIsEnabled(GL.GL_SCISSOR_TEST)
+    GL.glEnable(GL.GL_SCISSOR_TEST)
+    try:
+        yield
+    finally:
+        set_scissor(piece)
+        if not was_enabled:
+            GL.glDisable(GL.GL_SCISSOR_TEST)
 
 
 def _timed(draw: Callable[[Piece], None], piece: Piece) -> tuple[float, float]:

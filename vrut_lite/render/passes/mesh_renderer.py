@@ -20,6 +20,7 @@ from vrut_lite.render import direct_gl
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
+from vrut_lite.render.passes.deferred_meshes import DeferredMeshes
 from vrut_lite.render.passes.draw_order import alpha_range
 from vrut_lite.render.passes.programs import Program
 from vrut_lite.render.passes.shadows_on_mesh import OnMesh, bind_shadows, shadows_on
@@ -38,6 +39,8 @@ from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 _SKY_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 10, 11
 # Roughness from which both lobes of `sky_image` are as wide as the first level of the map.
 _NO_MIRROR = (0.8 - math.sqrt(0.64 - 1.44 * LEVEL_ROUGHNESS[0])) / 0.72
+# Defines of surfaces whose light depends on changes from pixel to pixel.
+_CHANGES_READ_BY = ("MIRROR", "VIEW_LIGHT")
 _LAYER_UNIFORMS: dict[str, MapName] = {
     "base_color_layer": "base_colour",
     "metallic_roughness_layer": "metallic_roughness",
@@ -90,6 +93,32 @@ class MeshRenderer(CasterRenderer):
         for placed in placed_in_order:
             self._draw_depth_of(placed, view, Side(0 if placed.is_two_sided else GL.GL_BACK))
         GL.glColorMask(*4 * [GL.GL_TRUE])
+
+    def draw_surfaces(
+        self,
+        placed_in_order: Iterable[PlacedPrimitive],
+        view: View,
+        lighting: SurfaceLighting,
+        deferred: DeferredMeshes,
+    ) -> None:
+        """Draw the depth of opaque meshes, and attributes of deferred ones."""
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthMask(GL.GL_TRUE)
+        GL.glDepthFunc(GL.GL_GREATER)
+        for placed in placed_in_order:
+            if placed in deferred.numbers:
+                of_light = lighting.surface_defines(placed)
+                read = (define for define in _CHANGES_READ_BY if define in of_light)
+                defines = ("ONE_SAMPLE", "TO_BUFFER", *read, *self._cuts(placed))
+                program = self._mesh_program(placed.primitive, defines)
+                deferred.set_place(program, placed)
+                self._set_place(program, placed, view)
+                draw_side(placed.primitive, Side(GL.GL_BACK))
+                direct_gl.disable(GL.GL_CLIP_DISTANCE0)
+            elif is_all_solid(placed.primitive.material):
+                GL.glColorMask(*4 * [GL.GL_FALSE])
+                self._draw_depth_of(placed, view, Side(0 if placed.is_two_sided else GL.GL_BACK))
+                GL.glColorMask(*4 * [GL.GL_TRUE])
 
     def _draw_depth_of(self, placed: PlacedPrimitive, view: View, side: Side) -> None:
         self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
@@ -152,15 +181,18 @@ class MeshRenderer(CasterRenderer):
         defines: Defines,
         defines_on: Callable[[PlacedPrimitive], Defines],
         blended: bool = False,
+        deferred: DeferredMeshes | None = None,
     ) -> None:
         """Draw meshes of the scene, one after another, with reversed depth.
 
         `defines` apply to all programs, `defines_on` adds those of a mesh. Blended materials draw
-        their opaque texels, or with `blended` the others.
+        their opaque texels, or with `blended` the others. `deferred` meshes are lit in pixels of
+        their numbers.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
-        GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
-        GL.glDepthMask(GL.GL_FALSE if blended else GL.GL_TRUE)
+        compares = GL.GL_GREATER if blended else GL.GL_GEQUAL
+        GL.glDepthFunc(compares if deferred is None else GL.GL_EQUAL)
+        GL.glDepthMask(GL.GL_TRUE if deferred is None and not blended else GL.GL_FALSE)
         of_picture = {
             "reflection_scale": float(reflection.scale),
             "level_roughness": np.array(LEVEL_ROUGHNESS),
@@ -176,13 +208,14 @@ class MeshRenderer(CasterRenderer):
             of_picture["polariser_axis"] = light.polariser
         _bind_maps(light, shadows, reflection)
         known_shadows: dict[str, OnMesh] = {}
+        lit: Defines = () if deferred is None else ("FROM_BUFFER",)
         for placed in placed_in_order:
             of_light = lighting.surface_defines(placed)
             shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view, known_shadows)
             for side in sides(placed, blended):
                 own = (
                     *shadow_defines,
-                    *self._cuts(placed),
+                    *(lit or self._cuts(placed)),
                     *cut_out_defines(placed.primitive.material),
                     *_lobe_defines(placed.primitive.material),
                     *_polarised_defines(placed.primitive.material, light),
@@ -194,12 +227,15 @@ class MeshRenderer(CasterRenderer):
                 program = self._mesh_program(placed.primitive, (*defines, *own))
                 program.set_uniforms("picture", of_picture)
                 program.set_uniforms("shadow", shadow_uniforms)
-                self._set_place(program, placed, view)
                 self._set_surface(program, placed, blended)
                 if of_light:
                     program.set_uniforms("light", lighting.bind_surface(placed))
-                draw_side(placed.primitive, side, blended)
-                direct_gl.disable(GL.GL_CLIP_DISTANCE0)
+                if deferred is None:
+                    self._set_place(program, placed, view)
+                    draw_side(placed.primitive, side, blended)
+                    direct_gl.disable(GL.GL_CLIP_DISTANCE0)
+                else:
+                    deferred.draw(program, placed)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
         # Glass uses dual-source blending. While that blend function is set, Mesa cannot draw into

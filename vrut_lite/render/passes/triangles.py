@@ -61,3 +61,12 @@ def draw_triangles(primitive: Any) -> None:
     else:
         direct_gl.draw_arrays(primitive.mode, 0, len(primitive.positions))
     direct_gl.bind_vertices(0)
+
+
+def draw_whole_picture(primitive: Any) -> None:
+    """Draw one triangle of a program that needs no vertices, with a primitive's vertex array."""
+    direct_gl.disable(GL.GL_BLEND)
+    direct_gl.disable(GL.GL_CULL_FACE)
+    direct_gl.bind_vertices(primitive._vaid)
+    direct_gl.draw_arrays(GL.GL_TRIANGLES, 0, 3)
+    direct_gl.bind_vertices(0)

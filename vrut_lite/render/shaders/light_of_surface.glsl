@@ -26,6 +26,8 @@ vec3 ratio(vec3 wanted, vec3 had, float most) {
 //   radiance of the surroundings and their cover over a lobe from a point relative to the eye, and
 //   float mirror_fade(float roughness), from 0 where that image shows to 1 where it does not
 // * the macro LOBES, where `mirrors` may be true
+// Derivatives across pixels may span two surfaces (FROM_BUFFER): change_of_ray and change_of_place of
+// normals.glsl do not.
 // With the define NO_SKY neither sky nor sun reaches the surface.
 //!include irradiance.glsl
 #endif

@@ -54,6 +54,11 @@ uniform int picture_count;
 // Share of a still's pictures drawn before this one: dithers move by it, and their grain averages out.
 #define PICTURE_SHARE (float(picture_number) / float(picture_count))
 
+#ifdef FROM_BUFFER
+#undef TEXCOORD_0_LOC
+#undef TEXCOORD_1_LOC
+#define eye_to_sample eye_to_point
+#else
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
 #ifdef ONE_SAMPLE
 #define eye_to_sample eye_to_point
@@ -75,8 +80,11 @@ centroid in vec4 vertex_color;
 #ifdef TANGENT_LOC
 centroid in vec2 place_px;           // in the mesh's chart
 #endif
+#endif
 
-#ifdef GLASS
+#ifdef TO_BUFFER
+out uvec4 attributes;
+#elif defined(GLASS)
 layout(location = 0, index = 0) out vec4 frag_radiance;
 layout(location = 0, index = 1) out vec4 share_of_behind;
 #else
@@ -91,6 +99,10 @@ vec2 uv_of(int layer) {
     return first_uv;
 #endif
 }
+#endif
+
+#if defined(TO_BUFFER) || defined(FROM_BUFFER)
+//!include surface_buffer.glsl
 #endif
 
 //!include normals.glsl
@@ -141,7 +153,32 @@ vec4 base_color() {
 //!include cover_samples.glsl
 #endif
 
+#ifdef TO_BUFFER
+// Attributes of an opaque surface without maps; its light follows FROM_BUFFER.
 void main() {
+    vec3 view = normalize(-eye_to_point), face = face_normal(view);
+    bool behind;
+    vec3 n = smooth_normal(face, behind);
+    vec2 in_chart_px = vec2(0.0);
+#ifdef TANGENT_LOC
+    in_chart_px = place_px;
+#endif
+    // Without these defines nothing reads them.
+    float ray_change = 0.0, place_change = 0.0;
+#ifdef MIRROR
+    ray_change = change_of_ray(reflect(-view, n));
+#endif
+#ifdef VIEW_LIGHT
+    place_change = change_of_place(in_chart_px);
+#endif
+    vec2 changes = vec2(ray_change, place_change);
+    attributes = packed_surface(behind ? -n : n, face, in_chart_px, changes);
+}
+#else
+void main() {
+#ifdef FROM_BUFFER
+    read_surface();
+#endif
     vec4 base = base_color();
 #if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
     float alpha_of_map = texture(material.base_color_texture, uv_of(base_color_layer)).a;
@@ -395,3 +432,4 @@ void main() {
     frag_radiance = vec4(radiance, mix(base.a, at_edge ? -holds_rad : holds_rad, opaque));
 #endif
 }
+#endif

@@ -49,6 +49,15 @@ centroid out vec4 vertex_color;
 centroid out vec2 place_px;
 #endif
 
+#ifdef FROM_BUFFER
+uniform int surface_number;
+
+// The whole picture, at the depth of a surface's number.
+void main() {
+    vec2 corner = vec2(4 * (gl_VertexID & 1) - 1, 4 * (gl_VertexID >> 1) - 1);
+    gl_Position = vec4(corner, float(surface_number) / 256.0, 1.0);
+}
+#else
 void main() {
     gl_Position = clip_from_model * vec4(position, 1.0);
     vec4 point = eye_from_model * vec4(position, 1.0);
@@ -75,3 +84,4 @@ void main() {
     place_px = map_place.xy;
 #endif
 }
+#endif

@@ -2,12 +2,32 @@
 
 // The normal of the triangle, on its visible side.
 vec3 face_normal(vec3 view) {
+#ifdef FROM_BUFFER
+    return face_in_buffer;
+#endif
     vec3 n = cross(dFdx(eye_to_point), dFdy(eye_to_point));
     float squared = dot(n, n);
     if (!(squared > 0.0)) return view;
     n *= inversesqrt(squared);
     return dot(n, view) < 0.0 ? -n : n;
 }
+
+// Squared changes from pixel to pixel on one triangle, of a mirrored ray (rad^2) and of a place in
+// the chart (texels^2). Differences of deferred pixels could span two surfaces.
+#ifdef FROM_BUFFER
+float change_of_ray(vec3 mirrored) { return ray_change_in_buffer; }
+float change_of_place(vec2 at_px) { return place_change_in_buffer; }
+#else
+float change_of_ray(vec3 mirrored) {
+    vec3 right = dFdx(mirrored), up = dFdy(mirrored);
+    return max(dot(right, right), dot(up, up));
+}
+
+float change_of_place(vec2 at_px) {
+    vec2 right = dFdx(at_px), up = dFdy(at_px);
+    return max(dot(right, right), dot(up, up));
+}
+#endif
 
 // The interpolated normal, and whether the back face is visible.
 vec3 smooth_normal(vec3 face, out bool behind) {

@@ -52,8 +52,7 @@ vec4 mirror_image(vec3 point, vec3 d, vec3 n, float nv, float alpha) {
     // Texels across half a pixel, and across the lobe there: some 3.5 alpha along the plane of the
     // view, and across it by the cosine less.
     float edge = float(textureSize(mirror, 0).x), away = place.w / length(place.xyz);
-    vec3 right = dFdx(d), down = dFdy(d);
-    float pixel = 0.25 * edge * sqrt(max(dot(right, right), dot(down, down)));
+    float pixel = 0.25 * edge * sqrt(change_of_ray(d));
     float lobe = sqrt(6.0) * edge * alpha * away;
     vec3 along = n - dot(n, d) * d;
     along *= inversesqrt(max(dot(along, along), 1e-8)) * place.w * alpha;

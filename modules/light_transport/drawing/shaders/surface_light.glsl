@@ -115,7 +115,7 @@ float share_of_map() {
 #else
     vec2 at_px = vec2(0.0);
 #endif
-    float texels_apart = surface.view_edge_px * max(length(dFdx(at_px)), length(dFdy(at_px)));
+    float texels_apart = surface.view_edge_px * sqrt(change_of_place(at_px));
     return smoothstep(FINE_POINTS, 2.0 * FINE_POINTS, texels_apart);
 }
 #endif
