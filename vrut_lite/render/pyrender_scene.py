@@ -53,6 +53,11 @@ class PlacedPrimitive:
         return bool(self.primitive.material.doubleSided)
 
     @cached_property
+    def hole_m(self) -> float:
+        """Radius of the hole in the middle of a part of the ground disc, 0 without one."""
+        return float(np.linalg.norm(self.primitive.positions[:, ::2], axis=1).min())
+
+    @cached_property
     def is_mirrored(self) -> bool:
         """Whether its placement reverses its triangles' winding, or is singular."""
         return bool(np.linalg.det(self.world_from_model[:3, :3]) <= 0.0)

@@ -20,6 +20,8 @@ _RANGES_UNIT, _NEAR_RANGES_UNIT = 29, 30
 _STILL_UNIT, _STILL_RANGES_UNIT = 34, 35
 # Blend width of the near map as a fraction of its half width, as in sun_shadow.glsl.
 NEAR_RIM = 0.25
+# Of a hole's radius, for the sides of its polygon and the ground's curvature.
+_SURELY_IN_HOLE = 0.99
 
 
 def bind_shadows(shadows: Shadows) -> None:
@@ -79,7 +81,21 @@ def _maps_of(
             return "near", lambda: ((), _uniforms("shadow", near, view, *units))
         if np.max(np.abs(off)) - radius <= 1.0:
             return "all", lambda: _all_maps(scene, near, view)
+    elif placed.is_ground and lies_in_hole(scene, placed):
+        return "none", lambda: (("NO_SHADOW",), {})
     return "scene", lambda: ((), _uniforms("shadow", scene, view, SHADOW_UNIT, _RANGES_UNIT))
+
+
+def lies_in_hole(shadow: Shadow, ground: PlacedPrimitive) -> bool:
+    """Whether all of the ground in a shadow map lies in the hole of a part of the ground disc."""
+    world_from_map = np.linalg.inv(shadow.matrix[:3, :3])
+    along = world_from_map[:, 2]
+    if along[1] == 0.0:
+        return False
+    corners = np.array([(x, y, 0.0) for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+    place_m = shadow.centre_m - ground.centre_m + corners @ world_from_map.T
+    place_m -= place_m[:, 1:2] / along[1] * along
+    return bool(np.linalg.norm(place_m[:, ::2], axis=1).max() < _SURELY_IN_HOLE * ground.hole_m)
 
 
 def _all_maps(scene: Shadow, near: Shadow | None, view: View) -> OnMesh:

@@ -1,5 +1,10 @@
 // Visibility of the sun by the shadow maps, and transmittance of glass.
 
+#ifdef NO_SHADOW
+// Of a mesh outside the map.
+float sun_visibility(vec3 face) { return 1.0; }
+#else
+
 uniform float shadow_spread;         // penumbra radius (texels) per distance of its caster in depth
 #ifdef STILL_SHADOW
 layout(binding = 34) uniform sampler2D still_map;
@@ -263,4 +268,5 @@ vec3 sun_through_glass(vec3 face) {
     }
     return left / 9.0;
 }
+#endif
 #endif
