@@ -38,9 +38,9 @@ _LARGE_BYTES = 15_000_000
 @click.option(
     "--terms",
     type=click.IntRange(4, 64),
-    default=32,
+    default=40,
     show_default=True,
-    help="Basis maps of the light: more are larger and closer.",
+    help="Basis maps of the light, rounded up to fours: more are larger and closer.",
 )
 @click.option(
     "--stills/--no-stills",

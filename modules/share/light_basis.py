@@ -1,9 +1,11 @@
 """Light maps as sums of few basis maps, by clusters of texels: clustered principal components.
 
-Texels whose light changes alike over the year make a cluster, and each cluster has basis maps of
-its own (Sloan, Hall, Hart and Snyder 2003, "Clustered principal components for precomputed radiance
-transfer"). The three channels share maps and differ in coefficients, which depend on the hour.
-Values are bytes, finer around 0: sign(b) |b / 127|^1.5.
+Each cluster has basis maps of its own, and each texel is in the cluster whose maps leave the least
+of its light (Sloan, Hall, Hart and Snyder 2003, "Clustered principal components for precomputed
+radiance transfer", section 5: iterative PCA). On even walls the texels of two clusters then lie
+among each other where both fit alike, and no border shows. The three channels share maps and differ
+in coefficients, which depend on the hour. Values are whole steps, one step for all maps of a
+cluster: strong maps have many bits, weak ones few.
 """
 
 from collections.abc import Iterator
@@ -17,18 +19,20 @@ from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 CLUSTERS = 64
-# Exponent of the bytes.
-POWER = 1.5
-_MOST = 127.0
+# Step of a cluster's values, as a share of the rms of its first map.
+_STEP = 7e-4
+_MOST = 32000.0
 # Codes of a value's factor are its logarithm to base 2, times this; 0 is no light.
 CODES_PER_STOP = 16.0
 # Errors count in shares of a texel's mean light to this power: dark texels count, but not as much
 # as if nobody saw brighter ones beside them.
 _WEIGHT_POWER = 0.85
-# Directions of all maps that clusters are built in, and texels that these are found by.
+# Directions of all maps that bases are built in, and texels that these are found by.
 _DIMENSIONS, _SAMPLES = 256, 6000
-_CLUSTERED_DIMENSIONS, _ROUNDS = 64, 8
-_BLOCK = 8192
+# Directions and texels that clusters are found by; rounds of k-means, then of iterative PCA.
+_CLUSTERED_DIMENSIONS, _CLUSTERED_SAMPLES = 96, 50_000
+_FIRST_ROUNDS, _ROUNDS = 4, 4
+_BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,39 +42,34 @@ class LightBasis:
     Attributes:
         factor_code: (T,) uint8; the factor is 2^((code - 255) / `CODES_PER_STOP`), 0 for code 0.
         cluster: (T,) uint8.
-        terms: (K, T) int8.
-        sun: (S, C, K, 3) float32, coefficients of the sun's places, as shares of levels.
-        glow, lamps: (C, K, 3) float32, W m^-2.
+        terms: (K, T) int16, whole steps.
+        sun: (S, C, K, 3) float32, coefficients of a step at the sun's places, as shares of levels.
+        glow, lamps: (C, K, 3) float32, W m^-2 of a step.
     """
 
     factor_code: NDArray[np.uint8]
     cluster: NDArray[np.uint8]
-    terms: NDArray[np.int8]
+    terms: NDArray[np.int16]
     sun: Float32Array
     glow: Float32Array
     lamps: Float32Array
 
     def light(self, coefficients: FloatArray | Float32Array) -> Float32Array:
         """Light (T, 3) of coefficients (C, K, 3): the twin of the page's sum."""
-        values = decoded(self.terms)
         found = np.zeros((len(self.cluster), 3), np.float32)
         for number in range(len(coefficients)):
             at = self.cluster == number
-            found[at] = values[:, at].T @ coefficients[number].astype(np.float32)
+            values = self.terms[:, at].T.astype(np.float32)
+            found[at] = values @ coefficients[number].astype(np.float32)
         return np.maximum(found * factors(self.factor_code)[:, None], 0.0)
 
-
-def decoded(codes: NDArray[np.int8]) -> Float32Array:
-    """Values of bytes."""
-    share = np.abs(codes.astype(np.float32)) / np.float32(_MOST)
-    return np.asarray(np.sign(codes) * share ** np.float32(POWER), np.float32)
-
-
-def coded(values: Float32Array) -> tuple[NDArray[np.int8], Float32Array]:
-    """Bytes of maps (K, T) over the peaks (K,) of their values, and the peaks."""
-    peak = np.maximum(np.abs(values).max(axis=1), np.float32(1e-30))
-    share = (np.abs(values) / peak[:, None]) ** (1.0 / POWER)
-    return (np.sign(values) * np.rint(_MOST * share)).astype(np.int8), peak
+    def spread(self) -> FloatArray:
+        """Rms (C, K) of the steps of a cluster's terms."""
+        found = np.zeros((CLUSTERS, len(self.terms)))
+        for number in range(CLUSTERS):
+            own = self.terms[:, (self.cluster == number) & (self.factor_code > 0)]
+            found[number] = np.sqrt(np.square(own.astype(float)).sum(axis=1) / max(own.shape[1], 1))
+        return found
 
 
 def factors(code: NDArray[np.uint8]) -> Float32Array:
@@ -80,7 +79,11 @@ def factors(code: NDArray[np.uint8]) -> Float32Array:
 
 
 def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
-    """The basis of light maps; `seed` chooses the samples, so that a page is the same twice."""
+    """The basis of light maps; `seed` chooses the samples, so that a page is the same twice.
+
+    Terms come in fours, as the page sums them.
+    """
+    terms = -(-terms // 4) * 4
     random = np.random.default_rng(seed)
     code = _factor_code(maps)
     columns = _Columns(maps, factors(code))
@@ -91,8 +94,9 @@ def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
     towards = np.empty((len(code), directions.shape[1]), np.float32)
     for block in _blocks(len(code)):
         towards[block] = columns.rows(block) @ directions
-    cluster = _clusters(towards, used, random)
-    values = np.zeros((terms, len(code)), np.int8)
+    cluster = np.zeros(len(code), np.uint8)
+    cluster[used] = _clusters(towards[used, :_CLUSTERED_DIMENSIONS], terms, random)
+    values = np.zeros((terms, len(code)), np.int16)
     count = columns.count
     found = np.zeros((CLUSTERS, terms, count), np.float32)
     for number in range(CLUSTERS):
@@ -100,11 +104,10 @@ def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
         if not len(at):
             continue
         own = principal(towards[at].T @ towards[at], terms)
-        basis = towards[at] @ own
-        codes = coded(basis.T)[0].T
-        values[: codes.shape[1], at] = codes.T
-        # Coefficients of the coded maps, by least squares.
-        exact = decoded(codes)
+        steps = _whole_steps(towards[at] @ own)
+        values[: steps.shape[1], at] = steps.T
+        # Coefficients of the rounded maps, by least squares.
+        exact = steps.astype(np.float32)
         inner = (exact.T @ exact).astype(float)
         inner += np.eye(len(inner)) * max(1e-6 * np.trace(inner) / len(inner), 1e-20)
         product = exact.T @ columns.rows(at)
@@ -161,15 +164,28 @@ def principal(gram: Float32Array, count: int) -> Float32Array:
     return np.asarray(vectors[:, ::-1][:, :count], np.float32)
 
 
-def _clusters(
-    towards: Float32Array, used: NDArray[np.integer], random: np.random.Generator
-) -> NDArray[np.uint8]:
-    """Clusters (T,) of values by the direction of their rows (Lloyd's k-means)."""
-    points = towards[used, :_CLUSTERED_DIMENSIONS]
+def _whole_steps(basis: Float32Array) -> NDArray[np.int16]:
+    """Whole steps of a cluster's maps (n, K), whose first is the strongest."""
+    step = _STEP * np.sqrt(np.square(basis[:, 0]).mean())
+    step = max(float(step), float(np.abs(basis).max()) / _MOST, 1e-30)
+    return np.rint(basis / step).astype(np.int16)
+
+
+def _clusters(points: Float32Array, terms: int, random: np.random.Generator) -> NDArray[np.integer]:
+    """Clusters (n,) of points (n, D), each in the one whose basis keeps most of it."""
+    sample = points[random.permutation(len(points))[:_CLUSTERED_SAMPLES]]
+    cluster = _by_direction(sample, random)
+    for _ in range(_ROUNDS):
+        cluster = _by_basis(sample, _bases(sample, cluster, terms))
+    return _by_basis(points, _bases(sample, cluster, terms))
+
+
+def _by_direction(points: Float32Array, random: np.random.Generator) -> NDArray[np.integer]:
+    """Clusters (n,) of points by their direction (Lloyd's k-means)."""
     points = points / np.maximum(np.linalg.norm(points, axis=1, keepdims=True), 1e-20)
     centres = points[random.permutation(len(points))[:CLUSTERS]]
     nearest = np.zeros(len(points), np.int64)
-    for _ in range(_ROUNDS):
+    for _ in range(_FIRST_ROUNDS):
         for block in _blocks(len(points)):
             away = np.square(centres).sum(axis=1) - 2.0 * points[block] @ centres.T
             nearest[block] = away.argmin(axis=1)
@@ -179,8 +195,27 @@ def _clusters(
                 for number, centre in enumerate(centres)
             ]
         )
-    found = np.zeros(len(towards), np.uint8)
-    found[used] = nearest
+    return nearest
+
+
+def _bases(points: Float32Array, cluster: NDArray[np.integer], terms: int) -> Float32Array:
+    """Orthonormal bases (C, D, K) of clusters of points (n, D); those without points are 0."""
+    found = np.zeros((CLUSTERS, points.shape[1], min(terms, points.shape[1])), np.float32)
+    for number in range(CLUSTERS):
+        own = points[cluster == number]
+        if len(own):
+            found[number] = principal(own.T @ own, terms)
+    return found
+
+
+def _by_basis(points: Float32Array, bases: Float32Array) -> NDArray[np.integer]:
+    """Clusters (n,) of points (n, D) whose bases (C, D, K) keep most of them."""
+    clusters, dimensions, terms = bases.shape
+    along = bases.transpose(1, 0, 2).reshape(dimensions, -1)
+    found = np.zeros(len(points), np.int64)
+    for block in _blocks(len(points)):
+        kept = np.square(points[block] @ along).reshape(-1, terms).sum(axis=1)
+        found[block] = kept.reshape(-1, clusters).argmax(axis=1)
     return found
 
 

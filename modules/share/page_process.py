@@ -14,7 +14,7 @@ from vrut_lite.headless import Project
 
 T = TypeVar("T")
 # Basis maps of the light: the default of the command.
-TERMS = 32
+TERMS = 40
 
 
 class PageProgress(NamedTuple):

@@ -15,7 +15,7 @@ from PIL import Image
 
 from share.air_table import BELOW, air_table
 from share.glb import glb_of
-from share.light_basis import CLUSTERS, CODES_PER_STOP, POWER, LightBasis, light_basis
+from share.light_basis import CLUSTERS, CODES_PER_STOP, LightBasis, light_basis
 from share.light_maps import MapValues, glow_illumination, light_maps, traced
 from share.numbers import Numbers, numbers_of
 from share.page_file import page_text
@@ -23,7 +23,7 @@ from share.page_night import PLANETS, planet_light, split_glow
 from share.page_stars import TURNS_A_DAY, fixed_stars
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
-from share.sky_shares import COMPONENTS, SkyShares, sky_shares
+from share.sky_shares import COMPONENTS, POWER, SkyShares, sky_shares
 from share.sky_table import LOWER, SkyTable, check_sky, sky_table
 from share.sun_coefficients import sun_coefficients
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
@@ -153,7 +153,7 @@ def _page(
     )
     basis = light_basis(maps, terms)
     shares = sky_shares(maps.sky_share, places.heights > 0.0)
-    coded_sun = sun_coefficients(basis.sun)
+    coded_sun = sun_coefficients(basis.sun, basis.spread())
     sun = coded_sun.decoded()
     moons, albedo = opened.moons()
     moon = _moon_table(moons)
@@ -214,9 +214,10 @@ def _page(
         night = np.stack([glow, np.zeros_like(glow)])
     glow_bits, glow_scale = encode_float16(night)
     header["glow_scale"] = glow_scale
-    planes = _planes(basis, values, shares)
+    planes, terms_planes = _planes(basis, values, shares)
     arrays: dict[str, NDArray] = {
         "planes": planes,
+        "terms": terms_planes,
         "sun": coded_sun.codes,
         "sun_step": coded_sun.step,
         "share_weights": shares.weights,
@@ -296,23 +297,28 @@ def about_sky(table: SkyTable) -> dict[str, Any]:
 # --- light ----------------------------------------------------------------------------------------
 
 
-def _planes(basis: LightBasis, values: MapValues, shares: SkyShares) -> NDArray[np.uint8]:
-    """Planes (3 + C + K, h, w): factors' codes, clusters, roots of the sky's mean share, the
-    share's components, terms.
+def _planes(
+    basis: LightBasis, values: MapValues, shares: SkyShares
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Planes (3 + C, h, w) of factors' codes, clusters, roots of the sky's mean share and the
+    share's components, and planes (2, K, h, w) of the terms' low and high bytes.
 
-    Components and terms count from 128. The probes' rows come after the map's.
+    Bytes of components and terms count from 128. The probes' rows come after the map's.
     """
     width, height = values.size_px
     count = 0 if values.probes is None else int(np.prod(values.probes))
     rows = height + -(-count // width)
     where = np.concatenate([values.where, width * height + np.arange(count)])
-    signed = np.concatenate([shares.components, basis.terms])
-    found = np.zeros((3 + len(signed), rows * width), np.uint8)
+    found = np.zeros((3 + len(shares.components), rows * width), np.uint8)
     found[3:] = 128
     found[0, where], found[1, where] = basis.factor_code, basis.cluster
     found[2, where] = np.rint(255.0 * np.sqrt(np.clip(shares.mean, 0.0, 1.0)))
-    found[3:, where] = signed.astype(np.int16) + 128
-    return found.reshape(-1, rows, width)
+    found[3:, where] = shares.components.astype(np.int16) + 128
+    terms = np.full((2, len(basis.terms), rows * width), 128, np.uint8)
+    whole = basis.terms.astype(np.int32) + 128
+    terms[0][:, where] = whole & 255
+    terms[1][:, where] = (whole >> 8) + 128
+    return found.reshape(-1, rows, width), terms.reshape(2, -1, rows, width)
 
 
 def _visible_sky(transport: SceneTransport, shape: tuple[int, ...]) -> NDArray[np.uint16]:

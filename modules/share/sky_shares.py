@@ -2,6 +2,7 @@
 
 It is a mean over the day's places times a ratio, whose principal components are kept: windows that
 face the bright part of the sky let in more of it. Errors count by the share itself, up to a third.
+Components are bytes, finer around 0: sign(b) |b / 127|^1.5.
 """
 
 from dataclasses import dataclass
@@ -9,10 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from share.light_basis import coded, decoded, principal
+from share.light_basis import principal
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 COMPONENTS = 24
+# Exponent of the bytes.
+POWER = 1.5
+_MOST = 127.0
 # Shares above which errors count no more, and below which there is no ratio.
 _FULL, _LEAST = 0.3, 1e-4
 
@@ -35,6 +39,19 @@ class SkyShares:
         """Shares (T,) by weights (`COMPONENTS`,): the twin of the page's sum."""
         ratio = 1.0 + weights.astype(np.float32) @ decoded(self.components)
         return np.asarray(np.maximum(self.mean * ratio, 0.0), np.float32)
+
+
+def decoded(codes: NDArray[np.int8]) -> Float32Array:
+    """Values of bytes."""
+    share = np.abs(codes.astype(np.float32)) / np.float32(_MOST)
+    return np.asarray(np.sign(codes) * share ** np.float32(POWER), np.float32)
+
+
+def coded(values: Float32Array) -> tuple[NDArray[np.int8], Float32Array]:
+    """Bytes of components (K, T) over the peaks (K,) of their values, and the peaks."""
+    peak = np.maximum(np.abs(values).max(axis=1), np.float32(1e-30))
+    share = (np.abs(values) / peak[:, None]) ** (1.0 / POWER)
+    return (np.sign(values) * np.rint(_MOST * share)).astype(np.int8), peak
 
 
 def sky_shares(by_sun: NDArray[np.floating], is_day: NDArray[np.bool_]) -> SkyShares:

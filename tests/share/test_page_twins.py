@@ -3,12 +3,14 @@
 Without Node.js, or npm's packages in .page (`sh tools/bootstrap.sh page`), these are skipped.
 """
 
+import contextlib
 import json
 import shutil
 import subprocess
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import moderngl
 import numpy as np
 import pytest
 from dynamic_skylight import sun_position
@@ -137,14 +139,15 @@ def test_coefficients_of_the_suns_places_are_summed_alike(node):
     """Changes of either sign, in one byte and in two, from the very bytes of a page."""
     random = np.random.default_rng(8)
     values = random.normal(size=(6, 4, 2, 3)) * [[[1.0]], [[30.0]], [[1e-3]], [[0.0]]]
-    coded = sun_coefficients(values.astype(np.float32))
+    spread = random.uniform(0.5, 9.0, (4, 2))
+    coded = sun_coefficients(values.astype(np.float32), spread)
     script = """
         import { summed } from './src/light.js';
         const whole = summed(new Uint8Array(readFileSync('content.bin')), given.count);
         console.log(JSON.stringify(Array.from(whole)));
     """
     found = node(script, {"count": 24}, coded.codes.tobytes())
-    made = np.reshape(found, values.shape) * coded.step[:, None, None]
+    made = np.reshape(found, values.shape) * coded.step[..., None]
     assert np.abs(coded.codes[1]).max() > 0
     assert made == pytest.approx(coded.decoded(), rel=1e-6)
 
@@ -186,31 +189,64 @@ def test_the_skys_table_is_read_alike(node):
     assert found == pytest.approx(table.sky(directions, 0.17, 2.0), rel=1e-3)
 
 
+class RandomMap:
+    """Random codes, steps, weights and coefficients of a map, some of whose texels are unused."""
+
+    clusters, terms, components, height, width = 4, 8, 5, 6, 7
+    power, codes_per_stop = 1.7, 16.0
+
+    def __init__(self):
+        random = np.random.default_rng(3)
+        self.area = self.height * self.width
+        self.planes = random.integers(0, 256, (3 + self.components, self.area), dtype=np.uint8)
+        self.planes[0, ::5] = 0
+        self.planes[1] = random.integers(0, self.clusters, self.area)
+        self.wholes = random.integers(-32640, 32641, (self.terms, self.area), dtype=np.int16)
+        self.wholes[1:] //= 250
+        self.coefficients = random.normal(size=(self.clusters, self.terms, 3)) / 100.0
+        self.coefficients[:, 0] /= 250.0
+        self.weights = random.normal(size=self.components) * 0.3
+        self.chosen = random.integers(0, 2, self.area)
+
+    def expected(self):
+        """Light and the sky's share (area, 4), in double precision."""
+        share = (self.planes[3:].astype(float) - 128.0) / 127.0
+        decoded = np.sign(share) * np.abs(share) ** self.power
+        light = np.einsum("ka,akc->ac", self.wholes, self.coefficients[self.planes[1]])
+        light *= 2.0 ** ((self.planes[0] - 255.0) / self.codes_per_stop)[:, None]
+        seen = (self.planes[2] / 255.0) ** 2 * np.maximum(1.0 + self.weights @ decoded, 0.0)
+        found = np.column_stack([np.maximum(light, 0.0), seen])
+        found[self.planes[0] == 0] = 0.0
+        assert (found[:, :3].max(axis=1) > 0.0).any()
+        return found
+
+    def coefficients_of_four(self):
+        return np.pad(self.coefficients, ((0, 0), (0, 0), (0, 1)))
+
+
 def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
-    """Random codes, weights and coefficients, some texels unused: to a half's precision."""
-    random = np.random.default_rng(3)
-    terms, components, clusters, height, width = 5, 3, 4, 6, 7
-    area = height * width
-    planes = random.integers(0, 256, (3 + components + terms, area), dtype=np.uint8)
-    planes[0, ::5] = 0
-    planes[1] = random.integers(0, clusters, area)
-    coefficients = random.normal(size=(clusters, terms, 3))
-    weights = random.normal(size=components) * 0.3
-    chosen = random.integers(0, 2, area)
+    """To a half's precision, from the very bytes of a page."""
+    given = RandomMap()
+    shifted = given.wholes.astype(np.int32) + 128
+    low_high = np.stack([shifted & 255, (shifted >> 8) + 128]).astype(np.uint8)
     about = {
-        "terms": terms, "share_components": components, "power": 1.7, "codes_per_stop": 16.0,
+        "terms": given.terms, "share_components": given.components, "power": given.power,
+        "codes_per_stop": given.codes_per_stop,
     }  # fmt: skip
-    given = {
+    passed = {
         "about": about,
-        "size": [width, height],
-        "values": np.pad(coefficients, ((0, 0), (0, 0), (0, 1))).ravel().tolist(),
-        "weights": weights.tolist(),
-        "chosen": chosen.tolist(),
+        "size": [given.width, given.height],
+        "values": given.coefficients_of_four().ravel().tolist(),
+        "weights": given.weights.tolist(),
+        "chosen": given.chosen.tolist(),
     }
     script = """
-        import { MapSum } from './src/light.js';
+        import { MapSum, wholes } from './src/light.js';
         import { halfValue } from './src/data.js';
-        const sum = new MapSum(given.about, readFileSync('content.bin'), ...given.size);
+        const content = readFileSync('content.bin');
+        const first = (3 + given.about.share_components) * given.size[0] * given.size[1];
+        const planes = content.subarray(0, first), steps = wholes(content.subarray(first));
+        const sum = new MapSum(given.about, planes, steps, ...given.size);
         const seen = () => Array.from(sum.halves, halfValue);
         sum.choose(Uint8Array.from(given.chosen));
         sum.update(Float64Array.from(given.values), Float64Array.from(given.weights));
@@ -218,18 +254,72 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
         sum.complete();
         console.log(JSON.stringify([some, seen()]));
     """
-    some, found = np.reshape(node(script, given, planes.tobytes()), (2, area, 4))
-    share = (planes[3:].astype(float) - 128.0) / 127.0
-    decoded = np.sign(share) * np.abs(share) ** 1.7
-    light = np.einsum("ka,akc->ac", decoded[components:], coefficients[planes[1]])
-    light *= 2.0 ** ((planes[0] - 255.0) / 16.0)[:, None]
-    seen = (planes[2] / 255.0) ** 2 * np.maximum(1.0 + weights @ decoded[:components], 0.0)
-    expected = np.column_stack([np.maximum(light, 0.0), seen])
-    expected[planes[0] == 0] = 0.0
-    assert found == pytest.approx(expected, rel=2e-3, abs=1e-6)
-    assert (found[:, :3].max(axis=1) > 0.0).any()
+    content = given.planes.tobytes() + low_high.tobytes()
+    some, found = np.reshape(node(script, passed, content), (2, given.area, 4))
+    assert found == pytest.approx(given.expected(), rel=2e-3, abs=1e-6)
     # A moving picture has the sums of those texels alone that it shows.
-    assert some == pytest.approx(found * chosen[:, None], rel=1e-6)
+    assert some == pytest.approx(found * given.chosen[:, None], rel=1e-6)
+
+
+@pytest.mark.gl
+def test_a_cards_sum_of_the_basis_is_that_of_its_codes(node, gl_owner):
+    """To a half's precision, by the page's own shader."""
+    given = RandomMap()
+    script = """
+        import { FULL_SCREEN, LIGHT_FRAGMENT } from './src/shaders.js';
+        console.log(JSON.stringify([FULL_SCREEN, LIGHT_FRAGMENT]));
+    """
+    vertex, fragment = node(script, None)
+    defines = {
+        "TERMS": given.terms, "COMPONENTS": given.components,
+        "CODES": f"{given.codes_per_stop:.4f}", "POWER": f"{given.power:.4f}",
+    }  # fmt: skip
+    head = "\n".join(["#version 300 es", *(f"#define {k} {v}" for k, v in defines.items()), ""])
+
+    def drawn(context):
+        with contextlib.ExitStack() as kept:
+
+            def made(resource):
+                kept.callback(resource.release)
+                return resource
+
+            def layered(planes, dtype):
+                layers = -(-len(planes) // 4)
+                padded = np.zeros((4 * layers, given.area), planes.dtype)
+                padded[: len(planes)] = planes
+                content = padded.reshape(layers, 4, -1).transpose(0, 2, 1).tobytes()
+                size = given.width, given.height, layers
+                return made(context.texture_array(size, 4, content, alignment=1, dtype=dtype))
+
+            program = made(
+                context.program(vertex_shader=head + vertex, fragment_shader=head + fragment)
+            )
+            rows = given.coefficients_of_four().astype(np.float32).tobytes()
+            textures = {
+                "basis": layered(given.planes, "f1"),
+                "terms": layered(given.wholes, "i2"),
+                "coefficients": made(
+                    context.texture((given.terms, given.clusters), 4, rows, dtype="f4")
+                ),
+            }
+            for unit, (name, texture) in enumerate(textures.items()):
+                texture.filter = moderngl.NEAREST, moderngl.NEAREST
+                texture.use(unit)
+                program[name] = unit
+            program["share_weights"] = given.weights.tolist()
+            target = made(context.texture((given.width, given.height), 4, dtype="f4"))
+            frame = made(context.framebuffer([target]))
+            triangle = made(context.buffer(np.float32([-1, -1, 0, 3, -1, 0, -1, 3, 0]).tobytes()))
+            surface = made(context.vertex_array(program, [(triangle, "3f", "position")]))
+            frame.use()
+            context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+            surface.render()
+            found = np.frombuffer(target.read(), np.float32).reshape(-1, 4)
+            context.extra.use()
+            return found
+
+    found = gl_owner.call(drawn)
+    assert found == pytest.approx(given.expected(), rel=1e-3, abs=1e-4)
 
 
 def test_the_sky_of_stars_turns_as_the_programs(node):

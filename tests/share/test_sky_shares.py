@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from share.sky_shares import COMPONENTS, sky_shares
+from share.sky_shares import COMPONENTS, decoded, sky_shares
 
 
 def test_shares_of_windows_that_face_different_skies_are_kept():
@@ -21,3 +21,11 @@ def test_shares_of_windows_that_face_different_skies_are_kept():
         assert made == pytest.approx(seen[place], abs=0.006)
         assert made == pytest.approx(seen[place], rel=0.05, abs=2e-4)
         assert not made[::10].any()
+
+
+def test_bytes_stand_for_values_finer_around_zero():
+    values = decoded(np.arange(-127, 128).astype(np.int8))
+    assert values[[0, 127, -1]].tolist() == [-1.0, 0.0, 1.0]
+    steps = np.diff(values)
+    assert np.all(steps > 0.0)
+    assert steps[127] < 0.1 * steps[-1]

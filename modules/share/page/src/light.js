@@ -14,7 +14,7 @@ export class LightMap {
     this.table = table;
     /** Coefficients of a place: clusters by terms by channels. */
     this.count = about.clusters * about.terms * 3;
-    /** Coefficients of the sun's places in steps, of which each cluster has its own. */
+    /** Coefficients of the sun's places in steps, of which each term of a cluster has its own. */
     this.sun = summed(data.array('sun'), this.count);
     this.steps = data.array('sun_step');
     this.shares = data.array('share_weights');
@@ -25,10 +25,11 @@ export class LightMap {
     this.lamps = extra.subarray(this.count);
     const [planes, height, width] = data.shape('planes');
     this.size = [width, height];
-    const from = data.array('planes');
+    const from = data.array('planes'), terms = wholes(data.array('terms'));
     this.values = new Float64Array(4 * about.clusters * about.terms);
     /** What sums the basis maps up. */
-    this.map = soft ? new MapSum(about, from, width, height) : new MapPass(about, from, planes, width, height);
+    this.map = soft ? new MapSum(about, from, terms, width, height)
+      : new MapPass(about, from, terms, planes, width, height);
     this.texture = this.map.texture;
     /** Factor from the map's values to W m^-2. */
     this.scale = 1;
@@ -40,13 +41,11 @@ export class LightMap {
   add(body, into) {
     const level = this.table.level(body.trueRad);
     for (const [place, weight] of placeWeights(this.places, body)) {
-      const start = place * this.count, each = this.count / this.steps.length;
+      const start = place * this.count;
       const factors = level.map((v, c) => weight * v * body.share[c]);
-      for (let cluster = 0; cluster < this.steps.length; ++cluster) {
-        const step = this.steps[cluster], first = cluster * each;
-        for (let k = first; k < first + each; k += 3) {
-          for (let c = 0; c < 3; ++c) into[k + c] += factors[c] * step * this.sun[start + k + c];
-        }
+      for (let k = 0, i = 0; k < this.count; k += 3, ++i) {
+        const step = this.steps[i];
+        for (let c = 0; c < 3; ++c) into[k + c] += factors[c] * step * this.sun[start + k + c];
       }
     }
   }
@@ -91,20 +90,41 @@ export function summed(codes, count) {
   return found;
 }
 
+/** Whole steps of terms. @param {Uint8Array} bytes low ones, then high ones; both count from 128 */
+export function wholes(bytes) {
+  const found = new Int16Array(bytes.length / 2);
+  for (let i = 0; i < found.length; ++i) found[i] = bytes[i] + 256 * bytes[found.length + i] - 32896;
+  return found;
+}
+
+/** Planes as a texture, four a layer.
+ * @template {Uint8Array<ArrayBuffer> | Int16Array<ArrayBuffer>} Kind
+ * @param {Kind} planes one after the other @param {Kind} texels zeros, for all layers
+ * @param {number} width @param {number} height */
+function layered(planes, texels, width, height) {
+  const area = width * height;
+  for (let at = 0, p = 0; at < planes.length; at += area, ++p) {
+    const base = 4 * area * (p >> 2) + (p & 3);
+    for (let i = 0; i < area; ++i) texels[base + 4 * i] = planes[at + i];
+  }
+  const found = new THREE.DataArrayTexture(texels, width, height, texels.length / (4 * area));
+  found.magFilter = found.minFilter = THREE.NearestFilter;
+  found.needsUpdate = true;
+  return found;
+}
+
 /** The sum of the basis maps by a shader. */
 class MapPass {
-  /** @param {any} about the header's basis @param {Uint8Array} from planes one after the other
-   * @param {number} planes @param {number} width @param {number} height */
-  constructor(about, from, planes, width, height) {
-    const layers = Math.ceil(planes / 4), area = width * height;
-    const texels = new Uint8Array(4 * area * layers);
-    for (let p = 0; p < planes; ++p) {
-      const base = 4 * area * (p >> 2) + (p & 3), at = p * area;
-      for (let i = 0; i < area; ++i) texels[base + 4 * i] = from[at + i];
-    }
-    const basis = new THREE.DataArrayTexture(texels, width, height, layers);
-    basis.magFilter = basis.minFilter = THREE.NearestFilter;
-    basis.needsUpdate = true;
+  /** @param {any} about the header's basis @param {Uint8Array<ArrayBuffer>} from planes one after the other
+   * @param {Int16Array<ArrayBuffer>} wholes of the terms, alike @param {number} planes
+   * @param {number} width @param {number} height */
+  constructor(about, from, wholes, planes, width, height) {
+    const layer = 4 * width * height;
+    const basis = layered(from, new Uint8Array(layer * Math.ceil(planes / 4)), width, height);
+    const terms = layered(wholes, new Int16Array(layer * about.terms / 4), width, height);
+    terms.format = THREE.RGBAIntegerFormat;
+    terms.type = THREE.ShortType;
+    terms.internalFormat = 'RGBA16I';
     this.values = new Float32Array(4 * about.clusters * about.terms);
     this.coefficients = new THREE.DataTexture(this.values, about.terms, about.clusters,
       THREE.RGBAFormat, THREE.FloatType);
@@ -114,7 +134,7 @@ class MapPass {
     });
     this.texture = this.target.texture;
     this.pass = fullScreen(LIGHT_FRAGMENT, {
-      basis: { value: basis }, coefficients: { value: this.coefficients }, share_weights: { value: null },
+      basis: { value: basis }, terms: { value: terms }, coefficients: { value: this.coefficients }, share_weights: { value: null },
     }, { TERMS: about.terms, COMPONENTS: about.share_components, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
   }
 
@@ -134,11 +154,23 @@ class MapPass {
   }
 }
 
+/** Values of planes, texel by texel.
+ * @template {Uint8Array | Int16Array} Kind
+ * @param {Kind} planes one after the other @param {Kind} found zeros
+ * @param {number[]} used places of texels @param {number} area of a plane @returns {Kind} */
+function byTexel(planes, found, used, area) {
+  const count = found.length / used.length;
+  for (let k = 0; k < count; ++k) {
+    for (let t = 0; t < used.length; ++t) found[t * count + k] = planes[k * area + used[t]];
+  }
+  return found;
+}
+
 /** The sum of the basis maps on the processor: the twin of LIGHT_FRAGMENT. */
 export class MapSum {
   /** @param {any} about the header's basis @param {Uint8Array} planes one after the other
-   * @param {number} width @param {number} height */
-  constructor(about, planes, width, height) {
+   * @param {Int16Array} wholes of the terms, alike @param {number} width @param {number} height */
+  constructor(about, planes, wholes, width, height) {
     const area = width * height, components = about.share_components;
     this.terms = about.terms;
     this.components = components;
@@ -149,13 +181,9 @@ export class MapSum {
     this.clusters = this.places.map((i) => planes[area + i]);
     this.factors = Float32Array.from(used, (i) => 2 ** ((planes[i] - 255) / about.codes_per_stop));
     this.shares = Float32Array.from(used, (i) => (planes[2 * area + i] / 255) ** 2);
-    const count = about.terms + components;
-    /** Codes of components and terms, texel by texel. */
-    this.codes = new Uint8Array(used.length * count);
-    for (let k = 0; k < count; ++k) {
-      const plane = (3 + k) * area;
-      for (let t = 0; t < used.length; ++t) this.codes[t * count + k] = planes[plane + used[t]];
-    }
+    /** Codes of components and whole steps of terms, texel by texel. */
+    this.codes = byTexel(planes.subarray(3 * area), new Uint8Array(used.length * components), used, area);
+    this.wholes = byTexel(wholes, new Int16Array(used.length * about.terms), used, area);
     // Doubles, for a sum of singles converts each of them.
     this.decoded = Float64Array.from({ length: 256 }, (_, code) => {
       const share = (code - 128) / 127;
@@ -190,16 +218,17 @@ export class MapSum {
    * @param {Float64Array} weights of the share's components */
   update(values, weights) {
     Object.assign(this, { values, weights });
-    const { places, clusters, factors, shares, codes, decoded, halves, terms, components, numbers } = this;
-    const half = THREE.DataUtils.toHalfFloat, count = terms + components;
+    const { places, clusters, factors, shares, codes, decoded, wholes, halves, terms, components, numbers } = this;
+    const half = THREE.DataUtils.toHalfFloat;
     for (const t of numbers) {
-      let ratio = 1, r = 0, g = 0, b = 0, c = 4 * terms * clusters[t], at = count * t;
+      let ratio = 1, r = 0, g = 0, b = 0, c = 4 * terms * clusters[t], at = components * t, own = terms * t;
       for (let k = 0; k < components; ++k) ratio += decoded[codes[at++]] * weights[k];
-      for (let k = 0; k < terms; ++k, c += 4) {
-        const share = decoded[codes[at++]];
-        r += share * values[c];
-        g += share * values[c + 1];
-        b += share * values[c + 2];
+      // Four terms at once: a processor waits for each number that is added to a sum.
+      for (let k = 0; k < terms; k += 4, c += 16, own += 4) {
+        const k0 = wholes[own], k1 = wholes[own + 1], k2 = wholes[own + 2], k3 = wholes[own + 3];
+        r += (k0 * values[c] + k1 * values[c + 4]) + (k2 * values[c + 8] + k3 * values[c + 12]);
+        g += (k0 * values[c + 1] + k1 * values[c + 5]) + (k2 * values[c + 9] + k3 * values[c + 13]);
+        b += (k0 * values[c + 2] + k1 * values[c + 6]) + (k2 * values[c + 10] + k3 * values[c + 14]);
       }
       const factor = factors[t], into = 4 * places[t];
       halves[into] = half(Math.min(Math.max(r * factor, 0), 65504));

@@ -15,9 +15,10 @@ void main() { at = 0.5 + 0.5 * position.xy; gl_Position = vec4(position.xy, 0.0,
 
 export const HEAD = 'precision highp float;\nprecision highp sampler2DArray;\nprecision highp sampler2DShadow;\n';
 
-export const LIGHT_FRAGMENT = `${HEAD}
-uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, sky's share, its components, terms
-uniform sampler2D coefficients;   // of terms, a row a cluster
+export const LIGHT_FRAGMENT = `${HEAD}precision highp isampler2DArray;
+uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, sky's share, its components
+uniform isampler2DArray terms;    // whole steps, four a layer
+uniform highp sampler2D coefficients;  // of terms, a row a cluster
 uniform float share_weights[COMPONENTS];
 out vec4 light;
 void main() {
@@ -29,14 +30,16 @@ void main() {
     float factor = exp2((floor(four.x + 0.5) - 255.0) / CODES);
     int cluster = int(four.y + 0.5);
     vec3 sum = vec3(0.0);
-    for (int k = -COMPONENTS; k < TERMS; ++k) {
-        int plane = k + COMPONENTS + 3, number = plane & 3;
+    for (int k = 0; k < COMPONENTS; ++k) {
+        int plane = k + 3, number = plane & 3;
         if (number == 0) four = 255.0 * texelFetch(basis, ivec3(p, plane >> 2), 0);
-        float code = (number == 0 ? four.x : number == 1 ? four.y : number == 2 ? four.z : four.w);
-        float share = (floor(code + 0.5) - 128.0) / 127.0;
-        float value = sign(share) * pow(abs(share), POWER);
-        if (k < 0) ratio += value * share_weights[k + COMPONENTS];
-        else sum += value * texelFetch(coefficients, ivec2(k, cluster), 0).rgb;
+        float share = (floor(four[number] + 0.5) - 128.0) / 127.0;
+        ratio += sign(share) * pow(abs(share), POWER) * share_weights[k];
+    }
+    ivec4 wholes;
+    for (int k = 0; k < TERMS; ++k) {
+        if ((k & 3) == 0) wholes = texelFetch(terms, ivec3(p, k >> 2), 0);
+        sum += float(wholes[k & 3]) * texelFetch(coefficients, ivec2(k, cluster), 0).rgb;
     }
     light.a = mean_share * max(ratio, 0.0);
     light.rgb = max(sum * factor, 0.0);
