@@ -23,7 +23,7 @@ from share.page_night import PLANETS, planet_light, split_glow
 from share.page_stars import TURNS_A_DAY, fixed_stars
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
-from share.sky_shares import COMPONENTS, POWER, SkyShares, sky_shares
+from share.sky_shares import COMPONENTS, POWER, SkyShares, mean_codes, sky_shares
 from share.sky_table import LOWER, SkyTable, check_sky, sky_table
 from share.sun_coefficients import sun_coefficients
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
@@ -300,8 +300,8 @@ def about_sky(table: SkyTable) -> dict[str, Any]:
 def _planes(
     basis: LightBasis, values: MapValues, shares: SkyShares
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Planes (3 + C, h, w) of factors' codes, clusters, roots of the sky's mean share and the
-    share's components, and planes (2, K, h, w) of the terms' low and high bytes.
+    """Planes (4 + C, h, w) of factors' codes, clusters, high and low bytes of the sky's mean share
+    and the share's components, and planes (2, K, h, w) of the terms' low and high bytes.
 
     Bytes of components and terms count from 128. The probes' rows come after the map's.
     """
@@ -309,11 +309,12 @@ def _planes(
     count = 0 if values.probes is None else int(np.prod(values.probes))
     rows = height + -(-count // width)
     where = np.concatenate([values.where, width * height + np.arange(count)])
-    found = np.zeros((3 + len(shares.components), rows * width), np.uint8)
-    found[3:] = 128
+    found = np.zeros((4 + len(shares.components), rows * width), np.uint8)
+    found[4:] = 128
     found[0, where], found[1, where] = basis.factor_code, basis.cluster
-    found[2, where] = np.rint(255.0 * np.sqrt(np.clip(shares.mean, 0.0, 1.0)))
-    found[3:, where] = shares.components.astype(np.int16) + 128
+    codes = mean_codes(shares.mean)
+    found[2, where], found[3, where] = codes >> 8, codes & 255
+    found[4:, where] = shares.components.astype(np.int16) + 128
     terms = np.full((2, len(basis.terms), rows * width), 128, np.uint8)
     whole = basis.terms.astype(np.int32) + 128
     terms[0][:, where] = whole & 255

@@ -14,11 +14,16 @@ from share.light_basis import principal
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 COMPONENTS = 24
+# Code of a mean share of 1.
+MEAN_CODES = 65535.0
 # Exponent of the bytes.
 POWER = 1.5
 _MOST = 127.0
 # Shares above which errors count no more, and below which there is no ratio.
 _FULL, _LEAST = 0.3, 1e-4
+# Rms ratio less 1 over the places, above which components are cut: few texels, with hardly any sky,
+# would make the bytes of all others coarse.
+_MOST_RATIO = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +59,24 @@ def coded(values: Float32Array) -> tuple[NDArray[np.int8], Float32Array]:
     return (np.sign(values) * np.rint(_MOST * share)).astype(np.int8), peak
 
 
+def mean_codes(mean: Float32Array) -> NDArray[np.uint16]:
+    """Codes of mean shares, even in their roots: steps of a byte show on walls deep inside."""
+    return np.rint(MEAN_CODES * np.sqrt(np.clip(mean, 0.0, 1.0))).astype(np.uint16)
+
+
 def sky_shares(by_sun: NDArray[np.floating], is_day: NDArray[np.bool_]) -> SkyShares:
     """The components of shares (S, T); `is_day` (S,) are the mean's places."""
     shares = by_sun.astype(np.float32)
     mean = shares[is_day].mean(axis=0) if is_day.any() else shares.mean(axis=0)
     # Components make up for the rounding of the mean.
-    mean = np.rint(255.0 * np.sqrt(np.clip(mean, 0.0, 1.0))) ** 2 / np.float32(65025.0)
+    mean = np.asarray((mean_codes(mean) / MEAN_CODES) ** 2, np.float32)
     has_ratio = mean > _LEAST
     weight = np.minimum(mean, np.float32(_FULL))
     rows = np.where(has_ratio, shares / np.maximum(mean, _LEAST) - 1.0, 0.0) * weight
     along = principal(rows @ rows.T, COMPONENTS)
     values = np.where(has_ratio, (along.T @ rows) / np.maximum(weight, 1e-9), 0.0)
+    bound = _MOST_RATIO * np.sqrt(len(shares))
+    values = np.clip(values, -bound, bound)
     missing = COMPONENTS - len(values)
     values = np.pad(values, ((0, missing), (0, 0)))
     codes, peak = coded(values)

@@ -198,7 +198,7 @@ class RandomMap:
     def __init__(self):
         random = np.random.default_rng(3)
         self.area = self.height * self.width
-        self.planes = random.integers(0, 256, (3 + self.components, self.area), dtype=np.uint8)
+        self.planes = random.integers(0, 256, (4 + self.components, self.area), dtype=np.uint8)
         self.planes[0, ::5] = 0
         self.planes[1] = random.integers(0, self.clusters, self.area)
         self.wholes = random.integers(-32640, 32641, (self.terms, self.area), dtype=np.int16)
@@ -210,11 +210,12 @@ class RandomMap:
 
     def expected(self):
         """Light and the sky's share (area, 4), in double precision."""
-        share = (self.planes[3:].astype(float) - 128.0) / 127.0
+        share = (self.planes[4:].astype(float) - 128.0) / 127.0
         decoded = np.sign(share) * np.abs(share) ** self.power
         light = np.einsum("ka,akc->ac", self.wholes, self.coefficients[self.planes[1]])
         light *= 2.0 ** ((self.planes[0] - 255.0) / self.codes_per_stop)[:, None]
-        seen = (self.planes[2] / 255.0) ** 2 * np.maximum(1.0 + self.weights @ decoded, 0.0)
+        mean = ((256.0 * self.planes[2] + self.planes[3]) / 65535.0) ** 2
+        seen = mean * np.maximum(1.0 + self.weights @ decoded, 0.0)
         found = np.column_stack([np.maximum(light, 0.0), seen])
         found[self.planes[0] == 0] = 0.0
         assert (found[:, :3].max(axis=1) > 0.0).any()
@@ -244,7 +245,7 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
         import { MapSum, wholes } from './src/light.js';
         import { halfValue } from './src/data.js';
         const content = readFileSync('content.bin');
-        const first = (3 + given.about.share_components) * given.size[0] * given.size[1];
+        const first = (4 + given.about.share_components) * given.size[0] * given.size[1];
         const planes = content.subarray(0, first), steps = wholes(content.subarray(first));
         const sum = new MapSum(given.about, planes, steps, ...given.size);
         const seen = () => Array.from(sum.halves, halfValue);

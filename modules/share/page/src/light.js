@@ -180,9 +180,9 @@ export class MapSum {
     this.places = Uint32Array.from(used);
     this.clusters = this.places.map((i) => planes[area + i]);
     this.factors = Float32Array.from(used, (i) => 2 ** ((planes[i] - 255) / about.codes_per_stop));
-    this.shares = Float32Array.from(used, (i) => (planes[2 * area + i] / 255) ** 2);
+    this.shares = Float32Array.from(used, (i) => ((256 * planes[2 * area + i] + planes[3 * area + i]) / 65535) ** 2);
     /** Codes of components and whole steps of terms, texel by texel. */
-    this.codes = byTexel(planes.subarray(3 * area), new Uint8Array(used.length * components), used, area);
+    this.codes = byTexel(planes.subarray(4 * area), new Uint8Array(used.length * components), used, area);
     this.wholes = byTexel(wholes, new Int16Array(used.length * about.terms), used, area);
     // Doubles, for a sum of singles converts each of them.
     this.decoded = Float64Array.from({ length: 256 }, (_, code) => {

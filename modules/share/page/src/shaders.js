@@ -16,7 +16,7 @@ void main() { at = 0.5 + 0.5 * position.xy; gl_Position = vec4(position.xy, 0.0,
 export const HEAD = 'precision highp float;\nprecision highp sampler2DArray;\nprecision highp sampler2DShadow;\n';
 
 export const LIGHT_FRAGMENT = `${HEAD}precision highp isampler2DArray;
-uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, sky's share, its components
+uniform sampler2DArray basis;     // planes, four a layer: factor, cluster, sky's share in two, its components
 uniform isampler2DArray terms;    // whole steps, four a layer
 uniform highp sampler2D coefficients;  // of terms, a row a cluster
 uniform float share_weights[COMPONENTS];
@@ -26,14 +26,13 @@ void main() {
     vec4 four = 255.0 * texelFetch(basis, ivec3(p, 0), 0);
     light = vec4(0.0);
     if (four.x < 0.5) return;
-    float mean_share = four.z * four.z / (255.0 * 255.0), ratio = 1.0;
+    float root = (256.0 * floor(four.z + 0.5) + four.w) / 65535.0, mean_share = root * root, ratio = 1.0;
     float factor = exp2((floor(four.x + 0.5) - 255.0) / CODES);
     int cluster = int(four.y + 0.5);
     vec3 sum = vec3(0.0);
     for (int k = 0; k < COMPONENTS; ++k) {
-        int plane = k + 3, number = plane & 3;
-        if (number == 0) four = 255.0 * texelFetch(basis, ivec3(p, plane >> 2), 0);
-        float share = (floor(four[number] + 0.5) - 128.0) / 127.0;
+        if ((k & 3) == 0) four = 255.0 * texelFetch(basis, ivec3(p, 1 + (k >> 2)), 0);
+        float share = (floor(four[k & 3] + 0.5) - 128.0) / 127.0;
         ratio += sign(share) * pow(abs(share), POWER) * share_weights[k];
     }
     ivec4 wholes;
