@@ -23,7 +23,7 @@ from share.page_night import PLANETS, planet_light, split_glow
 from share.page_stars import TURNS_A_DAY, fixed_stars
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
-from share.sky_shares import COMPONENTS, POWER, SkyShares, mean_codes, sky_shares
+from share.sky_shares import COMPONENTS, LEAST_RATIO, POWER, SkyShares, mean_codes, sky_shares
 from share.sky_table import LOWER, SkyTable, check_sky, sky_table
 from share.sun_coefficients import sun_coefficients
 from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
@@ -188,6 +188,7 @@ def _page(
             "lamps_bright": float(maps.by_lamps.max()),
             "glow_bright": float(maps.by_glow.max()),
             "share_components": COMPONENTS,
+            "share_least": LEAST_RATIO,
         },
         "sky": about_sky(table),
         "moon": moon,

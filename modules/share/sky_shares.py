@@ -21,6 +21,8 @@ POWER = 1.5
 _MOST = 127.0
 # Shares above which errors count no more, and below which there is no ratio.
 _FULL, _LEAST = 0.3, 1e-4
+# Smallest ratio: where no share is left no sunlight is drawn.
+LEAST_RATIO = 0.02
 # Rms ratio less 1 over the places, above which components are cut: few texels, with hardly any sky,
 # would make the bytes of all others coarse.
 _MOST_RATIO = 2.0
@@ -43,7 +45,7 @@ class SkyShares:
     def of(self, weights: FloatArray | Float32Array) -> Float32Array:
         """Shares (T,) by weights (`COMPONENTS`,): the twin of the page's sum."""
         ratio = 1.0 + weights.astype(np.float32) @ decoded(self.components)
-        return np.asarray(np.maximum(self.mean * ratio, 0.0), np.float32)
+        return np.asarray(self.mean * np.maximum(ratio, LEAST_RATIO), np.float32)
 
 
 def decoded(codes: NDArray[np.int8]) -> Float32Array:

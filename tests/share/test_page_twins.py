@@ -193,7 +193,7 @@ class RandomMap:
     """Random codes, steps, weights and coefficients of a map, some of whose texels are unused."""
 
     clusters, terms, components, height, width = 4, 8, 5, 6, 7
-    power, codes_per_stop = 1.7, 16.0
+    power, codes_per_stop, least = 1.7, 16.0, 0.1
 
     def __init__(self):
         random = np.random.default_rng(3)
@@ -215,7 +215,7 @@ class RandomMap:
         light = np.einsum("ka,akc->ac", self.wholes, self.coefficients[self.planes[1]])
         light *= 2.0 ** ((self.planes[0] - 255.0) / self.codes_per_stop)[:, None]
         mean = ((256.0 * self.planes[2] + self.planes[3]) / 65535.0) ** 2
-        seen = mean * np.maximum(1.0 + self.weights @ decoded, 0.0)
+        seen = mean * np.maximum(1.0 + self.weights @ decoded, self.least)
         found = np.column_stack([np.maximum(light, 0.0), seen])
         found[self.planes[0] == 0] = 0.0
         assert (found[:, :3].max(axis=1) > 0.0).any()
@@ -232,7 +232,7 @@ def test_a_processors_sum_of_the_basis_is_that_of_its_codes(node):
     low_high = np.stack([shifted & 255, (shifted >> 8) + 128]).astype(np.uint8)
     about = {
         "terms": given.terms, "share_components": given.components, "power": given.power,
-        "codes_per_stop": given.codes_per_stop,
+        "codes_per_stop": given.codes_per_stop, "share_least": given.least,
     }  # fmt: skip
     passed = {
         "about": about,
@@ -274,6 +274,7 @@ def test_a_cards_sum_of_the_basis_is_that_of_its_codes(node, gl_owner):
     defines = {
         "TERMS": given.terms, "COMPONENTS": given.components,
         "CODES": f"{given.codes_per_stop:.4f}", "POWER": f"{given.power:.4f}",
+        "LEAST_RATIO": f"{given.least:.4f}",
     }  # fmt: skip
     head = "\n".join(["#version 300 es", *(f"#define {k} {v}" for k, v in defines.items()), ""])
 

@@ -135,7 +135,7 @@ class MapPass {
     this.texture = this.target.texture;
     this.pass = fullScreen(LIGHT_FRAGMENT, {
       basis: { value: basis }, terms: { value: terms }, coefficients: { value: this.coefficients }, share_weights: { value: null },
-    }, { TERMS: about.terms, COMPONENTS: about.share_components, CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
+    }, { TERMS: about.terms, COMPONENTS: about.share_components, LEAST_RATIO: about.share_least.toFixed(4), CODES: about.codes_per_stop.toFixed(4), POWER: about.power.toFixed(4) });
   }
 
   /** A graphics card sums all texels always. */
@@ -174,6 +174,8 @@ export class MapSum {
     const area = width * height, components = about.share_components;
     this.terms = about.terms;
     this.components = components;
+    /** Smallest ratio of a share of the sky's light to its mean. */
+    this.least = about.share_least;
     const used = [];
     for (let i = 0; i < area; ++i) if (planes[i]) used.push(i);
     /** Places of used texels in the map. */
@@ -218,7 +220,7 @@ export class MapSum {
    * @param {Float64Array} weights of the share's components */
   update(values, weights) {
     Object.assign(this, { values, weights });
-    const { places, clusters, factors, shares, codes, decoded, wholes, halves, terms, components, numbers } = this;
+    const { places, clusters, factors, shares, codes, decoded, wholes, halves, terms, components, least, numbers } = this;
     const half = THREE.DataUtils.toHalfFloat;
     for (const t of numbers) {
       let ratio = 1, r = 0, g = 0, b = 0, c = 4 * terms * clusters[t], at = components * t, own = terms * t;
@@ -234,7 +236,7 @@ export class MapSum {
       halves[into] = half(Math.min(Math.max(r * factor, 0), 65504));
       halves[into + 1] = half(Math.min(Math.max(g * factor, 0), 65504));
       halves[into + 2] = half(Math.min(Math.max(b * factor, 0), 65504));
-      halves[into + 3] = half(shares[t] * Math.max(ratio, 0));
+      halves[into + 3] = half(shares[t] * Math.max(ratio, least));
     }
     this.texture.needsUpdate = true;
   }

@@ -40,7 +40,7 @@ void main() {
         if ((k & 3) == 0) wholes = texelFetch(terms, ivec3(p, k >> 2), 0);
         sum += float(wholes[k & 3]) * texelFetch(coefficients, ivec2(k, cluster), 0).rgb;
     }
-    light.a = mean_share * max(ratio, 0.0);
+    light.a = mean_share * max(ratio, LEAST_RATIO);
     light.rgb = max(sum * factor, 0.0);
 }`;
 
