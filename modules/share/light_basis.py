@@ -19,7 +19,7 @@ from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 CLUSTERS = 64
-# Step of a cluster's values, as a share of the rms of its first map.
+# Step of a cluster's values, as a share of the sun's light in them (rms over texels).
 _STEP = 7e-4
 _MOST = 32000.0
 # Codes of a value's factor are its logarithm to base 2, times this; 0 is no light.
@@ -104,13 +104,14 @@ def light_basis(maps: LightMaps, terms: int, seed: int = 49) -> LightBasis:
         if not len(at):
             continue
         own = principal(towards[at].T @ towards[at], terms)
-        steps = _whole_steps(towards[at] @ own)
+        rows = columns.rows(at)
+        steps = _whole_steps(towards[at] @ own, columns.sunlight(rows))
         values[: steps.shape[1], at] = steps.T
         # Coefficients of the rounded maps, by least squares.
         exact = steps.astype(np.float32)
         inner = (exact.T @ exact).astype(float)
-        inner += np.eye(len(inner)) * max(1e-6 * np.trace(inner) / len(inner), 1e-20)
-        product = exact.T @ columns.rows(at)
+        inner += np.diag(1e-6 * np.diag(inner) + 1e-6)
+        product = exact.T @ rows
         found[number, : len(inner)] = np.linalg.solve(inner, product)
     sun, glow, lamps = columns.split(found)
     return LightBasis(code, cluster, values, sun, glow, lamps)
@@ -142,6 +143,10 @@ class _Columns:
         found = np.concatenate([sun.reshape(len(sun), -1), *extra], axis=1)
         return np.asarray(found * self._inverse[at][:, None], np.float32)
 
+    def sunlight(self, rows: Float32Array) -> float:
+        """Rms length of rows (n, columns) in the columns of the sun's places."""
+        return float(np.sqrt(np.square(rows[:, : 3 * self._places]).sum(axis=1).mean()))
+
     def split(self, found: Float32Array) -> tuple[Float32Array, Float32Array, Float32Array]:
         """Coefficients (C, K, columns) of the sun's places, the glow and the lamps."""
         clusters, terms, _ = found.shape
@@ -164,10 +169,12 @@ def principal(gram: Float32Array, count: int) -> Float32Array:
     return np.asarray(vectors[:, ::-1][:, :count], np.float32)
 
 
-def _whole_steps(basis: Float32Array) -> NDArray[np.int16]:
-    """Whole steps of a cluster's maps (n, K), whose first is the strongest."""
-    step = _STEP * np.sqrt(np.square(basis[:, 0]).mean())
-    step = max(float(step), float(np.abs(basis).max()) / _MOST, 1e-30)
+def _whole_steps(basis: Float32Array, sunlight: float) -> NDArray[np.int16]:
+    """Whole steps of a cluster's maps (n, K) of rows whose light by the sun is `sunlight` long.
+
+    Texels that lamps light alone have long rows, in which the sun's light would be rounded off.
+    """
+    step = max(_STEP * sunlight, float(np.abs(basis).max()) / _MOST, 1e-30)
     return np.rint(basis / step).astype(np.int16)
 
 

@@ -324,7 +324,7 @@ def test_a_draft_keeps_a_shadow_map_that_the_sun_has_hardly_left(written, tmp_pa
 # as a camera from 14 m above sees it; rows and columns.
 SUNLIGHT = """
     const sunlight = (page, lengths, edge) => {
-        const { view } = page, { probe, renderer, shared, camera } = view;
+        const { view } = page, { points: { probe }, renderer, shared, camera } = view;
         const { lower, upper, ground_m } = page.header.scene, towards = view.keyDirection;
         const far = lengths * (upper[1] - ground_m) / towards.y;
         const [x, y, z] = [0, 1, 2].map((k) => (k === 1 ? ground_m

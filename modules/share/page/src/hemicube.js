@@ -23,14 +23,15 @@ export class Hemicube {
 
   /** Irradiance by channel, in the unit of what is drawn times sr. @param {THREE.Scene} scene
    * @param {THREE.Vector3} eye @param {THREE.Vector3} normal
-   * @param {number[]} depths of the nearest and the farthest things that are drawn, m */
-  irradiance(scene, eye, normal, [near, far]) {
+   * @param {number[]} depths of the nearest and the farthest things that are drawn, m
+   * @param {number} turn (rad) of the cube about the normal */
+  irradiance(scene, eye, normal, [near, far], turn) {
     const { camera, front, side } = this, sum = [0, 0, 0];
     Object.assign(camera, { near, far });
     camera.position.copy(eye);
     const across = new THREE.Vector3(0, 1, 0).cross(normal);
     if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
-    across.normalize();
+    across.normalize().applyAxisAngle(normal, turn);
     camera.clearViewOffset();
     this.look(scene, normal, across, front, sum);
     camera.setViewOffset(EDGE, EDGE, 0, 0, EDGE, EDGE / 2);

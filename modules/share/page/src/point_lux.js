@@ -9,6 +9,9 @@ const LUMENS_PER_WATT = 683;
 // Distance (m) between a surface and the eye that looks from it, and the most as a share of the
 // scene's size. From a millimetre SwiftShader draws walls that end behind the eye 15 texels too long.
 const OFF_SURFACE_M = 0.015, MOST_OFF = 2e-3;
+// Turns of the half cube, the median of which counts: in a few of them a leak of a shadow map or an
+// end of a wall falls on bright texels.
+const TURNS_RAD = [0, Math.PI / 6, Math.PI / 3];
 
 export class PointLux {
   /** @param {import('./picture.js').Picture} picture */
@@ -67,7 +70,8 @@ export class PointLux {
     diffuse.value = true;
     disc.set(0, 0, 0);
     // The picture's own depths: a tenth of the nearest one puts the ground before floors and walls.
-    const found = this.hemicube.irradiance(scene, eye, normal, depths);
+    const found = TURNS_RAD.map((turn) => this.hemicube.irradiance(scene, eye, normal, depths, turn))
+      .sort((a, b) => luminance(a) - luminance(b))[TURNS_RAD.length >> 1];
     disc.copy(before[2]);
     diffuse.value = false;
     [pre.value, shown.value] = before;
