@@ -1,6 +1,6 @@
 """Light maps as sums of few basis maps, by clusters of texels: clustered principal components.
 
-Each cluster has basis maps of its own, and each texel is in the cluster whose maps leave the least
+Each cluster has separate basis maps, and each texel is in the cluster whose maps leave the least
 of its light (Sloan, Hall, Hart and Snyder 2003, "Clustered principal components for precomputed
 radiance transfer", section 5: iterative PCA). On even walls the texels of two clusters then lie
 among each other where both fit alike, and no border shows. The three channels share maps and differ

@@ -32,7 +32,7 @@ def test_texels_of_blocks_are_the_models(turbidity, albedo, elevation):
 
 @pytest.mark.parametrize("step", range(0, 8, 2))
 def test_the_sun_may_stand_anywhere_in_a_block(step):
-    """Of all texels those around the middle of a face span the widest angles."""
+    """The texels around the middle of a face span the widest angles."""
     x, y, z = texel_directions(256)[5, 90, 120 + step]
     sky = HosekWilkieSky(10.0, 0.0, float(np.arcsin(y)))
     azimuth = float(np.arctan2(x, -z))

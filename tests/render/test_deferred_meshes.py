@@ -136,7 +136,7 @@ metres = st.floats(-30.0, 30.0)
 
 @given(st.tuples(metres, metres, metres), st.floats(0.01, 20.0), st.booleans())
 def test_bounds_hold_a_sphere_and_touch_it(centre, radius_m, is_parallel):
-    """Of a view along -z: every point's projection, to the border where one is reached."""
+    """In a view along -z bounds hold the projection of every point and end where it ends."""
     clip = np.diag([1.5, 2.0, 0.0, 0.0])
     clip[3] = (0.0, 0.0, 0.0, 20.0) if is_parallel else (0.0, 0.0, -1.0, 0.0)
     centre = np.array(centre)

@@ -20,7 +20,7 @@ from vrut_lite.render.tiles import Piece, set_scissor
 
 # Texture units of surface_buffer.glsl.
 _ATTRIBUTES_UNIT, _DEPTH_UNIT = 36, 37
-# Numbers of surfaces, of 8 bits; 0 is none.
+# Number of surfaces that 8 bits tell apart; 0 marks a pixel without one.
 MOST_SURFACES = 255
 
 
