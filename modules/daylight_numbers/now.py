@@ -16,7 +16,7 @@ from daylight_numbers.matrix.operator import Operator, operator_of
 from daylight_numbers.matrix.pane_bounces import PaneBounces
 from daylight_numbers.matrix.sensor_rays import SKY, GlazedScene, ends_of, glazed
 from daylight_numbers.matrix.sensors import Sensors
-from daylight_numbers.sky_cells import CELL_SR, cell_directions, cell_radiances
+from daylight_numbers.sky_cells import cell_radiances, cell_weights
 from daylight_numbers.work import RAYS_SHARE, DaylightWork, bounces_of, traced_transport
 from vrut_lite.atmosphere.cie_skies import OVERCAST, general_sky
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -145,8 +145,7 @@ def sun_reaching(
 
 def open_irradiance(hour: Illumination) -> FloatArray:
     """Irradiance (3,) of an hour's sky on open level ground, without the key light."""
-    sine = cell_directions()[..., 1].mean(axis=1)
-    return np.asarray((cell_radiances(hour.sky) * sine[:, None]).sum(axis=0) * CELL_SR)
+    return np.asarray(cell_weights() @ cell_radiances(hour.sky))
 
 
 def daylight_factor(

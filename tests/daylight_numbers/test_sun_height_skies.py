@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from daylight_numbers.opened_scene import OpenedScene
+from daylight_numbers.sky_cells import node_weights
 from daylight_numbers.year.sun_height_skies import height_skies, spread_heights
-from daylight_numbers.year.year_light import lit_hours, node_sines, suns_of, year_light
+from daylight_numbers.year.year_light import lit_hours, suns_of, year_light
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
 from vrut_lite.geometry.cube_map import texel_directions
@@ -32,11 +33,11 @@ def test_a_sky_between_two_heights_is_the_sky_of_that_height_turned_to_its_sun()
     nothing = np.zeros((len(heights), 3))
     sun = np.exp(heights)[:, None] * [1.0, 0.9, 0.8]
     skies = height_skies(heights, azimuths, cubes, nothing, sun)
-    sines = node_sines()
+    weights = node_weights()
     for height, azimuth in np.radians([[-4.1, 0.0], [0.4, 77.0], [12.3, 359.9], [38.0, 181.3]]):
         found, beam = skies.between(height, azimuth)
         truth = node_radiances(sky_of(height, azimuth), (0.0, 0.0, 0.0))[: GROUND_NODE + 1]
-        np.testing.assert_allclose(found[:-1].T @ sines, truth[:-1].T @ sines, rtol=3e-3)
+        np.testing.assert_allclose(found[:-1].T @ weights, truth[:-1].T @ weights, rtol=3e-3)
         np.testing.assert_allclose(found[:-1], truth[:-1], rtol=0.02)
         np.testing.assert_allclose(beam, np.exp(height) * np.array([1.0, 0.9, 0.8]), rtol=5e-3)
 

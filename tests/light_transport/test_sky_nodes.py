@@ -1,33 +1,56 @@
-"""The sky's cells are of equal solid angle, and what a cube map holds is in them."""
+"""The sky's cells are small at the horizon, and what a cube map holds is in them."""
 
 import numpy as np
 import pytest
 from light_transport.rays.sky_nodes import (
+    EDGE,
     GROUND_NODE,
     NODES,
+    disc_radius,
     node_directions,
     node_of,
     node_radiances,
+    relative_solid_angle,
+    sine_of_height,
 )
 
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 
-CELL = 2.0 * np.pi / GROUND_NODE
 
-
-def test_cells_have_equal_solid_angles():
-    """Even directions on the hemisphere fall into all cells alike; those below go to the ground."""
-    n = 400_000
-    i = np.arange(n)
-    y, angle = (i + 0.5) / n, 2.0 * np.pi * (i * 0.6180339887498949 % 1.0)
+def even_directions(count: int) -> np.ndarray:
+    """Directions (count, 3) of equal solid angle over the upper hemisphere."""
+    i = np.arange(count)
+    y, angle = (i + 0.5) / count, 2.0 * np.pi * (i * 0.6180339887498949 % 1.0)
     r = np.sqrt(1.0 - y * y)
-    directions = np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
+    return np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
+
+
+def test_cells_are_small_at_the_horizon_and_never_twice_the_mean():
+    """Even directions count solid angles: all cells are met, those below go to the ground."""
+    n = 400_000
+    directions = even_directions(n)
     counts = np.bincount([node_of(*d) for d in directions], minlength=NODES)
     assert not counts[GROUND_NODE:].any()
-    np.testing.assert_allclose(counts[:GROUND_NODE], n / GROUND_NODE, rtol=0.05)
+    share = (counts[:GROUND_NODE] * (GROUND_NODE / n)).reshape(EDGE, EDGE)
+    ring = np.maximum(*np.abs(np.indices(share.shape) - 0.5 * (EDGE - 1))) - 0.5
+    means = [share[ring == k].mean() for k in range(EDGE // 2)]
+    assert (np.diff(means) < 0.0).all()
+    assert means[-1] < 0.5
+    assert share.max() < 1.8
+    low = directions[np.isin([node_of(*d) for d in directions], np.flatnonzero(ring.ravel() == 11))]
+    assert np.degrees(np.arcsin(low[:, 1].max())) < 4.0
     below = np.bincount([node_of(x, -y, z) for x, y, z in directions[::9]], minlength=NODES)
     assert not below[:GROUND_NODE].any()
-    np.testing.assert_allclose(below[GROUND_NODE:], n / 9 / (NODES - GROUND_NODE), rtol=0.05)
+    assert below[GROUND_NODE:].all()
+
+
+def test_the_disc_and_the_hemisphere_are_each_others_inverse():
+    """Radius and sine return to themselves; the solid angle is the sine's own derivative."""
+    radius = np.linspace(0.0, 1.0, 1001)
+    np.testing.assert_allclose(disc_radius(sine_of_height(radius**2)), radius, atol=1e-7)
+    step = 1e-6
+    slope = (sine_of_height(radius**2 - step) - sine_of_height(radius**2 + step)) / (2.0 * step)
+    np.testing.assert_allclose(relative_solid_angle(radius**2), slope, rtol=1e-8)
 
 
 def test_a_cell_lies_where_its_directions_are():
@@ -49,5 +72,8 @@ def test_the_integral_over_the_sky_is_that_of_the_cube_map(size):
     cube = (0.2 + np.maximum(d @ [0.5, 0.6, 0.62], 0.0) ** 8)[..., None] * np.ones(3)
     above = np.where(d[..., 1] > 0.0, texel_solid_angles(size)[None], 0.0)
     exact = np.einsum("fij,fijc->c", above, cube)
-    found = node_radiances(cube.astype(np.float32), (0, 0, 0))[:GROUND_NODE].sum(axis=0) * CELL
+    directions = even_directions(100_000)
+    solid = np.bincount([node_of(*d) for d in directions], minlength=GROUND_NODE)
+    solid = solid * (2.0 * np.pi / len(directions))
+    found = solid @ node_radiances(cube.astype(np.float32), (0, 0, 0))[:GROUND_NODE]
     np.testing.assert_allclose(found, exact, rtol=2e-3)

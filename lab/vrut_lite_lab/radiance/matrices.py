@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from daylight_numbers.sky_cells import cell_directions, node_of_cell
+from daylight_numbers.sky_cells import cell_directions, cell_solid_angles, node_of_cell
 from light_transport.surfaces.surfaces import Surfaces
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -97,7 +97,7 @@ def year_by_matrices(here: YearHere, whole: FloatArray, straight: FloatArray) ->
     patch = patch_of(directions).ravel()
     node = np.repeat(node_of_cell(), directions.shape[1])
     share = np.zeros((_PATCHES, light.sky.shape[1] - 1))
-    np.add.at(share, (patch, node), 1.0)
+    np.add.at(share, (patch, node), np.repeat(cell_solid_angles(), directions.shape[1]))
     share /= share.sum(axis=1, keepdims=True)
     lux = np.zeros((len(whole), len(light.hour)))
     above = np.flatnonzero(light.sun_direction[:, 1] > 0.0)

@@ -23,7 +23,7 @@ from daylight_numbers.glazing.angle_basis import KLEMS_FULL
 from daylight_numbers.matrix.sensors import free_sensors
 from daylight_numbers.now import cie_hour, hour_at_sensors
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sky_cells import cell_directions, cell_radiances
+from daylight_numbers.sky_cells import cell_directions, cell_radiances, cell_solid_angles
 from daylight_numbers.work import work_of
 from light_transport.hour.illumination import Illumination
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
@@ -169,8 +169,9 @@ def _sky_vector(hour: Illumination) -> str:
     """Radiances of open ground and of Reinhart's patches."""
     patch = patch_of(cell_directions()).ravel()
     radiance = np.repeat(cell_radiances(hour.sky), cell_directions().shape[1], axis=0)
-    count = np.bincount(patch, minlength=_PATCHES)
-    means = [np.bincount(patch, channel, _PATCHES) / count for channel in radiance.T]
+    solid = np.repeat(cell_solid_angles(), cell_directions().shape[1])
+    total = np.bincount(patch, solid, _PATCHES)
+    means = [np.bincount(patch, solid * channel, _PATCHES) / total for channel in radiance.T]
     rows = np.vstack([np.asarray(hour.ground_radiance_rgb), np.stack(means, axis=1)])
     head = f"#?RADIANCE\nNROWS={len(rows)}\nNCOLS=1\nNCOMP=3\nFORMAT=ascii\n\n"
     return head + "".join(" ".join(f"{value:.7g}" for value in row) + "\n" for row in rows)

@@ -8,10 +8,10 @@ have colours alone are daylight of their colours (`spectra/daylight.py`).
 from typing import NamedTuple
 
 import numpy as np
-from light_transport.public import GROUND_NODE, Illumination
+from light_transport.public import Illumination
 
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sky_cells import cell_directions, cell_radiances, node_of_cell
+from daylight_numbers.sky_cells import cell_directions, cell_radiances, node_means
 from daylight_numbers.spectra.daylight import daylight_of_primaries, daylight_of_rgb
 from daylight_numbers.spectra.reflectances import reflectances_of
 from vrut_lite.geometry.colour import luminance
@@ -44,10 +44,7 @@ class SpectralSky(NamedTuple):
     @property
     def nodes(self) -> FloatArray:
         """Radiance (GROUND_NODE + 1, W) of the ray table's cells and, last, of open ground."""
-        node = node_of_cell()
-        sums = [np.bincount(node, column, GROUND_NODE) for column in self.cells.T]
-        means = np.stack(sums, axis=1) / np.bincount(node, minlength=GROUND_NODE)[:, None]
-        return np.vstack([means, self.ground])
+        return np.vstack([node_means(self.cells), self.ground])
 
 
 def spectral_sky(opened: OpenedScene, hour: Illumination, size: int = CUBE) -> SpectralSky:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sky_cells import cell_directions, cell_radiances
+from daylight_numbers.sky_cells import cell_radiances, cell_weights
 from daylight_numbers.spectra.daylight import daylight_of_primaries
 from daylight_numbers.spectra.eye_responses import MELANOPIC, eye_responses
 from daylight_numbers.spectra.reflectances import reflectances_of
@@ -57,7 +57,7 @@ def year_spectra(opened: OpenedScene, light: YearLight, offset_h: float) -> Year
     by_height = np.flatnonzero(shines)[np.argsort(sine[shines], kind="stable")]
     places = np.linspace(0, len(by_height) - 1, min(_HOURS, len(by_height))).astype(int)
     fits, tried = _Fit(), []
-    cell_sine = cell_directions()[..., 1].mean(axis=1)
+    weights = cell_weights()
     for n, number in enumerate(by_height[places].tolist()):
         opened.go_to(middle_of(int(light.hour[number]), offset_h))
         hour = opened.hour()
@@ -68,13 +68,13 @@ def year_spectra(opened: OpenedScene, light: YearLight, offset_h: float) -> Year
             cell_radiances(hour.sky), seen.cells, np.asarray(hour.key_irradiance_rgb), seen.sun
         )
         if n % 2 == 0:
-            fits.add(sample, cell_sine, seen.albedo)
+            fits.add(sample, weights, seen.albedo)
         elif sine[number] > _TRIED_SINE:
             tried.append(sample)
     if not fits.count or not tried:
         return _of_colours(light)
     sky, sun = fits.sky(), fits.sun()
-    errors = [sample.errors(sky, sun, cell_sine) for sample in tried]
+    errors = [sample.errors(sky, sun, weights) for sample in tried]
     of_sky, of_sun = np.max(np.abs(errors), axis=0).tolist()
     return YearSpectra(sky, sun, fits.albedo, (of_sky, of_sun))
 
@@ -93,10 +93,10 @@ class _Sample(NamedTuple):
     sun_rgb: FloatArray
     sun: FloatArray
 
-    def errors(self, sky: FloatArray, sun: FloatArray, sine: FloatArray) -> tuple[float, float]:
+    def errors(self, sky: FloatArray, sun: FloatArray, weights: FloatArray) -> tuple[float, float]:
         """Errors of melanopic light of sky and sun by three spectra each (3, W), as shares."""
-        truth = np.array([sine @ self.spectra, self.sun])
-        found = np.array([(sine @ self.rgb) @ sky, self.sun_rgb @ sun])
+        truth = np.array([weights @ self.spectra, self.sun])
+        found = np.array([(weights @ self.rgb) @ sky, self.sun_rgb @ sun])
         ratio = melanopic(found) / np.maximum(melanopic(truth), 1e-12) - 1.0
         return float(ratio[0]), float(ratio[1])
 
@@ -111,10 +111,10 @@ class _Fit:
         self.albedo = np.zeros(len(WAVELENGTHS_NM))
         self._suns: list[tuple[FloatArray, FloatArray]] = []
 
-    def add(self, sample: _Sample, sine: FloatArray, albedo: FloatArray) -> None:
+    def add(self, sample: _Sample, weights: FloatArray, albedo: FloatArray) -> None:
         """An hour's."""
-        level = float(luminance(sine @ sample.rgb))
-        weighted = sample.rgb * (sine / level**2)[:, None]
+        level = float(luminance(weights @ sample.rgb))
+        weighted = sample.rgb * (weights / level**2)[:, None]
         self.sky_square += weighted.T @ sample.rgb
         self.sky_sum += weighted.T @ sample.spectra
         bright = float(luminance(sample.sun_rgb))

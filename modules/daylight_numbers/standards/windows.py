@@ -18,7 +18,7 @@ from light_transport.public import MISS, Tree, first_hits
 
 from daylight_numbers.now import relative_luminance
 from daylight_numbers.rooms import BELOW, ROOF, DaylitRoom, Opening
-from daylight_numbers.sky_cells import CELLS, EDGE, on_disc
+from daylight_numbers.sky_cells import CELLS, EDGE, cell_solid_angles, directions_at
 from daylight_numbers.work import DaylightWork
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
 from vrut_lite.messages.place import SetPlace
@@ -165,11 +165,9 @@ def sky_component(scene: ShutScene, place_m: FloatArray, outwards: FloatArray) -
     `outwards` (3,), gets straight from the sky: a ray in each cell of the sky."""
     random = np.random.Generator(np.random.Philox(key=0))
     row, column = np.divmod(np.arange(CELLS), EDGE)
-    x, z = on_disc(*((np.stack([row, column]) + random.random((2, CELLS))) * (2.0 / EDGE) - 1.0))
-    radius2 = x * x + z * z
-    level = np.sqrt(np.maximum(2.0 - radius2, 0.0))
-    towards = np.stack([x * level, 1.0 - radius2, z * level], axis=1)
-    light = relative_luminance("16", np.maximum(towards[:, 1], 0.0))
+    at = (np.stack([row, column]) + random.random((2, CELLS))) * (2.0 / EDGE) - 1.0
+    towards = directions_at(*at)
+    light = cell_solid_angles() * relative_luminance("16", towards[:, 1])
     ahead = np.flatnonzero(towards @ outwards > 0.0)
     free = scene.reaches(place_m, towards[ahead])
     got = (light * (towards @ outwards))[ahead] @ free

@@ -17,7 +17,7 @@ from scipy.sparse import csr_matrix
 from daylight_numbers.matrix.operator import Operator
 from daylight_numbers.matrix.sensors import Sensors
 from daylight_numbers.rooms import Opening, RoomBox, ground_shares
-from daylight_numbers.sky_cells import CELLS, cell_directions, node_of_cell
+from daylight_numbers.sky_cells import CELLS, cell_directions, node_means, node_of_cell
 from daylight_numbers.year.year import LUMENS_RGB, SolvedYear, suns_of_hours
 from daylight_numbers.year.year_light import YearLight
 from vrut_lite.geometry.colour import luminance
@@ -152,9 +152,7 @@ def _grey_operator(operator: Operator) -> tuple[csr_matrix, csr_matrix]:
 @lru_cache(maxsize=1)
 def node_directions() -> FloatArray:
     """Mean direction (GROUND_NODE, 3) of the ray table's cells of the sky."""
-    mean = cell_directions().mean(axis=1)
-    nodes = [np.bincount(node_of_cell(), axis, GROUND_NODE) for axis in mean.T]
-    found = np.stack(nodes, axis=1)
+    found = node_means(cell_directions().mean(axis=1))
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 

@@ -14,7 +14,7 @@ from light_transport.public import GROUND_NODE
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from daylight_numbers.sky_cells import cell_directions, node_of_cell
+from daylight_numbers.sky_cells import cell_directions, cell_solid_angles, node_of_cell
 from vrut_lite.geometry.cube_map import sample_cube
 from vrut_lite.numeric_types import FloatArray, IntArray
 
@@ -131,5 +131,6 @@ def _cells_of_places() -> csr_matrix:
     weight = np.concatenate([weight for weight, _ in corners])
     place = np.concatenate([place for _, place in corners])
     nodes = np.tile(node, 4)
-    weight /= np.bincount(node, minlength=GROUND_NODE)[nodes]
+    solid = np.repeat(cell_solid_angles(), directions.shape[1])
+    weight *= np.tile(solid, 4) / np.bincount(node, solid)[nodes]
     return csr_matrix((weight, (nodes, place)), (GROUND_NODE, _HEIGHTS * _AZIMUTHS))

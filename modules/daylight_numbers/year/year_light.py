@@ -12,7 +12,7 @@ from light_transport.public import GROUND_NODE, node_radiances
 from numpy.typing import NDArray
 
 from daylight_numbers.opened_scene import OpenedScene
-from daylight_numbers.sky_cells import cell_directions, node_of_cell
+from daylight_numbers.sky_cells import node_weights
 from daylight_numbers.year.sun_height_skies import HeightSkies, height_skies, spread_heights
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.frames import world_from_enu
@@ -63,14 +63,8 @@ class YearLight:
     @property
     def diffuse_lux(self) -> FloatArray:
         """Illuminance (H,) on open level ground without the sun's own."""
-        mean = np.einsum("hkc,k->hc", self.sky[:, :GROUND_NODE], node_sines())
-        return np.asarray(luminance(mean) * (2.0 * np.pi / GROUND_NODE) * LUMENS_PER_WATT)
-
-
-def node_sines() -> FloatArray:
-    """Mean sine of height (GROUND_NODE,) of the sky's cells."""
-    sine = cell_directions()[..., 1].mean(axis=1)
-    return np.bincount(node_of_cell(), sine) / np.bincount(node_of_cell())
+        light = np.einsum("hkc,k->hc", self.sky[:, :GROUND_NODE], node_weights())
+        return np.asarray(luminance(light) * LUMENS_PER_WATT)
 
 
 def middle_of(hour: int, offset_h: float, year: int = YEAR) -> datetime:
