@@ -146,11 +146,11 @@ def flag(message: object, *names: str, of: str = "") -> None:
             _refuse(message, name, of, "be true or false", getattr(message, name))
 
 
-def choice(message: object, name: str, choices: Sequence[str]) -> None:
+def choice(message: object, name: str, choices: Sequence[str], of: str = "") -> None:
     """Check that a field is one of these texts."""
     value = getattr(message, name)
     if not (isinstance(value, str) and value in choices):
-        _refuse(message, name, "", f"be one of {', '.join(filter(None, choices))}", value)
+        _refuse(message, name, of, f"be one of {', '.join(filter(None, choices))}", value)
 
 
 def instant(message: object, name: str) -> None:

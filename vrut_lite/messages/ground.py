@@ -46,7 +46,7 @@ class SetGround(Input, frozen=True, kw_only=True):
 
     def check(self) -> None:
         """A known ground, which reflects no more than it receives."""
-        checks.choice(self, "ground", GROUND_NAMES)
+        checks.choice(self, "ground", GROUND_NAMES, of="the scene")
         if self.albedo is not None:
             checks.number(self, "albedo", 0.0, 1.0, of="ground")
 

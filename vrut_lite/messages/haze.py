@@ -161,7 +161,7 @@ class SetHaze(Input, frozen=True, kw_only=True):
     def check(self) -> None:
         """A depth that every sky can show, of a known type."""
         checks.number(self, "optical_depth_550", 0.0, MOST_OPTICAL_DEPTH, of="haze")
-        checks.choice(self, "aerosol", AEROSOL_TYPES)
+        checks.choice(self, "aerosol", AEROSOL_TYPES, of="haze")
         checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
         if self.nitrogen_dioxide_du is not None:
             checks.number(self, "nitrogen_dioxide_du", 0.0, MOST_NITROGEN_DIOXIDE_DU, of="haze")
