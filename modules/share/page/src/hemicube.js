@@ -4,11 +4,15 @@ import * as THREE from 'three';
 
 // Texels of an edge of the face before the surface.
 const EDGE = 128;
+// Nearest distance that is drawn, as a share of the near plane's.
+const CLOSEST = 0.05;
 
 export class Hemicube {
-  /** @param {THREE.WebGLRenderer} renderer */
-  constructor(renderer) {
+  /** @param {THREE.WebGLRenderer} renderer
+   * @param {THREE.Object3D[]} distant things without a distance, such as the sky */
+  constructor(renderer, distant) {
     this.renderer = renderer;
+    this.distant = distant;
     const target = (/** @type {number} */ rows) => new THREE.WebGLRenderTarget(EDGE, rows, {
       type: THREE.FloatType, depthTexture: new THREE.DepthTexture(EDGE, rows, THREE.FloatType),
     });
@@ -27,7 +31,7 @@ export class Hemicube {
    * @param {number} turn (rad) of the cube about the normal */
   irradiance(scene, eye, normal, [near, far], turn) {
     const { camera, front, side } = this, sum = [0, 0, 0];
-    Object.assign(camera, { near, far });
+    this.reach(near, far);
     camera.position.copy(eye);
     const across = new THREE.Vector3(0, 1, 0).cross(normal);
     if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
@@ -42,15 +46,30 @@ export class Hemicube {
     return sum;
   }
 
+  /** @param {number} near @param {number} far m */
+  reach(near, far) {
+    Object.assign(this.camera, { near, far });
+    this.camera.updateProjectionMatrix();
+  }
+
   /** @param {THREE.Scene} scene @param {THREE.Vector3} towards @param {THREE.Vector3} up
    * @param {{target: THREE.WebGLRenderTarget, weights: Float64Array}} face @param {number[]} sum */
   look(scene, towards, up, { target, weights }, sum) {
     const { camera, renderer } = this, texels = new Float32Array(4 * weights.length);
+    const { near, far } = camera;
     camera.up.copy(up);
     camera.lookAt(camera.position.clone().add(towards));
     renderer.setRenderTarget(target);
     renderer.clear();
     renderer.render(scene, camera);
+    // What is nearer than the near plane is drawn over it, with depths of its own.
+    const hidden = this.distant.filter((thing) => thing.visible);
+    hidden.forEach((thing) => { thing.visible = false; });
+    this.reach(CLOSEST * near, near);
+    renderer.clearDepth();
+    renderer.render(scene, camera);
+    this.reach(near, far);
+    hidden.forEach((thing) => { thing.visible = true; });
     renderer.readRenderTargetPixels(target, 0, 0, target.width, target.height, texels);
     for (let i = 0; i < weights.length; ++i) {
       for (let c = 0; c < 3; ++c) sum[c] += weights[i] * texels[4 * i + c];

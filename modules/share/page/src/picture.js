@@ -198,7 +198,6 @@ export class Picture {
     this.meter = meter(METER);
     this.draftMeter = meter(DRAFT_METER);
     this.glimpse = new THREE.WebGLRenderTarget(METER[0], METER[1], { type: THREE.HalfFloatType });
-    this.points = new PointLux(this);
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
     this.stars = header.stars
@@ -209,6 +208,7 @@ export class Picture {
     }
     this.neutral = { value: 0 };
     this.numbers = header.numbers ? new Numbers(data, { pre: one.pre, neutral: this.neutral, jitter: one.jitter }) : null;
+    this.points = new PointLux(this);
     if (this.numbers) this.scene.add(this.numbers.mesh);
     this.casters = new THREE.Scene();
     this.tints = new THREE.Scene();

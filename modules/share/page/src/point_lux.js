@@ -19,7 +19,8 @@ export class PointLux {
     this.picture = picture;
     this.probe = new THREE.WebGLRenderTarget(1, 1, { type: THREE.FloatType });
     this.place = keptTarget(1, 1);
-    this.hemicube = new Hemicube(picture.renderer);
+    this.hemicube = new Hemicube(picture.renderer,
+      picture.stars ? [picture.skyPass, picture.stars.points] : [picture.skyPass]);
   }
 
   /** Lux by the light map, and the key light's part of it; NaN in the sky.
