@@ -24,7 +24,7 @@ from dynamic_skylight.hosek_wilkie.sky_tables import (
 from dynamic_skylight.hosek_wilkie.texel_lanes import (
     BLOCK,
     encode_numbers,
-    light_of_blocks,
+    light_of_block,
     light_of_texel,
     place_block,
     zenith_of_blocks,
@@ -50,7 +50,7 @@ _BLOCKS_FROM = 256
 
 
 class _Spaces(NamedTuple):
-    """Numbers of the row in work, as many as the texels of whole pairs of blocks."""
+    """Numbers of the row in work, as many as the texels of whole blocks."""
 
     inverse: Float32Array  # 1 / length of the directions
     root: Float32Array  # of the cosines of their zenith angles
@@ -60,7 +60,7 @@ class _Spaces(NamedTuple):
     start: Float32Array
     sign: Float32Array  # -1 where it lies about the point opposite the sun
     place: Float32Array  # in a piece
-    light: Float32Array  # three numbers a texel of a small map
+    light: Float32Array  # three numbers a texel
     encoded: NDArray[Any]
 
 
@@ -95,6 +95,7 @@ def _zenith_row(up, rest, a, centres, table, at):  # type: ignore[no-untyped-def
             twin = n - np.uintp(1) - j
             zenith_of_texel(at.factors, table, np.uintp(at.piece[j]), x, j, twin)
         return
+    # Half the row's texels, in whole blocks.
     blocks = (n + _PAIR - np.uintp(1)) // _PAIR
     _heights(up, rest, centres, centres.size, at.of_centres, at.root)
     _zenith_pieces(at.root, blocks, at.piece, at.start)
@@ -137,38 +138,44 @@ def _light_texels(row, a, height, sun, table, levels, at):  # type: ignore[no-un
 
 
 @njit(inline="always", **COMPILE)
-def _first_texel(pair, n):  # type: ignore[no-untyped-def]
-    """The last pair of blocks ends with the row."""
-    return min(pair * _PAIR, n - _PAIR)
+def _first_texel(block, n):  # type: ignore[no-untyped-def]
+    """The last block ends with the row."""
+    return min(block * _BLOCK, n - _BLOCK)
 
 
 @njit(**COMPILE)
 def _light_blocks(row, a, centres, height, sun, table, levels, at):  # type: ignore[no-untyped-def]
     """As `_light_texels`, a row of a large map."""
     n, stride = np.uintp(a.size), np.uintp(at.root.size)
-    pairs = (n + _PAIR - np.uintp(1)) // _PAIR
-    # Loops of their own: a processor then waits neither for roots nor for pieces.
     _glow_pieces(at.of_centres, centres, height, sun, at.piece, at.start, at.sign)
-    for pair in range(pairs):
-        for half in range(np.uintp(2)):
-            block = np.uintp(2) * pair + half
-            place_block(
-                at.place, block * _BLOCK, a, at.inverse, _first_texel(pair, n) + half * _BLOCK,
-                height, sun[0], sun[1], sun[2], at.sign[block], at.start[block],
-            )  # fmt: skip
-    for pair in range(pairs):
-        first, second = at.piece[np.uintp(2) * pair], at.piece[np.uintp(2) * pair + np.uintp(1)]
-        light_of_blocks(
-            row, _first_texel(pair, n), table, np.uintp(first), np.uintp(second),
-            at.place, pair * _PAIR, at.factors, stride, at.root, levels,
+    # Loops of their own: a processor then waits neither for roots nor for pieces.
+    for block in range(np.uintp(centres.size)):
+        place_block(
+            at.place, block * _BLOCK, at.start[block], at.sign[block],
+            a, at.inverse, _first_texel(block, n), height, sun,
+        )  # fmt: skip
+    for block in range(np.uintp(centres.size)):
+        light_of_block(
+            row, _first_texel(block, n), table, np.uintp(at.piece[block]),
+            at.place, block * _BLOCK, at.factors, stride, at.root, levels,
         )  # fmt: skip
 
 
 @njit(**COMPILE)
-def _fill(out, faces, top, suns, rows, a, centres, tables, at):  # type: ignore[no-untyped-def]
+def _encode_row(row, light):  # type: ignore[no-untyped-def]
+    """Writes a row (3 n,) of a large map, `light` in its numbers."""
+    for k in range(np.uintp(0), np.uintp(row.size), _PAIR):
+        # The last numbers end with the row.
+        first = min(k, np.uintp(row.size) - _PAIR)
+        encode_numbers(row, first, light, first)
+
+
+@njit(**COMPILE)
+def _fill(out, faces, top, suns, rows, a, centres, tables, at, light):  # type: ignore[no-untyped-def]
     """Rows `rows[0]` to `rows[1]` of the sky in `out` (6, n, 3 n).
 
-    `faces` (k,) are sides, or the top twice; `suns` (6, 3) are those of `_in_face_axes`.
+    `faces` (k,) are sides, or the top twice; `suns` (6, 3) are those of `_in_face_axes`. Rows of
+    large maps pass through `light` (3 n,), unless it is None.
     """
     n, (first, last), (glow, zenith, levels) = a.size, rows, tables
     for i in range(first, last):
@@ -184,8 +191,12 @@ def _fill(out, faces, top, suns, rows, a, centres, tables, at):  # type: ignore[
             sun = (suns[face, 0], suns[face, 1], suns[face, 2])
             if n < _BLOCKS_FROM:
                 _light_texels(out[face, row], a, height, sun, glow, levels, at)
-            else:
+            elif light is None:
                 _light_blocks(out[face, row], a, centres, height, sun, glow, levels, at)
+            else:
+                # Bytes take more arithmetic: a loop of its own has the processor's widest vectors.
+                _light_blocks(light, a, centres, height, sun, glow, levels, at)
+                _encode_row(out[face, row], light)
 
 
 def _spaces(size: int, dtype: type[np.generic]) -> _Spaces:
@@ -228,10 +239,11 @@ def fill_cube(
         suns = _in_face_axes(sun_azimuth_rad, sun_elevation_rad)
         tables = sky_tables(distribution, mean_radiance)
         spaces = _spaces(size, view.dtype.type)
+        light = spaces.light if dtype == np.uint8 else None
         for some, is_top, end in ((sides, False, min(last, size // 2)), (top, True, last)):
             if some:
                 numbers = np.array(some, np.intp)
-                _fill(view, numbers, is_top, suns, (first, end), a, centres, tables, spaces)
+                _fill(view, numbers, is_top, suns, (first, end), a, centres, tables, spaces, light)
     if out is None:
         return cube
     # Bytes are cleared in half the time that other numbers take.
@@ -246,8 +258,7 @@ def fill_cube(
 @lru_cache(maxsize=8)
 def _centres(size: int) -> tuple[Float32Array, Float32Array]:
     """Face coordinates of the texels' centres, and of the centres of a row's blocks."""
-    first = np.minimum(2 * BLOCK * np.arange(-(-size // (2 * BLOCK))), max(size - 2 * BLOCK, 0))
-    texels = np.add.outer(first, (0, BLOCK)).ravel()
+    texels = np.minimum(BLOCK * np.arange(-(-size // BLOCK)), max(size - BLOCK, 0))
     centres = (2.0 * texels + BLOCK) / size - 1.0
     return texel_centres(size).astype(np.float32), centres.astype(np.float32)
 

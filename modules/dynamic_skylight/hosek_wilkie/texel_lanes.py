@@ -27,16 +27,23 @@ ir = lazy("llvmlite.ir")
 # Texels of a block, which takes one piece of a table.
 BLOCK = 8
 LARGEST_HALF = 65504.0
-# In bits of a float32: half an ulp of a half, less one; bits that a half lacks.
-_ROUND, _SHIFT = 0x0FFF, 13
-# Brings the exponent's bias of a float32 to that of a half, and subnormal numbers to subnormal.
-_REBIAS = 2.0**-112
-# 2^f for |f| <= 1/2, constant first; errs by 3e-6, a thousandth of a tone.
-_EXP2 = np.polynomial.Chebyshev.interpolate(np.exp2, 4, domain=[-0.5, 0.5]).convert(
-    kind=np.polynomial.Polynomial
-)
-_LARGEST_EXPONENT, _LARGEST_BYTE = 100.0, 255.0
-_ROUNDER, _MANTISSA_BITS = 1.5 * 2**23, 23
+# Bits of a float32 that are its exponent, and how many of its mantissa a half lacks.
+_EXPONENT, _SHIFT = 0x7F800000, 13
+# Halves below are subnormal, and have its steps.
+_LEAST_NORMAL_HALF = 2.0**-14
+# Times a number's power of two, in steps of halves there: the sum with the number is rounded to
+# such steps, and in its lowest 16 bits are the half's mantissa and 2^14, which turns the bias of
+# the exponent, in these bits, into that of a half.
+_STEPS = (2.0**23 + 2**14 - 2**10) / 2**10
+# 255 (1 - 2^-x) is 255 as a byte from here on.
+_WHITE, _LARGEST_BYTE = 9.25, 255.0
+# 2^-x up to `_WHITE` is (((q^2 + a)^2 + b)^2 + c)^2 with a quadratic q: its coefficients, the
+# square's first, then a, b and c, by least squares, reweighted until the largest error, 5e-5 of a
+# tone, is least. A product each: polynomials of this accuracy need two more.
+_QUADRATIC = (0.00123195, -0.04857128, 0.7061016)
+_OFFSETS = (0.76218732, -0.58763826, -0.00379297)
+# Floats from here on are whole.
+_WHOLE = 2.0**23
 
 
 @intrinsic
@@ -59,7 +66,9 @@ def zenith_of_texel(_context, factors, table, piece, x, texel, twin):  # type: i
 def light_of_texel(  # type: ignore[no-untyped-def]
     _context, light, table, piece, x, factors, root, levels, texel
 ):
-    """Writes Z (S + H sqrt(cos theta)) to light[3 texel:+3], and spoils one more.
+    """Writes Z (S + H sqrt(cos theta)), 0 where it is negative, to light[3 texel:+3].
+
+    It spoils one more number.
 
     `glow_piece` finds `piece` and `x`; `root` is that of the cosine, `levels` (4,) H.
     """
@@ -71,7 +80,8 @@ def light_of_texel(  # type: ignore[no-untyped-def]
         level = lanes.load(6, texel.type(0), 0, COEFFICIENT)
         both = lanes.sum_of_product(level, lanes.spread(root, COEFFICIENT), glow)
         factor = lanes.load(4, builder.mul(texel, texel.type(COEFFICIENT)), 0, COEFFICIENT)
-        lanes.store(builder.fmul(both, factor), 0, builder.mul(texel, texel.type(3)))
+        found = lanes.larger(builder.fmul(both, factor), 0.0)
+        lanes.store(found, 0, builder.mul(texel, texel.type(3)))
         return context.get_dummy_value()
 
     index, real = types.uintp, types.float32
@@ -80,7 +90,7 @@ def light_of_texel(  # type: ignore[no-untyped-def]
 
 @intrinsic
 def encode_numbers(_context, out, place, light, first):  # type: ignore[no-untyped-def]
-    """Writes out[place:+16], `light` from `first` on, or 0 where it is negative.
+    """Writes out[place:+16], `light` from `first` on, which is not negative.
 
     `out` is float32; uint16, bits of the nearest half, ties to even; or uint8, 255 (1 - 2^-x) of
     a radiance x.
@@ -128,70 +138,73 @@ def zenith_of_blocks(  # type: ignore[no-untyped-def]
 
 @intrinsic
 def place_block(  # type: ignore[no-untyped-def]
-    _context, places, place, across, inverse, texel, height, along, normal, up, sign, start
+    _context, places, place, start, sign, across, inverse, texel, height, sun
 ):
     """Writes places[place:+8], of eight texels from `texel` on in their piece of the glow's table.
 
-    Directions are (across (n,), 1, height) times `inverse` (n,), the sun's (along, normal, up).
+    Directions are (across (n,), 1, height) times `inverse` (n,); `sun` (3,) is in their axes.
     Chords are those to the sun or, with a `sign` of -1, to the point opposite; the piece starts
     at `start`.
     """
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         lanes = _Lanes(context, builder, signature, arguments)
-        texel, height, *sun, sign, start = arguments[4:]
-        outwards = builder.fmul(lanes.load(3, texel, 0, BLOCK), lanes.spread(sign, BLOCK))
-        minus = [lanes.spread(builder.fsub(each.type(-0.0), each), BLOCK) for each in sun]
-        dx = lanes.sum_of_product(lanes.load(2, texel, 0, BLOCK), outwards, minus[0])
+        place, start, sign, _, _, texel, height, sun = arguments[1:]
+        outwards = builder.fmul(lanes.load(5, texel, 0, BLOCK), lanes.spread(sign, BLOCK))
+        minus = [
+            lanes.spread(builder.fsub(height.type(-0.0), each), BLOCK)
+            for each in cgutils.unpack_tuple(builder, sun)
+        ]
+        dx = lanes.sum_of_product(lanes.load(4, texel, 0, BLOCK), outwards, minus[0])
         dy = builder.fadd(outwards, minus[1])
         dz = lanes.sum_of_product(lanes.spread(height, BLOCK), outwards, minus[2])
         squared = lanes.sum_of_product(dx, dx, builder.fmul(dy, dy))
         chord = lanes.root(lanes.sum_of_product(dz, dz, squared))
-        lanes.store(lanes.within(chord, start, GLOW_PER_UNIT / GLOW_REACH), 0, arguments[1])
+        lanes.store(lanes.within(chord, start, GLOW_PER_UNIT / GLOW_REACH), 0, place)
         return context.get_dummy_value()
 
     index, real = types.uintp, types.float32
-    kinds = places, index, across, inverse, index, real, real, real, real, real, real
-    return types.void(*kinds), build
+    return types.void(places, index, real, real, across, inverse, index, real, sun), build
 
 
 @intrinsic
-def light_of_blocks(  # type: ignore[no-untyped-def]
-    _context, out, texel, table, first, second, places, place, factors, stride, roots, levels
+def light_of_block(  # type: ignore[no-untyped-def]
+    _context, out, texel, table, piece, places, place, factors, stride, roots, levels
 ):
-    """Writes out[3 texel:+48], two blocks of a row of a large map, as `encode_numbers` does.
+    """Writes out[3 texel:+24], eight texels of a row of a large map, as `encode_numbers` does.
 
-    Their pieces of the flat `table` begin at `first` and `second`, their places in these at
-    places[place]. `factors` are those of `zenith_of_blocks`, `roots` (n,) those of the cosines,
-    `levels` (4,) H.
+    The light is Z (S + H sqrt(cos theta)), 0 where it is negative. The texels' piece begins at
+    `piece` of the flat `table`, their places in it at places[place]. `factors` are those of
+    `zenith_of_blocks`, `roots` (n,) those of the cosines, `levels` (4,) H.
     """
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         lanes = _Lanes(context, builder, signature, arguments)
-        texel, place, stride = arguments[1], arguments[6], arguments[8]
-        halves = [
-            (piece, lanes.load(5, place, offset, BLOCK))
-            for piece, offset in zip(arguments[3:5], (0, BLOCK), strict=True)
-        ]
-        root = lanes.load(9, texel, 0, 2 * BLOCK)
+        texel, _, piece, _, place, _, stride = arguments[1:8]
+        x = lanes.load(4, place, 0, BLOCK)
+        root = lanes.load(8, texel, 0, BLOCK)
         colours, column = [], texel
         for colour in range(3):
-            glow = lanes.joined(
-                *[lanes.polynomial(2, piece, x, GLOW_DEGREE, colour) for piece, x in halves]
-            )
-            level = lanes.spread(lanes.number(10, texel.type(colour)), 2 * BLOCK)
+            glow = lanes.polynomial(2, piece, x, GLOW_DEGREE, colour)
+            level = lanes.spread(lanes.number(9, texel.type(colour)), BLOCK)
             both = lanes.sum_of_product(level, root, glow)
-            light = builder.fmul(both, lanes.load(7, column, 0, 2 * BLOCK))
-            colours.append(lanes.encoded(light, signature.args[0].dtype))
+            factor = lanes.load(6, column, 0, BLOCK)
+            colours.append(lanes.larger(builder.fmul(both, factor), 0.0))
             column = builder.add(column, stride)
         place = builder.mul(texel, texel.type(3))
         for k, part in enumerate(lanes.interleaved(*colours)):
-            lanes.store(part, 0, builder.add(place, place.type(2 * BLOCK * k)))
+            found = lanes.encoded(part, signature.args[0].dtype)
+            lanes.store(found, 0, builder.add(place, place.type(BLOCK * k)))
         return context.get_dummy_value()
 
     index = types.uintp
-    kinds = out, index, table, index, index, places, index, factors, index, roots, levels
+    kinds = out, index, table, index, places, index, factors, index, roots, levels
     return types.void(*kinds), build
+
+
+def has_halves(context: Any) -> bool:
+    """Whether the processor that is compiled for rounds to halves."""
+    return "+f16c" in context.codegen().magic_tuple()[2].split(",")
 
 
 class _Lanes:
@@ -199,6 +212,7 @@ class _Lanes:
 
     def __init__(self, context: Any, builder: Any, signature: Any, arguments: Any):
         self._builder = builder
+        self._has_halves = has_halves(context)
         self._data = [
             context.make_array(kind)(context, builder, value).data
             if isinstance(kind, types.Array)
@@ -281,14 +295,10 @@ class _Lanes:
         return found
 
     def encoded(self, light: Any, kind: Any) -> Any:
-        """`light` in the numbers of `kind`, 0 where it is negative."""
-        light = self.larger(light, 0.0)
+        """`light` in the numbers of `kind`."""
         if kind == types.float32:
             return light
         return self.halves(light) if kind == types.uint16 else self.bytes(light)
-
-    def joined(self, first: Any, second: Any) -> Any:
-        return self._builder.shuffle_vector(first, second, _integers(range(2 * first.type.count)))
 
     def larger(self, vector: Any, least: float) -> Any:
         bound = _floats(vector, least)
@@ -299,34 +309,31 @@ class _Lanes:
         return self._builder.select(self._builder.fcmp_ordered("<", vector, bound), vector, bound)
 
     def halves(self, vector: Any) -> Any:
-        """Bits of the nearest half: integers alone, as not every processor has halves."""
-        builder = self._builder
-        scaled = builder.fmul(self.smaller(vector, LARGEST_HALF), _floats(vector, _REBIAS))
-        bits = _as_integers(builder, scaled)
-        count = vector.type.count
-        shift = _integers([_SHIFT] * count)
-        odd = builder.and_(builder.lshr(bits, shift), _integers([1] * count))
-        bits = builder.add(builder.add(bits, _integers([_ROUND] * count)), odd)
-        return builder.trunc(builder.lshr(bits, shift), ir.VectorType(ir.IntType(16), count))
+        """Bits of the nearest half, ties to even: by integers where the processor has no halves."""
+        builder, count = self._builder, vector.type.count
+        words = ir.VectorType(ir.IntType(16), count)
+        clipped = self.smaller(vector, LARGEST_HALF)
+        if self._has_halves:
+            halves = builder.fptrunc(clipped, ir.VectorType(ir.HalfType(), count))
+            return builder.bitcast(halves, words)
+        bits = builder.and_(_as_integers(builder, clipped), _integers([_EXPONENT] * count))
+        power = self.larger(builder.bitcast(bits, vector.type), _LEAST_NORMAL_HALF)
+        rounded = self.sum_of_product(power, _floats(vector, _STEPS), clipped)
+        exponent = builder.lshr(_as_integers(builder, power), _integers([_SHIFT] * count))
+        return builder.trunc(builder.add(exponent, _as_integers(builder, rounded)), words)
 
     def bytes(self, vector: Any) -> Any:
-        """255 (1 - 2^-x), rounded; adding 1.5 * 2^23 rounds to an integer in the low bits."""
-        builder, count = self._builder, vector.type.count
-        x = self.smaller(vector, _LARGEST_EXPONENT)
-        rounder = _floats(vector, _ROUNDER)
-        shifted = builder.fsub(rounder, x)
-        part = builder.fsub(builder.fsub(rounder, shifted), x)
-        power = _floats(vector, _EXP2.coef[-1])
-        for coefficient in _EXP2.coef[-2::-1]:
-            power = self.sum_of_product(power, part, _floats(vector, coefficient))
-        exponent = builder.shl(_as_integers(builder, shifted), _integers([_MANTISSA_BITS] * count))
-        power = builder.add(_as_integers(builder, power), exponent)
-        power = builder.bitcast(power, vector.type)
-        tone = self.sum_of_product(
-            _floats(vector, -_LARGEST_BYTE), power, _floats(vector, _LARGEST_BYTE + 0.5)
-        )
-        whole = builder.fptosi(tone, ir.VectorType(ir.IntType(32), count))
-        return builder.trunc(whole, ir.VectorType(ir.IntType(8), count))
+        """255 (1 - 2^-x), rounded; a sum with 2^23 is an integer, which its low bits hold."""
+        x, scale = self.smaller(vector, _WHITE), _LARGEST_BYTE ** (1 / 16)
+        square, slope, constant = (_floats(vector, scale * number) for number in _QUADRATIC)
+        root = self.sum_of_product(self.sum_of_product(x, square, slope), x, constant)
+        for number in _OFFSETS:
+            scale *= scale
+            root = self.sum_of_product(root, root, _floats(vector, scale * number))
+        minus = self._builder.fsub(_floats(vector, -0.0), root)
+        tone = self.sum_of_product(minus, root, _floats(vector, _LARGEST_BYTE + _WHOLE))
+        bits = _as_integers(self._builder, tone)
+        return self._builder.trunc(bits, ir.VectorType(ir.IntType(8), vector.type.count))
 
 
 def _integers(values: Any) -> Any:
