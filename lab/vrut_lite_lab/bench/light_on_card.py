@@ -16,10 +16,14 @@ from vrut_lite_lab.bench.gl import GlWork, gl_owner, on_close
 
 
 class LightOnCard(GlWork):
-    """The light map and the mirrors of an hour: inputs uploaded, all computed and written."""
+    """The light map and the mirrors of an hour: inputs uploaded, all computed and written.
 
-    def __init__(self, transport: SceneTransport, hour: Illumination):
-        self._hour = transport.card_hour(hour)
+    If it is the bake's `first` hour, each run uploads the tables too, in pieces as between
+    pictures; the programs are compiled once.
+    """
+
+    def __init__(self, transport: SceneTransport, hour: Illumination, first: bool = False):
+        self._hour, self._first = transport.card_hour(hour), first
         super().__init__(self._prepare)
         on_close(lambda: gl_owner().call(lambda _: self._card.release()))
 
@@ -37,8 +41,11 @@ class LightOnCard(GlWork):
 
         def work() -> None:
             # Equal inputs that are other objects are computed again.
-            hour = self._hour
-            self._card.compute(hour._replace(inputs=hour.inputs._replace()))
+            hour = self._hour._replace(inputs=self._hour.inputs._replace())
+            if self._first:
+                self._card.release()
+            while not self._card.compute(hour, most_pieces=1 if self._first else None):
+                pass
             self._card.write_map(self._map)
             for number, cube in enumerate(self._cubes):
                 self._card.write_mirror(number, cube)

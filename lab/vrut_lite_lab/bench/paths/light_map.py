@@ -211,22 +211,26 @@ def _steps(texels: int, quick: bool) -> list[BenchPath]:
     if missing_gl():
         return paths
 
-    def on_card() -> Work:
+    def on_card(first: bool) -> Work:
         made = transport()
         made.add_rays(rays)
-        return LightOnCard(made, hour_of_bench(60.0))
+        return LightOnCard(made, hour_of_bench(60.0), first)
 
-    by_card = BenchPath(
-        name=f"an hour by {rays} rays, GPU shaders, {texels} texels",
-        family="GPU",
-        prepare=on_card,
-        error=None,
-        parameters={"texels": texels},
-        clock=gl_clock(),
-        device="GPU",
-        batch="GPU",
-    )
-    return [*paths, by_card]
+    hours = {f"an hour by {rays} rays": False, f"the first hour by {rays} rays, in pieces": True}
+    by_card = [
+        BenchPath(
+            name=f"{name}, GPU shaders, {texels} texels",
+            family=f"GPU, {'first hour' if first else 'hour'}",
+            prepare=partial(on_card, first),
+            error=None,
+            parameters={"texels": texels},
+            clock=gl_clock(),
+            device="GPU",
+            batch="GPU",
+        )
+        for name, first in hours.items()
+    ]
+    return [*paths, *by_card]
 
 
 class HourWork:

@@ -130,7 +130,10 @@ def _cubes(quick: bool) -> Group:
         usual = CARD_SIZES if has_timer(renderer()) else GPU_SIZES
         sizes = QUICK_GPU_SIZES if quick else usual
         paths += [_gpu_cube_path(size, quick) for size in sizes]
-        paths += [_gpu_table_path(size, quick) for size in sizes]
+        heights = {condition.height_m for condition in conditions(quick)}
+        paths += [
+            _gpu_table_path(size, quick, height) for height in sorted(heights) for size in sizes
+        ]
     return Group(
         name="sky-cube",
         title=f"Sky looked up in a cube map of a sky-view table, {_AIR}",
@@ -142,13 +145,13 @@ def _cubes(quick: bool) -> Group:
     )
 
 
-def _from_ground(quick: bool) -> list[Condition]:
-    return [condition for condition in conditions(quick) if condition.height_m == 0.0]
+def _seen_from(height_m: float, quick: bool) -> list[Condition]:
+    return [condition for condition in conditions(quick) if condition.height_m == height_m]
 
 
 def _views(quick: bool) -> list[SkyView]:
     field = solved(_AIR)
-    return [sky_view(field, each.height_m, each.sun) for each in _from_ground(quick)]
+    return [sky_view(field, each.height_m, each.sun) for each in _seen_from(0.0, quick)]
 
 
 def _cube_path(size: int, quick: bool) -> BenchPath:
@@ -157,8 +160,8 @@ def _cube_path(size: int, quick: bool) -> BenchPath:
         family="fill_cube, float32",
         parameters={"size": size},
         prepare=partial(_prepare_cubes, size, quick),
-        error=partial(_cube_errors, quick),
-        units=len(_from_ground(quick)),
+        error=partial(_cube_errors, _seen_from(0.0, quick)),
+        units=len(_seen_from(0.0, quick)),
     )
 
 
@@ -167,10 +170,10 @@ def _prepare_cubes(size: int, quick: bool) -> Work:
     return lambda: [fill_cube(view, size, _BLACK) for view in views]
 
 
-def _cube_errors(quick: bool, cubes: list[NDArray[np.float32]]) -> dict[str, Errors]:
+def _cube_errors(seen: list[Condition], cubes: list[NDArray[np.float32]]) -> dict[str, Errors]:
     return {
         condition.name: relative_errors(sample_sky(cube, random_directions(_LOOK_UPS)), right)
-        for condition, cube in zip(_from_ground(quick), cubes, strict=True)
+        for condition, cube in zip(seen, cubes, strict=True)
         for right in [_exact_looked_up(condition)]
     }
 
@@ -192,8 +195,8 @@ def _gpu_cube_path(size: int, quick: bool) -> BenchPath:
         family="GPU shader, float16",
         parameters={"size": size},
         prepare=partial(_prepare_gpu_cubes, size, quick),
-        error=partial(_gpu_cube_errors, quick),
-        units=len(_from_ground(quick)),
+        error=partial(_gpu_cube_errors, _seen_from(0.0, quick)),
+        units=len(_seen_from(0.0, quick)),
         batch="GPU",
         clock=gl_clock(),
         device="GPU",
@@ -205,26 +208,29 @@ def _prepare_gpu_cubes(size: int, quick: bool) -> Work:
     return GlTextures([GlTexture(job, scale) for job, scale in jobs])
 
 
-def _gpu_table_path(size: int, quick: bool) -> BenchPath:
+def _gpu_table_path(size: int, quick: bool, height_m: float) -> BenchPath:
+    family, seen = "GPU shaders, table and cube, float32", _seen_from(height_m, quick)
+    if height_m > 0.0:
+        family += f", {height_m:g} m up"
     return replace(
         _gpu_cube_path(size, quick),
-        name=f"GPU shaders, table and cube, float32, {size}²",
-        family="GPU shaders, table and cube, float32",
-        prepare=partial(_prepare_gpu_tables, size, quick),
+        name=f"{family}, {size}²",
+        family=family,
+        prepare=partial(_prepare_gpu_tables, size, seen),
+        error=partial(_gpu_cube_errors, seen),
+        units=len(seen),
     )
 
 
-def _prepare_gpu_tables(size: int, quick: bool) -> Work:
+def _prepare_gpu_tables(size: int, seen: list[Condition]) -> Work:
     field = solved(_AIR)
-    jobs = [
-        table_cube_job(table_on_card(field, 0.0, each.sun), size, _BLACK, 1.0, "bench", "cube")
-        for each in _from_ground(quick)
-    ]
+    tables = [table_on_card(field, each.height_m, each.sun) for each in seen]
+    jobs = [table_cube_job(table, size, _BLACK, 1.0, "bench", "cube") for table in tables]
     return GlTextures([GlTexture(job) for job in jobs])
 
 
-def _gpu_cube_errors(quick: bool, done: GlTextures) -> dict[str, Errors]:
-    return _cube_errors(quick, [cube.read().astype(np.float32) for cube in done.textures])
+def _gpu_cube_errors(seen: list[Condition], done: GlTextures) -> dict[str, Errors]:
+    return _cube_errors(seen, [cube.read().astype(np.float32) for cube in done.textures])
 
 
 def _chains(names: list[str], quick: bool) -> Group:
