@@ -5,13 +5,13 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 from bench_samples import measured, run_of
 from click.testing import CliRunner
 
 from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.njit import njit
 from vrut_lite_lab.bench import registry, session
 from vrut_lite_lab.bench.bench_path import (
     BenchPath,
@@ -78,7 +78,7 @@ def test_a_call_that_compiles_is_not_timed() -> None:
         calls.append(next(seconds))
         # The second call takes another way than the first, as a picture with a predecessor does.
         if len(calls) <= 2:
-            numba.njit(lambda x: x + 1)(len(calls))
+            njit(lambda x: x + 1)(len(calls))
         return Spent(work(), calls[-1], calls[-1])
 
     path = BenchPath("a", "a", lambda: lambda: None, None, clock=WorkClock("seconds", clock))
@@ -90,7 +90,7 @@ def test_skipped_work_and_endless_compilation_have_no_figure() -> None:
     """A row of the table is a time of its work: 0.8 microseconds of a skipped hour are refused."""
 
     def compiling() -> None:
-        numba.njit(lambda x: x + 1)(1)
+        njit(lambda x: x + 1)(1)
 
     skipped = BenchPath("skipped", "a", lambda: lambda: None, None, done=lambda _: 1)
     endless = BenchPath("endless", "a", lambda: compiling, None)
