@@ -102,7 +102,7 @@ def test_lux_has_the_colours_of_its_scale(at, still, written, tmp_path):
             for (let j = 1; j < 12; ++j) {{
                 for (let i = 1; i < 16; ++i) {{
                     const x = i / 16, y = j / 12;
-                    found.push([x, y, view.points.byMap(x * box.width, y * box.height).all]);
+                    found.push([x, y, view.points.byMap(x * box.width, y * box.height)]);
                 }}
             }}
             return [url, view.range, found];
@@ -128,9 +128,10 @@ def test_lux_has_the_colours_of_its_scale(at, still, written, tmp_path):
 
 
 @pytest.mark.long
-def test_light_gathered_in_the_open_is_that_of_sky_and_ground(written, tmp_path):
+def test_light_gathered_in_the_open_is_that_of_sky_sun_and_ground(written, tmp_path):
     """High above the scene, on planes of all slopes, half a cube of pictures sums to the integral
-    over the sky's table: form factors, directions and the ground below, without the sun."""
+    over the sky's table, and the picture of the sun's disc to its irradiance: form factors,
+    directions, limb darkening and the ground below."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)
@@ -141,17 +142,20 @@ def test_light_gathered_in_the_open_is_that_of_sky_and_ground(written, tmp_path)
             page.frame = () => {};
             page.lightHour(false);
             const found = [], point = view.camera.position.clone().set(0, 300, 0);
+            const scale = view.shared.open_scale.value, key = view.shared.key_irradiance.value;
             for (let k = 0; k < open.normals.length; k += 7) {
-                const scale = view.shared.open_scale.value;
-                const sum = [0, 1, 2].map((c) => scale * open.values[4 * k + c]);
-                found.push([sum, view.points.irradiance(point, open.normals[k])]);
+                const normal = open.normals[k], cosine = Math.max(normal.dot(view.keyDirection), 0);
+                const sky = [0, 1, 2].map((c) => scale * open.values[4 * k + c]);
+                const sun = key.toArray().map((v) => v * cosine);
+                found.push([sky, sun, view.points.irradiance(point, normal, normal)]);
             }
             return found;
         })()"""
-        by_table, gathered = np.array(browser.value(script)).transpose(1, 0, 2)
-        assert len(by_table) > 20
-        assert by_table[:, 1].max() > 3.0 * by_table[:, 1].min()
-        assert gathered == pytest.approx(by_table, rel=0.02)
+        sky, sun, gathered = np.array(browser.value(script)).transpose(1, 0, 2)
+        assert len(sky) > 20
+        assert sky[:, 1].max() > 3.0 * sky[:, 1].min()
+        assert sun[:, 1].max() > sky[:, 1].max()
+        assert gathered == pytest.approx(sky + sun, rel=0.02)
         assert browser.errors == []
     finally:
         browser.close()

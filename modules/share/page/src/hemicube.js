@@ -2,8 +2,10 @@
 // Greenberg 1985, "The hemi-cube: a radiosity solution for complex environments").
 import * as THREE from 'three';
 
-// Texels of an edge of the face before the surface.
-const EDGE = 128;
+// Texels of an edge of the face before the surface, and of a disc's picture.
+const EDGE = 128, DISC_EDGE = 64;
+// Width of a disc's picture, in diameters.
+const AROUND = 1.2;
 // Nearest distance that is drawn, as a share of the near plane's.
 const CLOSEST = 0.05;
 
@@ -13,13 +15,13 @@ export class Hemicube {
   constructor(renderer, distant) {
     this.renderer = renderer;
     this.distant = distant;
-    const target = (/** @type {number} */ rows) => new THREE.WebGLRenderTarget(EDGE, rows, {
-      type: THREE.FloatType, depthTexture: new THREE.DepthTexture(EDGE, rows, THREE.FloatType),
-    });
-    this.front = { target: target(EDGE), weights: frontWeights() };
+    const target = (/** @type {number} */ columns, /** @type {number} */ rows) => new THREE.WebGLRenderTarget(
+      columns, rows, { type: THREE.FloatType, depthTexture: new THREE.DepthTexture(columns, rows, THREE.FloatType) });
+    this.front = { target: target(EDGE, EDGE), weights: frontWeights() };
     /** The upper half of each face at the sides. */
-    this.side = { target: target(EDGE / 2), weights: sideWeights() };
+    this.side = { target: target(EDGE, EDGE / 2), weights: sideWeights() };
     const { front, side } = this, sum = (/** @type {Float64Array} */ w) => w.reduce((a, b) => a + b);
+    this.disc = { target: target(DISC_EDGE, DISC_EDGE), weights: new Float64Array(DISC_EDGE ** 2) };
     const all = sum(front.weights) + 4 * sum(side.weights);
     for (const { weights } of [front, side]) weights.forEach((w, i) => { weights[i] = Math.PI * w / all; });
     this.camera = new THREE.PerspectiveCamera(90, 1);
@@ -31,12 +33,10 @@ export class Hemicube {
    * @param {number} turn (rad) of the cube about the normal */
   irradiance(scene, eye, normal, [near, far], turn) {
     const { camera, front, side } = this, sum = [0, 0, 0];
-    this.reach(near, far);
-    camera.position.copy(eye);
+    this.begin(eye, 90, near, far);
     const across = new THREE.Vector3(0, 1, 0).cross(normal);
     if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
     across.normalize().applyAxisAngle(normal, turn);
-    camera.clearViewOffset();
     this.look(scene, normal, across, front, sum);
     camera.setViewOffset(EDGE, EDGE, 0, 0, EDGE, EDGE / 2);
     for (const towards of [across, normal.clone().cross(across)]) {
@@ -44,6 +44,26 @@ export class Hemicube {
       this.look(scene, towards.clone().negate(), normal, side, sum);
     }
     return sum;
+  }
+
+  /** Irradiance by channel of a plane that faces a disc of the sky, by all that is seen around it.
+   * @param {THREE.Scene} scene @param {THREE.Vector3} eye @param {THREE.Vector3} towards
+   * @param {number} radius of the disc, rad @param {number[]} depths as of `irradiance` */
+  ofDisc(scene, eye, towards, radius, [near, far]) {
+    const sum = [0, 0, 0], half = AROUND * Math.tan(radius);
+    this.begin(eye, 2 * Math.atan(half) * 180 / Math.PI, near, far);
+    this.disc.weights.fill((2 * half / DISC_EDGE) ** 2);
+    const up = Math.abs(towards.y) < 0.9 ? new THREE.Vector3(0, 1, 0) : new THREE.Vector3(1, 0, 0);
+    this.look(scene, towards, up, this.disc, sum);
+    return sum;
+  }
+
+  /** @param {THREE.Vector3} eye @param {number} fov degrees @param {number} near @param {number} far m */
+  begin(eye, fov, near, far) {
+    this.camera.clearViewOffset();
+    this.camera.position.copy(eye);
+    this.camera.fov = fov;
+    this.reach(near, far);
   }
 
   /** @param {number} near @param {number} far m */

@@ -215,7 +215,7 @@ export class Page {
     }
     const { x, y } = this.pointer;
     const said = (/** @type {number} */ lux) => `${lux >= 100 ? Math.round(lux).toLocaleString('en') : lux.toPrecision(3)} lx`;
-    const { all } = this.view.points.byMap(x, y);
+    const all = this.view.points.byMap(x, y);
     part('lux').textContent = Number.isFinite(all) ? `≈ ${said(all)}` : '';
     clearTimeout(this.rests);
     if (!Number.isFinite(all) || this.moves || this.header.scene.lamps) return;

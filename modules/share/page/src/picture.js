@@ -388,6 +388,7 @@ export class Picture {
     const covered = byDay ? Math.max(visible(sun.apparentRad), 1e-3) : 1;
     u.disc_radiance.value.set(...strength.map((v) => v / solid / covered));
     u.disc_radius.value = radius;
+    this.keyRadius = radius;
     const towards = directionOf(sun.azimuthRad, sun.trueRad);
     u.to_sun.value.copy(byDay ? new THREE.Vector3() : towards);
     if (!byDay) {

@@ -23,8 +23,7 @@ export class PointLux {
       picture.stars ? [picture.skyPass, picture.stars.points] : [picture.skyPass]);
   }
 
-  /** Lux by the light map, and the key light's part of it; NaN in the sky.
-   * @param {number} x @param {number} y CSS pixels */
+  /** Lux by the light map; NaN in the sky. @param {number} x @param {number} y CSS pixels */
   byMap(x, y) {
     const { light, renderer, scene, shared } = this.picture, before = shared.values_shown.value;
     light.map.complete();
@@ -33,15 +32,14 @@ export class PointLux {
     shared.values_shown.value = before;
     const texel = new Float32Array(4);
     renderer.readRenderTargetPixels(this.probe, 0, 0, 1, 1, texel);
-    const [all, key] = texel;
-    return all < 0 ? { all: NaN, key: NaN } : { all, key };
+    return texel[0] < 0 ? NaN : texel[0];
   }
 
   /** Lux by all that is seen from a place of the picture; NaN in the sky. Next to edges it is closer
    * than the light map's, whose texels are too wide there.
    * @param {number} x @param {number} y CSS pixels */
   gathered(x, y) {
-    const { camera, header, keptScene, renderer } = this.picture, { key } = this.byMap(x, y);
+    const { camera, header, keptScene, renderer } = this.picture;
     renderer.setClearAlpha(0);
     camera.layers.enable(CLEAR);
     this.draw(keptScene, this.place, x, y);
@@ -56,20 +54,28 @@ export class PointLux {
     const [px, py, pz] = new Float32Array(where.buffer), [even, face] = [normals[1], normals[2]].map(folded);
     const off_m = Math.min(OFF_SURFACE_M, MOST_OFF * header.scene.size_m);
     const eye = new THREE.Vector3(px, py, pz).addScaledVector(face, off_m);
-    return key + LUMENS_PER_WATT * luminance(this.irradiance(eye, even));
+    return LUMENS_PER_WATT * luminance(this.irradiance(eye, even, face));
   }
 
-  /** Irradiance (W m^-2) by all that is seen from a point, without the key light's own.
-   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal */
-  irradiance(eye, normal) {
-    const { depths, scene, shared, skyPass } = this.picture;
+  /** Irradiance (W m^-2) by all that is seen from a point: half a cube without the key light's disc,
+   * and the disc, as the difference of two pictures with and without it.
+   * @param {THREE.Vector3} eye @param {THREE.Vector3} normal @param {THREE.Vector3} face its normal */
+  irradiance(eye, normal, face) {
+    const { depths, keyDirection, keyRadius, scene, shared, skyPass } = this.picture;
     const { pre, values_shown: shown, diffuse_shown: diffuse, mirror_scale: level } = shared;
     const disc = /** @type {THREE.RawShaderMaterial} */ (skyPass.material).uniforms.disc_radiance.value;
     const before = [pre.value, shown.value, disc.clone()], hidden = this.picture.hideMarks();
-    pre.value = 1 / level.value;
     shown.value = 0;
     diffuse.value = true;
+    const cosine = keyDirection.dot(face) > 0 ? Math.max(keyDirection.dot(normal), 0) : 0;
+    const ofDisc = () => (cosine ? this.hemicube.ofDisc(scene, eye, keyDirection, keyRadius, depths) : [0, 0, 0]);
+    // Pictures end at 6e4, which the disc's own radiance exceeds.
+    const brightest = Math.max(...disc.toArray(), 1e-30);
+    pre.value = 1 / brightest;
+    const bright = ofDisc();
     disc.set(0, 0, 0);
+    const dark = ofDisc();
+    pre.value = 1 / level.value;
     // The picture's own depths: a tenth of the nearest one puts the ground before floors and walls.
     const found = TURNS_RAD.map((turn) => this.hemicube.irradiance(scene, eye, normal, depths, turn))
       .sort((a, b) => luminance(a) - luminance(b))[TURNS_RAD.length >> 1];
@@ -77,7 +83,7 @@ export class PointLux {
     diffuse.value = false;
     [pre.value, shown.value] = before;
     hidden.forEach((thing) => { thing.visible = true; });
-    return found.map((v) => v * level.value);
+    return found.map((v, c) => level.value * v + brightest * cosine * Math.max(bright[c] - dark[c], 0));
   }
 
   /** Draws one pixel of the picture. @param {THREE.Scene} scene @param {THREE.WebGLRenderTarget} target

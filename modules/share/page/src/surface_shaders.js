@@ -399,8 +399,7 @@ vec3 lit_surface(Surface s, vec3 view, float metres, out float left) {
     }
     if (values_shown > 0.0) {
         float cosine = max(dot(s.even, key_direction), 0.0);
-        // In red all, in green the key light's own.
-        return values_shown * LUMENS_PER_WATT * vec3(dot(reached + sun * cosine, WEIGHTS), dot(sun * cosine, WEIGHTS), 0.0);
+        return values_shown * LUMENS_PER_WATT * vec3(dot(reached + sun * cosine, WEIGHTS), 0.0, 0.0);
     }
     vec3 radiance = s.emission;
     float metallic = s.metallic, roughness = s.roughness, coat_f90 = s.coat_f90;
