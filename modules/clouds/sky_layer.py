@@ -4,10 +4,12 @@ import msgspec
 import numpy as np
 
 from clouds.card_cube import clouds_on_card
+from clouds.model.cloud_view import transmittances
 from clouds.sky_under_clouds import NEAR_GROUND, light_under_clouds
 from vrut_lite.messages.clouds import CloudsChanged
 from vrut_lite.messages.gpu_job import GpuPass
 from vrut_lite.messages.sky_light import SkyLightChanged
+from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.sky.sky_layer import SkyLayer, Viewpoint
 
 # Clouds that have drifted by less than this share of their distance look the same.
@@ -53,6 +55,13 @@ class CloudsBeforeSky(SkyLayer):
     ) -> SkyLightChanged:
         """The sum of the sky and the clouds before it."""
         return light_under_clouds(message.layers, clear, view, size, source)
+
+    def transmittance(
+        self, message: CloudsChanged, directions: FloatArray, eye_m: Vector
+    ) -> FloatArray:
+        """The product of the layers'."""
+        layers = [transmittances(layer, eye_m, directions) for layer in message.layers]
+        return np.asarray(np.prod(layers, axis=0))
 
     def card_trials(self, message: CloudsChanged, eye_height_m: float) -> float | None:
         """Each layer is marched; an eye high below the base sees other clouds than the ground."""

@@ -7,7 +7,7 @@ from clouds.model.cloud_density import distance_up_m, optical_depth, sun_transmi
 from clouds.model.cloud_field import cloud_field
 from clouds.model.cloud_light import ClearLight
 from clouds.model.cloud_light_volume import light_volume
-from clouds.model.cloud_view import clouds_seen, sun_share
+from clouds.model.cloud_view import clouds_seen, sun_share, transmittances
 from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from long_parameters import mostly_long
@@ -52,6 +52,17 @@ def test_broken_clouds_stand_where_their_density_says():
     error = np.abs(seen - expected)
     assert np.median(error) < 0.01
     assert np.quantile(error, 0.9) < 0.05
+
+
+def test_light_from_any_side_passes_as_the_suns_does():
+    """A page dims sun, moon and stars by one map; the scene's sunlight is the same number."""
+    layer = rough_layer(drift_m=(130.0, -70.0))
+    views = towards((0.3, 1.0, 0.2), (-0.8, 0.9, 0.0), (0.0, 0.2, 1.0), (0.5, 0.01, 0.0))
+    eye = (400.0, 20.0, -900.0)
+    found = transmittances(layer, eye, views)
+    assert found == pytest.approx([sun_share(layer, tuple(view), eye, 0.0) for view in views])
+    over_it = (400.0, 3000.0, -900.0)
+    assert transmittances(layer, over_it, views[:1]) == pytest.approx([1.0])
 
 
 def test_the_shadow_is_that_of_the_density():

@@ -15,7 +15,7 @@ from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.messages.gpu_job import GpuPass
 from vrut_lite.messages.sky_light import SkyLightChanged
-from vrut_lite.numeric_types import Vector
+from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.package_facts import load_fitting, usable_points
 
 GROUP = "vrut_lite.sky_layers"
@@ -58,6 +58,14 @@ class SkyLayer(ABC):
 
         Runs in a background job; `size`: approximate edge of the background in texels.
         """
+
+    def transmittance(
+        self, message: Any, directions: FloatArray, eye_m: Vector
+    ) -> FloatArray | None:
+        """Share (n,) of light from far away, from unit directions (n, 3), that passes the layer to
+        an eye; None where the layer cannot tell it.
+        """
+        return None
 
     def card_trials(self, message: Any, eye_height_m: float) -> float | None:
         """Work of a texel by `card_passes` (`device_choice`); None where there is no program.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from clouds.model.cloud_density import (
     distance_up_m,
 )
-from clouds.model.cloud_density_kernels import optical_depths
+from clouds.model.cloud_density_kernels import Field, optical_depths
 from clouds.model.cloud_field import cloud_field
 from clouds.model.cloud_light import ClearLight, light_from_below
 from clouds.model.cloud_light_volume import LightVolume, light_volume
@@ -83,18 +83,36 @@ def clouds_seen(
 
 def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: float) -> float:
     """Share of the sun's light that passes the layer, in the mean over a level square."""
+    across = (np.arange(_SQUARE) + 0.5) * (2.0 / _SQUARE) - 1.0
+    places = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2) * half_width_m
     direction = _on_horizon(sun, middle_m[1])
+    return float(_passed(layer, cloud_field(layer, middle_m), places, direction).mean())
+
+
+def transmittances(
+    layer: CloudLayer, eye_m: Vector, directions: NDArray[np.floating]
+) -> FloatArray:
+    """Transmittance (n,) of the layer for light from far away that arrives at an eye from unit
+    directions (n, 3), world axes.
+    """
+    field, here = cloud_field(layer, eye_m), np.zeros((1, 2))
+    rays = np.ascontiguousarray(directions, dtype=float)
+    return np.array([_passed(layer, field, here, ray)[0] for ray in rays])
+
+
+def _passed(
+    layer: CloudLayer, field: Field, places_m: FloatArray, direction: FloatArray
+) -> FloatArray:
+    """Transmittance (n,) from places (n, 2) beside the eye in one direction."""
+    altitude_m = field.eye_altitude_m
     enter_m, leave_m = (
-        max(distance_up_m(middle_m[1], level_m, direction[1]), 0.0)
+        max(distance_up_m(altitude_m, level_m, direction[1]), 0.0)
         for level_m in (layer.base_m, layer.base_m + layer.thickness_m)
     )
     if not leave_m > enter_m:
-        return 1.0
-    across = (np.arange(_SQUARE) + 0.5) * (2.0 / _SQUARE) - 1.0
-    places = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2) * half_width_m
-    field = cloud_field(layer, middle_m)
-    depths = optical_depths(field, places, direction, enter_m, leave_m, _SUN_STEPS)
-    return float(np.exp(-depths).mean())
+        return np.ones(len(places_m))
+    depths = optical_depths(field, places_m, direction, enter_m, leave_m, _SUN_STEPS)
+    return np.asarray(np.exp(-depths))
 
 
 def _on_horizon(sun: Vector, altitude_m: float) -> FloatArray:
