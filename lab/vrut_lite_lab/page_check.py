@@ -1,11 +1,12 @@
 """A shared page beside the program: likeness, lux, first picture and the speed of a dragged hour.
 
-    python -m vrut_lite_lab.page_check PAGE.html SCENE [--out FOLDER] [--only light|speed]
+    python -m vrut_lite_lab.page_check PAGE.html SCENE [--out FOLDER] [--only light|speed] [OPTIONS]
 
-PAGE.html is what `vrut-lite share SCENE` wrote, at the same place and under the same sky. Pictures
-have 640 x 400 pixels; the page's are drawn by Chromium's software renderer. FOLDER keeps the
-program's pictures (the slow part), the page's, its lux by the light map, and maps of FLIP. Needs
-Linux, chromium and the extra `ref`.
+PAGE.html is what `vrut-lite share SCENE` wrote, at the same place and under the same sky. Further
+options are those of `vrut-lite render`, such as `--genus Cu --wind-speed-m-s 0`: without wind
+clouds are the same at all hours, as a page freezes them. Pictures have 640 x 400 pixels; the page's
+are drawn by Chromium's software renderer. FOLDER keeps the program's pictures (the slow part), the
+page's, its lux by the light map, and maps of FLIP. Needs Linux, chromium and the extra `ref`.
 
 The program's pictures are those of a tolerance of 1 %. At 3 % their own noise puts 0.4 to 0.7 of
 100 even pixels of a hall 5 % off, at the default of 10 % it puts 2.
@@ -135,7 +136,7 @@ def browser_of(folder: Path, size: tuple[int, int]) -> Any:
     return module.Browser(folder, size)
 
 
-def rendered(scene: str, hour: str, folder: Path) -> tuple[Path, Path]:
+def rendered(scene: str, sky: list[str], hour: str, folder: Path) -> tuple[Path, Path]:
     """The program's picture and its illuminance; drawn where the folder lacks them."""
     paths = []
     for name, options in (("own", []), ("lux", ["--show", "illuminance"])):
@@ -144,7 +145,7 @@ def rendered(scene: str, hour: str, folder: Path) -> tuple[Path, Path]:
         if not path.is_file():
             size = "x".join(map(str, SIZE_PX))
             given = ["--at", f"{DAY}T{hour}", "--size", size, *options]
-            given += ["--tolerance", str(TOLERANCE)]
+            given += ["--tolerance", str(TOLERANCE), *sky]
             subprocess.run([_VRUT_LITE, "render", scene, "-o", str(path), *given], check=True)
     return paths[0], paths[1]
 
@@ -161,10 +162,10 @@ def decoded(url: str) -> NDArray[np.uint8]:
     return np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
 
 
-def compare_light(browser: Any, scene: str, folder: Path) -> None:
+def compare_light(browser: Any, scene: str, sky: list[str], folder: Path) -> None:
     """Print FLIP and lux of the page's finished pictures beside the program's."""
     for hour in HOURS:
-        own_path, lux_path = rendered(scene, hour, folder)
+        own_path, lux_path = rendered(scene, sky, hour, folder)
         hours, minutes = map(int, hour.split(":"))
         seen = decoded(browser.value(_FINISHED.format(60 * hours + minutes), 400.0))
         own = np.asarray(Image.open(own_path).convert("RGB"))
@@ -236,7 +237,7 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--only", choices=("light", "speed"))
-    given = parser.parse_args()
+    given, sky = parser.parse_known_args()
     folder = given.out or Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
     print(f"{given.page}: {given.page.stat().st_size / 1e6:.1f} MB")
@@ -255,7 +256,7 @@ def main() -> None:
             if given.only != "light":
                 measure_speed(browser, browser._process.pid)
             if given.only != "speed":
-                compare_light(browser, given.scene, folder)
+                compare_light(browser, given.scene, sky, folder)
         finally:
             browser.close()
 
