@@ -85,6 +85,6 @@ def share(
     if size > _LARGE_BYTES:
         click.echo("it is large for mail: --texels or --terms make it smaller", err=True)
     if page.left_out:
-        click.echo(f"its sky is clear: {', '.join(page.left_out)} left out", err=True)
+        click.echo(f"left out of its sky: {', '.join(page.left_out)}", err=True)
     for error in page.errors:
         click.echo(f"  {error.line()}")

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from share.components import principal
 from share.light_maps import LightMaps
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -161,12 +162,6 @@ class _Columns:
 def _blocks(count: int) -> Iterator[slice]:
     for first in range(0, count, _BLOCK):
         yield slice(first, min(first + _BLOCK, count))
-
-
-def principal(gram: Float32Array, count: int) -> Float32Array:
-    """The first eigenvectors (n, <= count) of a symmetric matrix (n, n), the strongest first."""
-    vectors = np.linalg.eigh(np.asarray(gram, float))[1]
-    return np.asarray(vectors[:, ::-1][:, :count], np.float32)
 
 
 def _whole_steps(basis: Float32Array, sunlight: float) -> NDArray[np.int16]:

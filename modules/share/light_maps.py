@@ -6,6 +6,7 @@ moon's is the sun's in the moon's place times a factor, as in the sky itself (`s
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from light_transport.public import (
@@ -20,14 +21,16 @@ from light_transport.public import (
 )
 from numpy.typing import NDArray
 
+from share.cloud_maps import CloudMaps
 from share.shared_scene import direction_of
 from share.sky_table import SkyTable
 from share.sun_places import SunPlaces
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
+from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance, irradiance_coefficients
 from vrut_lite.messages.scene import SceneOpened
-from vrut_lite.numeric_types import Float32Array, FloatArray, vector
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector, vector
 from vrut_lite.sky.night_glow import glow_cube
 
 # Edge of the cube maps that light the scene: cells of the sky are coarser.
@@ -142,12 +145,59 @@ def glow_illumination(glow: Float32Array | None, albedo_rgb: FloatArray) -> Illu
     )
 
 
+class CloudyLight(NamedTuple):
+    """The light of a sky behind clouds without sunlight, and of all sunlight of a clear sky."""
+
+    by_sky: Illumination
+    by_rays: Illumination
+
+
+def behind_clouds(
+    clear: Illumination,
+    maps: CloudMaps,
+    coefficients: FloatArray | Float32Array,
+) -> CloudyLight:
+    """The light of a clear hour behind clouds; `coefficients` (K, 3) of the clouds' own, in
+    W m^-2 sr^-1 of a step."""
+    size = clear.sky.shape[1]
+    direction = texel_directions(size)
+    above = direction[..., 1] > 0.0
+    towards = np.asarray(clear.key_direction)
+    key = np.asarray(clear.key_irradiance_rgb)
+    cube = np.zeros(clear.sky.shape, np.float32)
+    suns = [(towards, key)] if towards[1] > 0.0 else []
+    cube[above] = maps.sky(direction[above], clear.sky[above].astype(float), coefficients, suns)
+    white = np.asarray(clear.ground_albedo_rgb) / np.pi
+    ground = white * horizontal_irradiance(cube)
+    return CloudyLight(
+        _lit(clear, cube, ground, _BLACK),
+        _lit(clear, np.zeros_like(cube), white * key * max(towards[1], 0.0), vector(key)),
+    )
+
+
+def _lit(
+    clear: Illumination, sky: Float32Array, ground_rgb: FloatArray, key_rgb: Vector
+) -> Illumination:
+    """The light of a sky whose lower half is overwritten by the ground's radiance."""
+    sky[texel_directions(sky.shape[1])[..., 1] <= 0.0] = ground_rgb
+    return Illumination(
+        sky=sky,
+        ground_radiance_rgb=vector(ground_rgb),
+        ground_albedo_rgb=clear.ground_albedo_rgb,
+        key_direction=clear.key_direction,
+        key_irradiance_rgb=key_rgb,
+        open_sky=irradiance_coefficients(sky),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class LightMaps:
     """Light (T, 3) on the values of a map, W m^-2: without the key light's own.
 
     Attributes:
-        by_sun: (S, T, 3), at the places, as shares of `level_rgb` (S, 3).
+        by_sun: (S + R, T, 3), at the places, as shares of `level_rgb` (S, 3); behind clouds that of
+            the sky alone, then at the first R places that of a clear sun's rays, which the page
+            dims by what passes the clouds.
         by_glow: (T, 3), of a moonless night.
         by_lamps: (T, 3), of lamps and surfaces that glow, their direct light too.
         sky_share: (S, T) float16, share of the open sky's irradiance that arrives.
@@ -166,10 +216,11 @@ def light_maps(
     table: SkyTable,
     places: SunPlaces,
     apparent_of: Callable[[float], float],
-    glow: Float32Array | None,
+    night: Illumination,
+    clouds: CloudMaps | None,
     tracked: Callable[[Iterable[int]], Iterable[int]],
 ) -> LightMaps:
-    """The light maps of a scene."""
+    """The light maps of a scene, `night` being the light of a moonless one."""
 
     def light(hour: Illumination) -> Float32Array:
         found = transport.light(hour)
@@ -177,16 +228,25 @@ def light_maps(
 
     albedo = table.albedo_rgb[-1]
     by_lamps = light(glow_illumination(None, albedo))[:, :3]
-    by_glow = np.maximum(light(glow_illumination(glow, albedo))[:, :3] - by_lamps, 0.0)
+    by_glow = np.maximum(light(night)[:, :3] - by_lamps, 0.0)
     count = len(places.heights)
-    by_sun, levels = np.empty((count, len(values), 3), np.float32), np.empty((count, 3))
+    # In dusk next to none of a sun's light is that of its rays.
+    rays = places.first_of_dusk if clouds is not None and clouds.any_sun else 0
+    by_sun, levels = np.empty((count + rays, len(values), 3), np.float32), np.empty((count, 3))
     share = np.empty((count, len(values)), np.float16)
     for number in tracked(range(count)):
         height = float(places.heights[number])
         hour = illumination(table, height, apparent_of(height), float(places.azimuths[number]))
-        levels[number] = table.level(height)
+        levels[number] = level = table.level(height)
+        if clouds is not None:
+            north_rad = float(places.azimuths[number]) + places.north_offset_rad
+            own = clouds.coefficients(height, north_rad) * level
+            hour, by_rays = behind_clouds(hour, clouds, own)
+            if number < rays:
+                found = light(by_rays)[:, :3]
+                by_sun[count + number] = np.maximum(found - by_lamps, 0.0) / level
         found = light(hour)
-        by_sun[number] = np.maximum(found[:, :3] - by_lamps, 0.0) / levels[number]
+        by_sun[number] = np.maximum(found[:, :3] - by_lamps, 0.0) / level
         share[number] = found[:, 3]
     lamps = by_lamps + _drawn_lamps(transport, values)
     return LightMaps(by_sun, levels, by_glow, lamps, share)

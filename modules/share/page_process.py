@@ -27,7 +27,7 @@ class PageProgress(NamedTuple):
 
 @dataclass(frozen=True)
 class PageMade:
-    """The page's text, and the layers before the sky that it lacks."""
+    """The page's text, and the modules whose glows in the sky it lacks."""
 
     text: str
     left_out: tuple[str, ...]

@@ -181,8 +181,8 @@ class SharePanel(QWidget):
             self._refuse(str(error))
             return
         size = self._target.stat().st_size
-        clear = f" Its sky is clear: {', '.join(left_out)} left out." if left_out else ""
-        self.result.setText(f"{self._target}: {size / 1e6:.1f} MB.{clear}")
+        without = f" Left out of its sky: {', '.join(left_out)}." if left_out else ""
+        self.result.setText(f"{self._target}: {size / 1e6:.1f} MB.{without}")
         self.open.show()
 
     def _refuse(self, sentence: str) -> None:

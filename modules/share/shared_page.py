@@ -4,43 +4,48 @@ import io
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from light_transport.public import Illumination, MirrorRays, SceneTransport
+from light_transport.public import MirrorRays, SceneTransport
 from numpy.typing import NDArray
 from PIL import Image
 
-from share.air_table import BELOW, air_table
+from share.air_table import air_table
+from share.cloud_maps import CloudMaps
+from share.clouds_seen import maps_of
 from share.glb import glb_of
 from share.light_basis import CLUSTERS, CODES_PER_STOP, LightBasis, light_basis
-from share.light_maps import MapValues, glow_illumination, light_maps, traced
+from share.light_maps import (
+    MapValues,
+    behind_clouds,
+    glow_illumination,
+    light_maps,
+    traced,
+)
 from share.numbers import Numbers, numbers_of
 from share.page_file import page_text
+from share.page_light import HourError, PageLight, hour_error, hours_of
 from share.page_night import PLANETS, planet_light, split_glow
+from share.page_sky import about_clouds, about_places, about_sky, cloud_arrays, moon_table
 from share.page_stars import TURNS_A_DAY, fixed_stars
 from share.scene_mesh import groups_of
 from share.shared_scene import SharedScene
 from share.sky_shares import COMPONENTS, LEAST_RATIO, POWER, SkyShares, mean_codes, sky_shares
-from share.sky_table import LOWER, SkyTable, check_sky, sky_table
+from share.sky_table import check_sky, sky_table
 from share.sun_coefficients import sun_coefficients
-from share.sun_places import DUSK_RAD, MOST_DECLINATION_RAD, TAKES_OVER_RAD, SunPlaces, apparent
+from share.sun_places import SunPlaces, apparent
 from vrut_lite.atmosphere.refraction import pressure_at_altitude_pa
 from vrut_lite.frame_part import SUN_GLOW_RAD
-from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.false_colours import colours_at
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.headless import Project, display_numbers, tracked
 from vrut_lite.messages.camera import frame_bounds
-from vrut_lite.messages.night import MoonLight
 from vrut_lite.messages.scene import SceneOpened
 from vrut_lite.messages.tolerance import DEFAULT_TOLERANCE
-from vrut_lite.numeric_types import Float32Array, FloatArray
-from vrut_lite.place_time import Place, local_text, time_zone_at
-from vrut_lite.quantities import figure
+from vrut_lite.place_time import time_zone_at
 
 # Geometric elevations (degrees) of the sun at which the sky is computed.
 _HEIGHTS_DEG = (
@@ -57,31 +62,8 @@ Follow = Callable[[Iterable[int], str, int], Iterable[int]]
 
 
 @dataclass(frozen=True, eq=False)
-class HourError:
-    """Error of the page's light map in one hour, in shares of the map's mean illuminance.
-
-    `at` is local time. `mean_lux` is the mean of the scene's own light map; `rms`, `p99` and
-    `worst` are of the differences.
-    """
-
-    at: str
-    sun_deg: float
-    mean_lux: float
-    rms: float
-    p99: float
-    worst: float
-
-    def line(self) -> str:
-        """The error in one line."""
-        return (
-            f"{self.at}, sun {self.sun_deg:.1f} deg: mean {figure(self.mean_lux)} lx, error rms "
-            f"{self.rms:.2%}, 99 of 100 texels below {self.p99:.2%}, worst {self.worst:.1%}"
-        )
-
-
-@dataclass(frozen=True, eq=False)
 class SharedPage:
-    """A page's text, the errors of its light on the project's day, and the layers left out."""
+    """A page's text, the errors of its light on the project's day, and modules left out."""
 
     text: str
     errors: list[HourError]
@@ -127,7 +109,7 @@ def _page(
 ) -> SharedPage:
     scene, place = opened.scene, opened.place
     tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
-    left_out = opened.without_layers()
+    left_out, frozen = opened.without_glows(), opened.freeze_clouds()
     transport, mirrors = traced(scene, tolerance, texels)
     values = MapValues.of(transport)
     disc, key = opened.disc, opened.light.key_light
@@ -142,13 +124,30 @@ def _page(
         glow = np.mean([each.radiance_rgb for each in glows], axis=0).astype(np.float32)
     places = SunPlaces(math.radians(place.latitude_deg), place.north_offset_rad)
     pressure_pa = pressure_at_altitude_pa(place.altitude_m)
+
+    def apparent_of(true_rad: float) -> float:
+        return apparent(true_rad, pressure_pa)
+
+    dark, clouds = glow_illumination(glow, table.albedo_rgb[-1]), None
+    if frozen is not None:
+        clouds = maps_of(
+            frozen,
+            table,
+            places,
+            apparent_of,
+            dark,
+            opened.light.ambient.lamps_rgb,
+            lambda steps, count: follow(steps, "clouds under the sun's places", count),
+        )
+        dark = behind_clouds(dark, clouds, clouds.by_night).by_sky
     maps = light_maps(
         transport,
         values,
         table,
         places,
-        lambda true_rad: apparent(true_rad, pressure_pa),
-        glow,
+        apparent_of,
+        dark,
+        clouds,
         lambda steps: follow(steps, "light of the sun's places", len(places.heights)),
     )
     basis = light_basis(maps, terms)
@@ -156,14 +155,15 @@ def _page(
     coded_sun = sun_coefficients(basis.sun, basis.spread())
     sun = coded_sun.decoded()
     moons, albedo = opened.moons()
-    moon = _moon_table(moons)
+    moon = moon_table(moons)
     sightings = list(opened.star_sightings())
     stars = fixed_stars(sightings, places.latitude_rad, place.north_offset_rad, pressure_pa)
+    page_light = PageLight(table, places, apparent_of, clouds, basis, sun)
     errors = [
-        _error(opened, transport, values, table, places, basis, sun, instant, project.where())
-        for instant in _hours_of(project.instant(), _ERROR_HOURS)
+        hour_error(opened, frozen, transport, values, page_light, instant, project.where())
+        for instant in hours_of(project.instant(), _ERROR_HOURS)
     ]
-    header = {
+    header: dict[str, Any] = {
         "title": title,
         "start": project.instant().isoformat(),
         "year_days": 365,
@@ -191,9 +191,10 @@ def _page(
             "share_least": LEAST_RATIO,
         },
         "sky": about_sky(table),
+        **({} if clouds is None else {"clouds": about_clouds(clouds)}),
         "moon": moon,
         "glow_rad": SUN_GLOW_RAD,
-        "glow_ground": list(glow_illumination(glow, table.albedo_rgb[-1]).ground_radiance_rgb),
+        "glow_ground": list(dark.ground_radiance_rgb),
         "disc": {
             "angular_radius_rad": disc.angular_radius_rad,
             "even_radius_rad": key.even_radius_rad,
@@ -204,7 +205,7 @@ def _page(
         "stars": None,
         "tone": display_numbers(),
         "false_colours": _false_colours(),
-        "facts": _facts(errors, values, basis),
+        "facts": _facts(errors, values, basis, clouds),
     }
     # Light fixed to the horizon, and light that turns with the stars.
     night = np.zeros((2, 2, 2, 3))
@@ -231,6 +232,8 @@ def _page(
         "visible_sky": _visible_sky(transport, planes.shape[1:]),
         "reflectance": _reflectance(),
     }
+    if clouds is not None:
+        arrays |= cloud_arrays(clouds)
     mirror_of: dict[int, int] = {}
     if mirrors is not None:
         header["mirrors"] = _about_mirrors(transport, mirrors)
@@ -265,34 +268,6 @@ def _page(
     )
     text = page_text(title, header, arrays, glb, stills)
     return SharedPage(text, errors, len(values), len(basis.terms), left_out)
-
-
-def about_places(places: SunPlaces) -> dict[str, Any]:
-    """The places of the sun, as `page/src/places.js` reads them."""
-    return {
-        "declinations": places.declinations,
-        "hours": places.hours,
-        "most_declination": MOST_DECLINATION_RAD,
-        "day_nodes": places.day_nodes.tolist(),
-        "first_of_dusk": places.first_of_dusk,
-        "dusk_rad": DUSK_RAD.tolist(),
-        "dusk_azimuths": places.dusk_azimuths,
-        "takes_over_rad": TAKES_OVER_RAD,
-    }
-
-
-def about_sky(table: SkyTable) -> dict[str, Any]:
-    """The table of the sky, without its radiances, as `page/src/sky.js` reads it."""
-    return {
-        "lower": LOWER,
-        "below": BELOW,
-        "true_rad": table.true_rad.tolist(),
-        "apparent_rad": table.apparent_rad.tolist(),
-        "level": table.level_rgb.tolist(),
-        "key": table.key.tolist(),
-        "ground": table.ground.tolist(),
-        "albedo": table.albedo_rgb.tolist(),
-    }
 
 
 # --- light ----------------------------------------------------------------------------------------
@@ -341,78 +316,6 @@ def _bytes(share: NDArray[np.floating]) -> NDArray[np.uint8]:
 def _reflectance() -> NDArray[np.uint16]:
     table = reflectance_table().astype(np.float16)
     return np.dstack([table, np.ones(table.shape[:2], np.float16)]).view(np.uint16)
-
-
-def page_light(
-    table: SkyTable,
-    places: SunPlaces,
-    basis: LightBasis,
-    sun: Float32Array,
-    bodies: list[tuple[float, float, FloatArray]],
-    night: float,
-) -> Float32Array:
-    """Light (T, 3) as the page sums it: the twin of `page/src/light.js`.
-
-    `sun` (N, C, K, 3); `bodies` are geometric elevation, azimuth from north, and
-    share (3,) of the sun's light; `night` is the share of the night's.
-    """
-    coefficients: FloatArray = (night * basis.glow + basis.lamps).astype(float)
-    for elevation, azimuth, share in bodies:
-        found = sum(w * sun[place] for place, w in places.weights(elevation, azimuth))
-        coefficients = coefficients + np.asarray(found) * table.level(elevation) * share
-    return basis.light(coefficients)
-
-
-def _error(
-    opened: SharedScene,
-    transport: SceneTransport,
-    values: MapValues,
-    table: SkyTable,
-    places: SunPlaces,
-    basis: LightBasis,
-    sun: Float32Array,
-    instant: datetime,
-    place: Place,
-) -> HourError:
-    """The error of an hour: the page's map against that of the scene's own sky."""
-    hour: Illumination = opened.hour(instant)
-    light = transport.light(hour)
-    true = luminance(values.taken(light.texels, light.probes)[:, :3])
-    bodies, night = opened.bodies()
-    made = luminance(page_light(table, places, basis, sun, bodies, night))
-    mean = max(float(true.mean()), 1e-30)
-    off = np.abs(made - true) / mean
-    return HourError(
-        at=local_text(instant, place),
-        sun_deg=math.degrees(bodies[0][0]),
-        mean_lux=mean * LUMENS_PER_WATT,
-        rms=float(np.sqrt(np.mean(off * off))),
-        p99=float(np.quantile(off, 0.99)),
-        worst=float(off.max()),
-    )
-
-
-def _hours_of(start: datetime, count: int) -> list[datetime]:
-    """Even hours of the day of an instant, off the grid of the sun's places."""
-    midnight = start.replace(hour=0, minute=0, second=0, microsecond=0)
-    return [midnight + timedelta(minutes=7 + 1440.0 * k / count) for k in range(count)]
-
-
-# --- sky ------------------------------------------------------------------------------------------
-
-
-def _moon_table(moons: list[MoonLight]) -> dict[str, Any] | None:
-    """Moonlight at its mean distance as shares of sunlight, by phase angle."""
-    found = []
-    for moon in moons:
-        phase = math.degrees(math.acos(np.clip(2.0 * moon.lit_fraction - 1.0, -1.0, 1.0)))
-        near = math.asin(1737.4 / 384_400.0) / moon.angular_radius_rad
-        share = np.maximum(moon.of_sunlight_rgb, 1e-30) * near**2
-        found.append((phase, np.log(share).tolist()))
-    if len(found) < 2:
-        return None
-    found.sort()
-    return {"phase_deg": [phase for phase, _ in found], "log_share": [row for _, row in found]}
 
 
 # --- scene ----------------------------------------------------------------------------------------
@@ -491,13 +394,16 @@ def _place_text(latitude_deg: float, longitude_deg: float) -> str:
     return f"{abs(latitude_deg):.3f}° {north}, {abs(longitude_deg):.3f}° {east}"
 
 
-def _facts(errors: list[HourError], values: MapValues, basis: LightBasis) -> list[str]:
+def _facts(
+    errors: list[HourError], values: MapValues, basis: LightBasis, clouds: CloudMaps | None
+) -> list[str]:
+    sky = "The sky is clear, and" if clouds is None else "The clouds stand still; the sky is"
     return [
         f"Light of {len(values):,} texels in {CLUSTERS} clusters of {len(basis.terms)} basis maps. "
         "Error of the light map against the scene's own, as shares of its mean (direct light of "
         "sun and moon is drawn by this page and is not counted):",
         *(error.line() for error in errors),
-        "Sun and moon by astronomy-engine. The sky is clear, and without the year's numbers.",
+        f"Sun and moon by astronomy-engine. {sky} without the year's numbers.",
         "Made with vrut_lite. three.js, astronomy-engine and meshoptimizer have the MIT licence.",
     ]
 

@@ -6,31 +6,41 @@ from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 
 import astronomy
+import msgspec
 import numpy as np
 from light_transport.public import Illumination, hour_of
 from numpy.typing import ArrayLike
 
+from share.frozen_clouds import FrozenClouds
 from share.page_night import Glow
 from share.page_stars import Sighting
+from vrut_lite.array import Array
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.cube_map import reduce_cube
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
 from vrut_lite.headless import Project, SceneKernel, require_sun
 from vrut_lite.kernel.messages import Demand, EnableModule, SetSetting
 from vrut_lite.messages.air import AirChanged, AirVolume
+from vrut_lite.messages.clouds import CloudLayer, CloudsChanged
 from vrut_lite.messages.night import (
     MoonDiscChanged,
     MoonLight,
     NightLightChanged,
     StarsChanged,
 )
+from vrut_lite.messages.sky_light import SkyGlowAdded
 from vrut_lite.messages.sun import KeyLightChanged
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 from vrut_lite.sky.night_glow import glow_cube
 from vrut_lite.sky.sky_at_night import night_share, sun_share
+from vrut_lite.sky.sky_layer import Viewpoint, sky_layers
 from vrut_lite.sky.suns import suns_at
 
 # Edge (texels) of the cube maps from which tables of the sky are read.
 _CUBE = 128
+# Edge of the cube maps of clouds, as of those that light the scene: 1.6 s of CPU, not 4.3.
+_CLOUDY_CUBE = 64
 _CONSUMER = "share"
 # Geometric elevation of the sun below which its light is gone (`sky_at_night.py`).
 SUN_GONE_RAD = float(np.radians(-19.0))
@@ -43,6 +53,8 @@ _SIGHTINGS, _STARS_RAD = 12, float(np.radians(-10.0))
 _TRIES = 13
 _BLACK = (0.0, 0.0, 0.0)
 _HOUR_S = 3600.0
+# Time after which clouds that follow the weather are others.
+_APART = timedelta(hours=7)
 # Steps in which a year is searched.
 _DAYS, _STEPS, _STEP_S = 365, 96, 900.0
 
@@ -88,7 +100,7 @@ class SharedScene(SceneKernel):
             UserError: the project has an invalid value, or its scene cannot be read.
         """
         super().__init__(project, _CONSUMER, cube_px=_CUBE, background_px=_CUBE)
-        self._start, self._has_air = project.instant(), project.air
+        self._project, self._start, self._has_air = project, project.instant(), project.air
 
     @property
     def disc(self) -> Disc:
@@ -97,10 +109,17 @@ class SharedScene(SceneKernel):
         assert key is not None
         return Disc(key.angular_radius_rad, key.limb_darkening_rgb)
 
-    def hour(self, instant: datetime) -> Illumination:
-        """The light of an hour as the scene has it."""
+    def hour(self, instant: datetime, clouds: FrozenClouds | None) -> Illumination:
+        """The light of an hour as the scene has it, behind clouds that were frozen."""
         self.go_to(instant)
-        return hour_of(self.light)
+        light = self.light
+        if clouds is not None:
+            assert light.radiance is not None
+            cube = reduce_cube(light.radiance.cube.values, _CLOUDY_CUBE).astype(np.float16)
+            radiance = msgspec.structs.replace(light.radiance, cube=Array(cube))
+            light = msgspec.structs.replace(light, radiance=radiance)
+            light = clouds.light_under(light, _CLOUDY_CUBE)
+        return hour_of(light)
 
     # --- the sun's sky ------------------------------------------------------------------------
 
@@ -137,12 +156,46 @@ class SharedScene(SceneKernel):
         self.go_to(datetime.fromtimestamp(float(seconds[half]), UTC))
         return self._sun_sky()
 
-    def without_layers(self) -> tuple[str, ...]:
-        """Names of the layers before the sky, such as clouds, which are now off."""
-        names = self.light.layers
-        for name in names:
-            self._enable(name, enabled=False)
-        return names
+    def freeze_clouds(self) -> FrozenClouds | None:
+        """The clouds of the project's instant, which are then gone from the scene's own skies.
+
+        Raises:
+            UserError: they change with the hour by more than their wind.
+        """
+        found, key = self.kernel.last(CloudsChanged), self.light.key_light
+        if found is None:
+            return None
+        self._check_stay(found)
+        if not found.layers:
+            return None
+        for name in self._project.settings.get(found.source, {}):
+            default = getattr(self.kernel.seats[found.source].module_type.settings_type(), name)
+            self.kernel.inject(SetSetting(module=found.source, name=name, value=default))
+        self.settle()
+        layer = next(each for each in sky_layers().values() if each.hears is CloudsChanged)
+        lower, upper = self.scene.lower_m, self.scene.upper_m
+        ground_m = lower[1] if self.scene.ground is None else self.scene.ground.height_m
+        middle_m = 0.5 * (lower[0] + upper[0]), max(ground_m, 0.0), 0.5 * (lower[2] + upper[2])
+        half_width_m = 0.5 * max(upper[0] - lower[0], upper[2] - lower[2])
+        return FrozenClouds(layer, found, Viewpoint(middle_m, middle_m, half_width_m), key)
+
+    def _check_stay(self, clouds: CloudsChanged) -> None:
+        """Check that clouds are the same some hours later, but for their wind."""
+        self.go_to(self._start + _APART)
+        later = self.kernel.last(CloudsChanged)
+        if later is None or _without_drift(later) != _without_drift(clouds):
+            raise UserError(
+                "a page needs clouds that stay the same all day, and these follow the weather: "
+                "choose them by --genus, or leave the weather out"
+            )
+
+    def without_glows(self) -> tuple[str, ...]:
+        """Modules that add a glow to the sky, such as an aurora, which are now off."""
+        found = self.kernel.last(SkyGlowAdded)
+        if found is None or found.glow_rgb is None:
+            return ()
+        self._enable(found.source, enabled=False)
+        return (found.source,)
 
     def _enable(self, module: str, enabled: bool) -> None:
         if module:
@@ -292,6 +345,10 @@ class SharedScene(SceneKernel):
         self.kernel.inject(Demand(consumer=_CONSUMER, message=disc, size=0))
         seen = self.kernel.last(MoonDiscChanged)
         return found, None if seen is None else np.asarray(seen.albedo.values)
+
+
+def _without_drift(clouds: CloudsChanged) -> list[CloudLayer]:
+    return [msgspec.structs.replace(layer, drift_m=(0.0, 0.0)) for layer in clouds.layers]
 
 
 def direction_of(azimuth_rad: float, elevation_rad: float) -> Vector:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from share.light_basis import principal
+from share.components import principal
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 COMPONENTS = 24

@@ -4,8 +4,6 @@ Without Node.js, or npm's packages in .page (`sh tools/bootstrap.sh page`), thes
 """
 
 import contextlib
-import json
-import shutil
 import subprocess
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -16,8 +14,8 @@ import pytest
 from dynamic_skylight import sun_position
 from share.air_table import BELOW, VIEWS
 from share.page_file import packed
+from share.page_sky import about_places, about_sky
 from share.page_stars import world_from_sky
-from share.shared_page import about_places, about_sky
 from share.shared_scene import SunSky
 from share.sky_table import COLUMNS, LOWER, UPPER, sky_table
 from share.sun_coefficients import sun_coefficients
@@ -28,36 +26,7 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.pictures.exposure import metered_cd, metered_ev100
 from vrut_lite.pictures.night_eye import adapted_cd
 
-ROOT = Path(__file__).parents[2]
-PACKAGES = ROOT / ".page" / "node_modules"
 PLACES = ((50.0755, 14.4378, 200.0), (-33.9, 18.4, 20.0), (69.6, 18.9, 0.0))
-
-
-@pytest.fixture(scope="module")
-def node(tmp_path_factory):
-    """A function that runs a script beside the page's sources and returns what it prints."""
-    if shutil.which("node") is None:
-        pytest.skip("needs Node.js (Debian: nodejs)")
-    if not (PACKAGES / "three").is_dir():
-        pytest.skip("needs npm's three and astronomy-engine: sh tools/bootstrap.sh page")
-    folder = tmp_path_factory.mktemp("page")
-    shutil.copytree(ROOT / "modules" / "share" / "page" / "src", folder / "src")
-    (folder / "package.json").write_text('{"type": "module"}')
-    (folder / "node_modules").symlink_to(PACKAGES)
-
-    def run(script, given, content=b""):
-        (folder / "given.json").write_text(json.dumps(given))
-        (folder / "content.bin").write_bytes(content)
-        read = "const given = JSON.parse(readFileSync('given.json', 'utf8'));"
-        imports = "import { readFileSync } from 'node:fs';"
-        (folder / "run.js").write_text(f"{imports}\n{read}\n{script}")
-        done = subprocess.run(
-            ["node", "run.js"], cwd=folder, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)
-
-    return run
 
 
 def test_the_sun_stands_where_the_programs_sun_stands(node):
@@ -335,12 +304,12 @@ def test_the_sky_of_stars_turns_as_the_programs(node):
         assert np.reshape(found, (3, 3)) == pytest.approx(world_from_sky(*case), abs=1e-12)
 
 
-def test_the_scripts_types_hold(node):
+def test_the_scripts_types_hold():
     """By TypeScript, from the comments; only where `tools/bootstrap.sh long` has installed it."""
-    compiler = PACKAGES / ".bin" / "tsc"
+    page = Path(__file__).parents[2] / ".page"
+    compiler = page / "node_modules" / ".bin" / "tsc"
     if not compiler.exists():
         pytest.skip("needs npm's typescript and @types/three: sh tools/bootstrap.sh long")
-    page = ROOT / ".page"
     done = subprocess.run(
         [compiler, "--project", page], cwd=page, capture_output=True, text=True, check=False
     )

@@ -21,6 +21,9 @@ export class LightMap {
     /** Weights of the share of the sky's light, those of the sources in the share of their light. */
     this.shareWeights = new Float64Array(about.share_components);
     const extra = data.array('night_and_lamps');
+    /** Numbers of places of the sky's light, and of those of rays behind clouds. */
+    this.skies = this.shares.length / about.share_components;
+    this.rays = this.sun.length / this.count - this.skies;
     this.glow = extra.subarray(0, this.count);
     this.lamps = extra.subarray(this.count);
     const [planes, height, width] = data.shape('planes');
@@ -37,16 +40,20 @@ export class LightMap {
 
   /** Adds the coefficients of a body, W m^-2.
    * @param {import('./sky.js').Body & {declination: number, hour: number, northRad: number}} body
+   * @param {number} passed share of its rays behind clouds, whose light has places of its own
    * @param {Float64Array} into */
-  add(body, into) {
-    const level = this.table.level(body.trueRad);
-    for (const [place, weight] of placeWeights(this.places, body)) {
-      const start = place * this.count;
-      const factors = level.map((v, c) => weight * v * body.share[c]);
+  add(body, passed, into) {
+    const level = this.table.level(body.trueRad).map((v, c) => v * body.share[c]), { rays } = this;
+    const add = (/** @type {number} */ place, /** @type {number} */ weight) => {
+      const start = place * this.count, factors = level.map((v) => weight * v);
       for (let k = 0, i = 0; k < this.count; k += 3, ++i) {
         const step = this.steps[i];
         for (let c = 0; c < 3; ++c) into[k + c] += factors[c] * step * this.sun[start + k + c];
       }
+    };
+    for (const [place, weight] of placeWeights(this.places, body)) {
+      add(place, weight);
+      if (place < rays && passed > 0) add(this.skies + place, weight * passed);
     }
   }
 

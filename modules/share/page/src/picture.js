@@ -1,5 +1,6 @@
 // The picture of an hour: light map, sky, shadows, surfaces, exposure and display.
 import * as THREE from 'three';
+import { Clouds } from './clouds.js';
 import { adaptedCd, automaticEv, scaleOf } from './exposure.js';
 import { LightMap } from './light.js';
 import { Numbers } from './numbers.js';
@@ -46,6 +47,8 @@ export class Picture {
     this.table = new SkyTable(data);
     this.open = new OpenIrradiance(this.table);
     this.light = new LightMap(data, this.table, this.soft);
+    /** Frozen clouds of pages that have them. */
+    this.clouds = header.clouds ? new Clouds(data, this.table) : null;
     this.ephemeris = new Ephemeris(header.place, header.moon);
     this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 1e5);
     this.exposure = { automatic: true, ev: 12, compensation: 0 };
@@ -59,6 +62,7 @@ export class Picture {
     this.defines = {
       COLUMNS: columns.toFixed(1), ROWS: rows.toFixed(1), LOWER: this.table.lower.toFixed(1),
       BELOW: header.sky.below.toFixed(1),
+      ...this.clouds?.defines,
       GLOW_BEGINS: Math.cos(header.glow_rad).toFixed(6), GLOW_WHOLE: Math.cos(0.5 * header.glow_rad).toFixed(6),
     };
     const tone = header.tone;
@@ -94,6 +98,7 @@ export class Picture {
       glow: { value: 0 },
       sky_from_world: { value: this.table.skyFromWorld },
       star_extinction: { value: this.table.extinction },
+      ...this.clouds?.uniforms,
       below_horizon: { value: new THREE.Vector3() },
       air_table: { value: this.table.air },
       near_air: { value: this.fineCubes.air.texture },
@@ -179,7 +184,7 @@ export class Picture {
       u.eye_height.value = new THREE.Vector3().setFromMatrixPosition(view).y - header.scene.ground_m;
       /** @type {THREE.RawShaderMaterial} */ (this.skyPass.material).uniformsNeedUpdate = true;
     };
-    const cube = { ...one, face: { value: 0 }, cube_scale: { value: 1 }, key_body: { value: 0 } };
+    const cube = { ...one, face: { value: 0 }, cube_scale: { value: 1 }, key_body: { value: 0 }, cloud_passed: { value: [1, 1] }, cloud_lit: { value: 1 } };
     this.cubePass = fullScreen(CUBE_FRAGMENT, cube, this.defines);
     this.airPass = fullScreen(CUBE_FRAGMENT, cube, { ...this.defines, AIR: 1 });
     this.copy = fullScreen(COPY_FRAGMENT, { from: { value: null }, factor: { value: 1 } });
@@ -201,7 +206,7 @@ export class Picture {
     this.scene = new THREE.Scene();
     this.scene.matrixWorldAutoUpdate = false;
     this.stars = header.stars
-      ? new Stars(data, this.ephemeris, { pre: one.pre, values_shown: one.values_shown, jitter: one.jitter }) : null;
+      ? new Stars(data, this.ephemeris, { pre: one.pre, values_shown: one.values_shown, jitter: one.jitter, ...this.clouds?.uniforms }, this.clouds?.defines) : null;
     if (this.stars) {
       this.stars.points.renderOrder = 1.5;
       this.scene.add(this.stars.points);
@@ -325,12 +330,15 @@ export class Picture {
     const bodies = [
       { ...sun, share: [left, left, left] },
       { ...moon, share: moon.share.map((v) => v * night * (moon.trueRad > -0.02 ? 1 : 0)) },
-    ];
+    ].map((body) => {
+      // Towards the body, the share of its rays that passes clouds, and their irradiance without these.
+      const towards = directionOf(body.azimuthRad, body.apparentRad), passed = this.clouds?.transmittance(towards) ?? 1;
+      return { ...body, towards, passed, rays: this.table.of('key', body.trueRad).map((v, c) => v * body.share[c]) };
+    });
     if (this.stars) {
       this.stars.setHour(date, night);
       this.table.skyFromWorld.copy(this.stars.world.value).transpose();
     }
-    const ground = [0, 1, 2].map((c) => night * this.header.glow_ground[c]);
     const coefficients = new Float64Array(this.light.count);
     const { glow, lamps } = this.light;
     for (let i = 0; i < coefficients.length; ++i) coefficients[i] = night * glow[i] + lamps[i];
@@ -343,25 +351,30 @@ export class Picture {
       uniform[number].azimuth.set(Math.sin(body.azimuthRad), -Math.cos(body.azimuthRad));
       uniform[number].height = Math.max(body.apparentRad, 0);
       Object.assign(uniform[number], { layer, share });
-      this.light.add(body, coefficients);
-      this.table.of('ground', body.trueRad).forEach((v, c) => { ground[c] += v * body.share[c]; });
+      this.light.add(body, body.passed, coefficients);
     });
     this.shared.glow.value = night * this.table.glowScale;
-    this.shared.below_horizon.value.set(...ground);
     this.shared.ground_albedo.value.set(...this.table.albedo(sun.trueRad), 1);
     // The key light: the sun while any of its disc is up, else the moon.
     const byDay = visible(sun.apparentRad) > 0;
     const key = byDay ? bodies[0] : bodies[1];
     const shown = byDay ? 1 : visible(moon.apparentRad) > 0 ? 1 : 0;
-    const strength = key.share[1] > 0 ? this.table.of('key', key.trueRad).map((v, c) => v * key.share[c] * shown) : [0, 0, 0];
-    this.keyDirection = directionOf(key.azimuthRad, key.apparentRad);
+    const strength = key.share[1] > 0 ? key.rays.map((v) => v * key.passed * shown) : [0, 0, 0];
+    this.keyDirection = key.towards;
     this.shared.key_direction.value.copy(this.keyDirection);
     this.shared.key_irradiance.value.set(...strength);
     const level = Math.max(...lit.flatMap((body) => this.table.level(body.trueRad).map((v, c) => v * body.share[c])), night * this.header.basis.glow_bright, 1e-9);
     this.light.share(lit, night * this.header.basis.glow_bright);
-    this.open.update(lit, night, ground, 1 / level);
+    this.clouds?.update(lit, night, 1 / level);
+    const albedo = this.table.albedo(sun.trueRad);
+    /** The open ground's radiance; of a clear sky by its table. @param {number[]} up */
+    const groundOf = (up) => [0, 1, 2].map((c) => (this.clouds
+      ? albedo[c] / Math.PI * lit.reduce((sum, { rays, passed, towards: { y } }) => sum + rays[c] * passed * Math.max(y, 0), up[c])
+      : lit.reduce((sum, body) => sum + this.table.of('ground', body.trueRad)[c] * body.share[c], night * this.header.glow_ground[c])));
+    this.open.update(lit, night, this.clouds, groundOf, 1 / level);
     this.shared.open_scale.value = level;
     this.shared.open_up.value.set(...this.open.up);
+    this.shared.below_horizon.value.set(...groundOf(this.open.up));
     this.shared.mirror_scale.value = this.shared.air_scale.value = level;
     const { mirrored, air } = draft ? this.draftCubes : this.fineCubes;
     this.shared.mirrored_sky.value = mirrored.texture;
@@ -370,6 +383,8 @@ export class Picture {
     for (const [pass, target] of /** @type {const} */ ([[this.cubePass, mirrored], [this.airPass, air]])) {
       pass.material.uniforms.cube_scale.value = 1 / level;
       pass.material.uniforms.key_body.value = lit.indexOf(key);
+      pass.material.uniforms.cloud_passed.value = [0, 1].map((k) => lit[k]?.passed ?? 0);
+      pass.material.uniforms.cloud_lit.value = this.open.left;
       const { texture } = target, levels = texture.generateMipmaps;
       for (let face = 0; face < 6; ++face) {
         pass.material.uniforms.face.value = face;

@@ -76,6 +76,27 @@ vec3 sky_of(Body body, vec3 d) {
     vec3 high = textureLod(sky_table, vec3(uv, body.layer + 1.0), 0.0).rgb;
     return body.light * mix(low, high, body.share);
 }
+#ifdef CLOUDS
+// Frozen clouds; share/cloud_maps.py.
+uniform sampler2D cloud_about;    // transmittance, share of the clear sky's light, factor of cloud_light
+uniform sampler2D cloud_light;    // that clouds send, but for the glow around the sun, over cloud_scale
+uniform sampler2D cloud_glow;     // by the root of the angle from the sun
+uniform float cloud_scale;
+uniform vec3 cloud_suns[2], cloud_rays[2];  // towards bodies, and their irradiance in a clear sky
+vec3 behind_clouds(vec3 sky, vec3 d) {
+    vec2 p = 0.5 + 0.5 * vec2(d.x + d.z, d.x - d.z) / (abs(d.x) + max(d.y, 0.0) + abs(d.z));
+    vec3 about = textureLod(cloud_about, (p * (CLOUD_FINE - 1.0) + 0.5) / CLOUD_FINE, 0.0).rgb;
+    vec3 light = textureLod(cloud_light, (p * (CLOUD_COARSE - 1.0) + 0.5) / CLOUD_COARSE, 0.0).rgb;
+    vec3 sum = sky * about.y + light * (about.z * cloud_scale);
+    float passed = max(about.x, 1e-9), bends = -pow(passed, CLOUD_POWER) * log(passed);
+    for (int k = 0; k < body_count; ++k) {
+        float angle = 2.0 * asin(min(0.5 * length(d - cloud_suns[k]), 1.0));
+        float node = sqrt(min(angle / CLOUD_GLOW_RAD, 1.0)) * (CLOUD_NODES - 1.0);
+        sum += bends * cloud_rays[k] * textureLod(cloud_glow, vec2((node + 0.5) / CLOUD_NODES, 0.5), 0.0).rgb;
+    }
+    return max(sum, 0.0);
+}
+#endif
 vec3 sky_radiance(vec3 d) {
     vec3 sum = vec3(0.0);
     for (int k = 0; k < body_count; ++k) sum += sky_of(bodies[k], d);
@@ -88,6 +109,9 @@ vec3 sky_radiance(vec3 d) {
         sum += glow * (textureLod(glow_map, vec3(uv, 0.0), 0.0).rgb
             + left * textureLod(glow_map, vec3(at, 1.0), 0.0).rgb);
     }
+#ifdef CLOUDS
+    sum = behind_clouds(sum, d);
+#endif
     return sum;
 }
 // Mean radiance of the air before near surfaces and its share of sunlight scattered once, by
@@ -240,6 +264,10 @@ in vec2 at;
 out vec4 colour;
 uniform int face, key_body;
 uniform float cube_scale;
+#ifdef CLOUDS
+uniform float cloud_passed[2];    // share of bodies' rays
+uniform float cloud_lit;          // share of the light of a clear sky
+#endif
 void main() {
     vec2 c = 2.0 * at - 1.0;
     vec3 d = face == 0 ? vec3(1.0, -c.y, -c.x) : face == 1 ? vec3(-1.0, -c.y, c.x)
@@ -251,6 +279,10 @@ void main() {
     float sunlit = 0.0;
     for (int k = 0; k < body_count; ++k) {
         vec4 air = air_of(bodies[k], d);
+#ifdef CLOUDS
+        float by_rays = air.a * cloud_passed[k], by_sky = (1.0 - air.a) * cloud_lit;
+        air = vec4(air.rgb * (by_rays + by_sky), by_rays / max(by_rays + by_sky, 1e-6));
+#endif
         radiance += air.rgb;
         if (k == key_body) sunlit = dot(air.rgb, WEIGHTS) * air.a;
     }
@@ -303,6 +335,7 @@ void main() { colour = vec4(pow(texture(picture, at).rgb * tint, vec3(2.2)) * SH
 
 // A star's light is spread over the pixels around it, none lost; night_sky/shaders/star.vert.
 export const STAR_VERTEX = `precision highp float;
+precision highp sampler2D;
 in vec3 position;                 // fixed on the sky
 in vec3 light;                    // irradiance above the air
 uniform mat3 world_from_sky;
@@ -310,6 +343,9 @@ uniform mat4 viewMatrix, projectionMatrix;
 uniform vec2 jitter, size_px;
 uniform vec3 extinction;
 uniform float night, refraction;
+#ifdef CLOUDS
+uniform sampler2D cloud_about;
+#endif
 flat out vec3 radiance;           // of all its light in one pixel
 flat out vec2 at_px;
 const float DEGREE = 0.017453292519943295, EDGE_PX = 7.0;
@@ -325,6 +361,10 @@ void main() {
     vec4 clip = projectionMatrix * mat4(mat3(viewMatrix)) * vec4(d, 0.0);
     float cosine = max(clip.w, 1e-3);
     float per_sr = 0.25 * size_px.x * size_px.y * projectionMatrix[0][0] * projectionMatrix[1][1];
+#ifdef CLOUDS
+    vec2 p = 0.5 + 0.5 * vec2(d.x + d.z, d.x - d.z) / (abs(d.x) + max(d.y, 0.0) + abs(d.z));
+    left *= textureLod(cloud_about, (p * (CLOUD_FINE - 1.0) + 0.5) / CLOUD_FINE, 0.0).r;
+#endif
     radiance = light * left * (night * per_sr / (cosine * cosine * cosine));
     gl_Position = apparent > 0.0 && clip.w > 0.0
         ? vec4(clip.xy + jitter * clip.w, clip.w, clip.w) : vec4(2.0, 2.0, 2.0, 1.0);

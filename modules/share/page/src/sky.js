@@ -166,14 +166,17 @@ export class OpenIrradiance {
       2 * (node % this.size) / (this.size - 1) - 1, 2 * Math.floor(node / this.size) / (this.size - 1) - 1, new THREE.Vector3()));
     /** Cosines of the rays to each normal. */
     this.cosines = this.normals.map((n) => Float32Array.from(this.rays, (d) => Math.max(n.dot(d), 0)));
-    /** Irradiance of level ground by the sky. */
+    /** Irradiance of level ground by the sky, and its ratio to that of a clear sky. */
     this.up = [0, 0, 0];
+    this.left = 1;
   }
 
   /** Irradiance of directions by sky and ground.
-   * @param {Body[]} bodies @param {number} night @param {number[]} ground radiance
+   * @param {Body[]} bodies @param {number} night
+   * @param {import('./clouds.js').Clouds | null} clouds lit by the same bodies
+   * @param {(up: number[]) => number[]} groundOf the ground's radiance by that irradiance of level ground
    * @param {number} scale of the texture's values */
-  update(bodies, night, ground, scale) {
+  update(bodies, night, clouds, groundOf, scale) {
     const { rays, cosines, size } = this, radiance = new Float64Array(3 * rays.length);
     if (night > 0) {
       rays.forEach((d, i) => this.table.glowRadiance(d).forEach((v, c) => { radiance[3 * i + c] = v * night; }));
@@ -191,6 +194,13 @@ export class OpenIrradiance {
       return [weight * r, weight * g, weight * b];
     };
     this.up = sum(this.heights);
+    if (clouds) {
+      const clear = this.up[1];
+      clouds.cover(rays, radiance);
+      this.up = sum(this.heights);
+      this.left = this.up[1] / Math.max(clear, 1e-30);
+    }
+    const ground = groundOf(this.up);
     for (let node = 0; node < size * size; ++node) {
       const below = Math.PI * 0.5 * (1 - this.normals[node].y);
       sum(cosines[node]).forEach((v, c) => { this.values[4 * node + c] = (v + below * ground[c]) * scale; });

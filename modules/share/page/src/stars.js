@@ -22,8 +22,9 @@ export function worldFromSky(turned, latitude, northOffset) {
 
 export class Stars {
   /** @param {import('./data.js').PageData} data @param {import('./sun.js').Ephemeris} ephemeris
-   * @param {Record<string, THREE.IUniform>} uniforms of all passes */
-  constructor(data, ephemeris, uniforms) {
+   * @param {Record<string, THREE.IUniform>} uniforms of all passes
+   * @param {Record<string, any>} [defines] of clouds */
+  constructor(data, ephemeris, uniforms, defines = {}) {
     this.ephemeris = ephemeris;
     const { place, stars } = data.header;
     this.about = stars;
@@ -49,7 +50,7 @@ export class Stars {
     this.points = new THREE.Points(geometry, program(STAR_VERTEX, STAR_FRAGMENT, {
       ...uniforms, world_from_sky: this.world, night: this.night, size_px: this.size,
       extinction: { value: new THREE.Vector3(...stars.extinction) }, refraction: { value: ephemeris.air },
-    }, {}, {
+    }, defines, {
       transparent: true, depthWrite: false, depthFunc: THREE.LessEqualDepth, blending: THREE.CustomBlending,
       blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor, blendSrcAlpha: THREE.ZeroFactor,
       blendDstAlpha: THREE.OneFactor, blendEquation: THREE.AddEquation,
