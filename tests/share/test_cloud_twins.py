@@ -97,7 +97,7 @@ def test_clouds_are_put_before_the_sky_alike(node, maps, upper, clear, expected)
     script = """
         const towards = given.directions.map((d) => new THREE.Vector3(...d));
         const radiance = Float64Array.from(given.clear);
-        clouds.cover(towards, radiance);
+        clouds.cover(clouds.seen(towards), radiance);
         const passed = towards.map((d) => clouds.transmittance(d));
         console.log(JSON.stringify([Array.from(radiance), passed]));
     """

@@ -113,21 +113,29 @@ export class Clouds {
     });
   }
 
+  /** What stays the same of directions from hour to hour. @param {THREE.Vector3[]} directions */
+  seen(directions) {
+    return directions.map((d) => {
+      const at = nodeOf(d, this.fine), passed = clamp(between(this.passed, at, this.fine), 1e-9, 1);
+      return {
+        d, low: nodeOf(d, this.coarse), kept: between(this.kept, at, this.fine),
+        finer: between(this.finer, at, this.fine), bends: -(passed ** this.about.glow_power) * Math.log(passed),
+      };
+    });
+  }
+
   /** Puts the clouds before radiances of the sky, in directions that stand for a wide angle.
-   * @param {THREE.Vector3[]} directions @param {Float64Array} radiance is changed */
-  cover(directions, radiance) {
-    const { fine, coarse, nodes, wideGlow } = this;
-    directions.forEach((d, n) => {
-      const at = nodeOf(d, fine), low = nodeOf(d, coarse), passed = clamp(between(this.passed, at, fine), 1e-9, 1);
-      const kept = between(this.kept, at, fine), finer = between(this.finer, at, fine);
-      const bends = -(passed ** this.about.glow_power) * Math.log(passed);
-      const found = [0, 1, 2].map((c) => radiance[3 * n + c] * kept + finer * between(this.light[c], low, coarse));
-      for (const { towards, rays } of this.bodies) {
+   * @param {ReturnType<Clouds['seen']>} rays @param {Float64Array} radiance is changed */
+  cover(rays, radiance) {
+    const { coarse, nodes, wideGlow, light } = this, found = [0, 0, 0];
+    rays.forEach(({ d, low, kept, finer, bends }, n) => {
+      for (let c = 0; c < 3; ++c) found[c] = radiance[3 * n + c] * kept + finer * between(light[c], low, coarse);
+      for (const { towards, rays: irradiance } of this.bodies) {
         const angle = Math.acos(clamp(d.dot(towards), -1, 1));
         const node = Math.sqrt(clamp(angle / this.about.glow_rad, 0, 1)) * (nodes - 1);
         const k = Math.min(Math.floor(node), nodes - 2), t = node - k;
         for (let c = 0; c < 3; ++c) {
-          found[c] += bends * rays[c] * ((1 - t) * wideGlow[3 * k + c] + t * wideGlow[3 * k + 3 + c]);
+          found[c] += bends * irradiance[c] * ((1 - t) * wideGlow[3 * k + c] + t * wideGlow[3 * k + 3 + c]);
         }
       }
       for (let c = 0; c < 3; ++c) radiance[3 * n + c] = Math.max(found[c], 0);

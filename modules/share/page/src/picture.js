@@ -45,10 +45,10 @@ export class Picture {
     /** Whether a processor draws. */
     this.soft = /swiftshader|llvmpipe|software|basic render/i.test(name);
     this.table = new SkyTable(data);
-    this.open = new OpenIrradiance(this.table);
     this.light = new LightMap(data, this.table, this.soft);
     /** Frozen clouds of pages that have them. */
     this.clouds = header.clouds ? new Clouds(data, this.table) : null;
+    this.open = new OpenIrradiance(this.table, this.clouds);
     this.ephemeris = new Ephemeris(header.place, header.moon);
     this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 1e5);
     this.exposure = { automatic: true, ev: 12, compensation: 0 };
@@ -371,7 +371,7 @@ export class Picture {
     const groundOf = (up) => [0, 1, 2].map((c) => (this.clouds
       ? albedo[c] / Math.PI * lit.reduce((sum, { rays, passed, towards: { y } }) => sum + rays[c] * passed * Math.max(y, 0), up[c])
       : lit.reduce((sum, body) => sum + this.table.of('ground', body.trueRad)[c] * body.share[c], night * this.header.glow_ground[c])));
-    this.open.update(lit, night, this.clouds, groundOf, 1 / level);
+    this.open.update(lit, night, groundOf, 1 / level);
     this.shared.open_scale.value = level;
     this.shared.open_up.value.set(...this.open.up);
     this.shared.below_horizon.value.set(...groundOf(this.open.up));

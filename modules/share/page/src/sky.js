@@ -153,14 +153,16 @@ function fours(bits, count) {
 
 /** The open sky's irradiance in an octahedron's unfolded surface, as drawing/open_irradiance.py. */
 export class OpenIrradiance {
-  /** @param {SkyTable} table */
-  constructor(table) {
+  /** @param {SkyTable} table @param {import('./clouds.js').Clouds | null} clouds before the sky */
+  constructor(table, clouds) {
     this.table = table;
+    this.clouds = clouds;
     this.size = 12;
     this.values = new Float32Array(this.size * this.size * 4);
     this.texture = new THREE.DataTexture(this.values, this.size, this.size, THREE.RGBAFormat,
       THREE.FloatType);
     this.rays = spiral(768);
+    this.behind = clouds ? clouds.seen(this.rays) : [];
     this.heights = Float32Array.from(this.rays, (d) => d.y);
     this.normals = Array.from({ length: this.size ** 2 }, (_, node) => octahedral(
       2 * (node % this.size) / (this.size - 1) - 1, 2 * Math.floor(node / this.size) / (this.size - 1) - 1, new THREE.Vector3()));
@@ -173,10 +175,9 @@ export class OpenIrradiance {
 
   /** Irradiance of directions by sky and ground.
    * @param {Body[]} bodies @param {number} night
-   * @param {import('./clouds.js').Clouds | null} clouds lit by the same bodies
    * @param {(up: number[]) => number[]} groundOf the ground's radiance by that irradiance of level ground
    * @param {number} scale of the texture's values */
-  update(bodies, night, clouds, groundOf, scale) {
+  update(bodies, night, groundOf, scale) {
     const { rays, cosines, size } = this, radiance = new Float64Array(3 * rays.length);
     if (night > 0) {
       rays.forEach((d, i) => this.table.glowRadiance(d).forEach((v, c) => { radiance[3 * i + c] = v * night; }));
@@ -194,9 +195,9 @@ export class OpenIrradiance {
       return [weight * r, weight * g, weight * b];
     };
     this.up = sum(this.heights);
-    if (clouds) {
+    if (this.clouds) {
       const clear = this.up[1];
-      clouds.cover(rays, radiance);
+      this.clouds.cover(this.behind, radiance);
       this.up = sum(this.heights);
       this.left = this.up[1] / Math.max(clear, 1e-30);
     }
