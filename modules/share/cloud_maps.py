@@ -38,6 +38,8 @@ GLOW_RAD, GLOW_NODES = float(np.radians(36.0)), 20
 # Ratios of `finer`, and the opacity below which it is none.
 MOST_FINER, _LEAST_OPACITY = 4.0, 0.05
 PASSED_CODES = 65535.0
+# Transmittance below which a sun behind clouds lights nothing.
+_LEAST_PASSED = 1e-4
 # Half the angle (rad) between the page's rays that sum the open sky's light.
 _WIDE_RAD = float(np.radians(2.9))
 # Angle (rad) around the sun beyond which light is its slow part. Within it light has the range of
@@ -114,10 +116,6 @@ class CloudMaps:
             angle = np.arccos(np.clip(direction @ towards, -1.0, 1.0))
             found = found + bends * glow_at(self.glow[0], angle) * irradiance
         return np.maximum(found, 0.0)
-
-
-# Transmittance below which a sun behind clouds lights nothing.
-_LEAST_PASSED = 1e-4
 
 
 def map_directions(edge: int) -> FloatArray:
