@@ -43,17 +43,18 @@ _BLACK = (0.0, 0.0, 0.0)
 _MORE_RAYS = 4
 # Ratio of a page's texels to those of the program's light map, whose stills add points in view.
 # Light below a street's sills changes within a quarter of a metre; texels were half a metre wide.
-_MORE_TEXELS = 3
+# Broken clouds need a second set of coefficients: pages stay below 15 MB.
+_MORE_TEXELS, _MORE_UNDER_CLOUDS = 3.0, 2.5
 
 
 def traced(
-    scene: SceneOpened, tolerance: float, texels: int | None
+    scene: SceneOpened, tolerance: float, texels: int | None, cloudy: bool = False
 ) -> tuple[SceneTransport, MirrorRays | None]:
     """A scene's transport, and the surroundings of its glossy parts.
 
     It has `_MORE_RAYS` times the rays of a tolerance, kept on disk, and without `texels`
-    `_MORE_TEXELS` times its texels. The transport has no such surroundings: the page draws them
-    each hour.
+    `_MORE_TEXELS` times its texels, under clouds `_MORE_UNDER_CLOUDS` times. The transport has no
+    such surroundings: the page draws them each hour.
 
     Raises:
         UserError: the scene has no surfaces, or its light map is too large for a page.
@@ -61,7 +62,8 @@ def traced(
     if not scene.triangles:
         raise UserError("the scene has no surfaces: there is no light on them to share")
     quality = quality_for(tolerance)
-    wanted = texels or max(quality.texels, min(_MORE_TEXELS * quality.texels, MOST_VALUES // 2))
+    more = round((_MORE_UNDER_CLOUDS if cloudy else _MORE_TEXELS) * quality.texels)
+    wanted = texels or max(quality.texels, min(more, MOST_VALUES // 2))
     sizes = TransportSizes(None, wanted, quality.patch_texels, quality.bounces_left)
     surfaces = surfaces_of(scene)
     found = SceneTransport.of_scene(scene, surfaces, sizes)

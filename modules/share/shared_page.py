@@ -110,13 +110,13 @@ def _page(
     scene, place = opened.scene, opened.place
     tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
     left_out, frozen = opened.without_glows(), opened.freeze_clouds()
-    transport, mirrors = traced(scene, tolerance, texels)
-    values = MapValues.of(transport)
     disc, key = opened.disc, opened.light.key_light
     skies = opened.sun_skies(np.radians(_HEIGHTS_DEG))
     table = sky_table(skies)
-    air = air_table(skies, table, math.dist(scene.lower_m, scene.upper_m))
     check_sky(table, opened.afternoon_sky())
+    air = air_table(skies, table, math.dist(scene.lower_m, scene.upper_m))
+    transport, mirrors = traced(scene, tolerance, texels, cloudy=frozen is not None)
+    values = MapValues.of(transport)
     glows = opened.moonless_glows()
     # The light of a night is that of the mean.
     glow = None
