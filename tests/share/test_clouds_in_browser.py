@@ -39,8 +39,9 @@ def test_the_light_of_a_cloudy_page_is_that_of_the_scene(cloudy):
 
 @pytest.mark.long
 def test_pictures_light_map_and_sun_are_behind_the_same_clouds(cloudy, tmp_path):
-    """High above the scene, half a cube of pictures sums to the sky that lights open ground; the
-    sun's rays are those of a clear hour times what passes; and so from hour to hour."""
+    """High above the scene, half a cube of pictures and one of the sun's disc sum to the sky and the
+    sun that light open ground; the sun's rays are those of a clear hour times what passes; and so
+    from hour to hour."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)
@@ -51,10 +52,11 @@ def test_pictures_light_map_and_sun_are_behind_the_same_clouds(cloudy, tmp_path)
             page.frame = () => {};
             page.lightHour(false);
             const found = [], suns = [], point = view.camera.position.clone().set(0, 300, 0);
+            const scale = shared.open_scale.value, key = shared.key_irradiance.value.toArray();
             for (let k = 0; k < open.normals.length; k += 7) {
-                const scale = shared.open_scale.value;
-                const sum = [0, 1, 2].map((c) => scale * open.values[4 * k + c]);
-                found.push([sum, view.points.irradiance(point, open.normals[k])]);
+                const normal = open.normals[k], cosine = Math.max(normal.dot(view.keyDirection), 0);
+                const sum = [0, 1, 2].map((c) => scale * open.values[4 * k + c] + cosine * key[c]);
+                found.push([sum, view.points.irradiance(point, normal, normal)]);
             }
             for (let minute = 360; minute <= 1200; minute += 5) {
                 page.setHour(page.day, minute);
