@@ -39,9 +39,9 @@ def test_the_light_of_a_cloudy_page_is_that_of_the_scene(cloudy):
 
 @pytest.mark.long
 def test_pictures_light_map_and_sun_are_behind_the_same_clouds(cloudy, tmp_path):
-    """High above the scene, half a cube of pictures and one of the sun's disc sum to the sky and the
-    sun that light open ground; the sun's rays are those of a clear hour times what passes; and so
-    from hour to hour."""
+    """High above the scene, half a cube of pictures and one of the sun's disc sum to the sky and
+    the sun that light open ground; the sun's rays are those of a clear hour times what passes; and
+    so from hour to hour."""
     if chromium() is None:
         pytest.skip("needs a browser (Debian: chromium)")
     browser = Browser(tmp_path)
