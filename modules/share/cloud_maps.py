@@ -35,7 +35,7 @@ COMPONENTS = 16
 GLOW_POWER = 0.7
 # Largest angle (rad) of P, whose nodes are even in the root of the angle.
 GLOW_RAD, GLOW_NODES = float(np.radians(36.0)), 20
-# Ratios of `finer`, and the opacity below which it is none.
+# Largest ratio of `finer`, and the opacity that is added to both its sides: 1 without clouds.
 MOST_FINER, _LEAST_OPACITY = 4.0, 0.05
 PASSED_CODES = 65535.0
 # Transmittance below which a sun behind clouds lights nothing.

@@ -121,7 +121,7 @@ def maps_of(
     """
     places = replace(where, declinations=3, hours=24, dusk_azimuths=4)
     direction = map_directions(COARSE).reshape(-1, 3)
-    # As coarse as the skies: what is left of a gap's light would show as a pale square.
+    # As coarse as the skies: else light of gaps would remain in the components as a pale square.
     kept = _sampled(_kept(clouds, table, _CUBE), direction)
     suns, keys, lights = [], [], []
     count = len(places.heights)

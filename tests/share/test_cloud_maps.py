@@ -1,11 +1,14 @@
 """Frozen clouds as maps of the hemisphere, against light of a known form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from share.cloud_maps import (
     COARSE,
     FINE,
     GLOW_NODES,
+    PASSED_CODES,
     CloudSamples,
     bending,
     cloud_maps,
@@ -72,11 +75,11 @@ def test_a_map_is_read_where_its_nodes_are(upper):
 
 
 def test_transmittance_keeps_its_small_values(maps, upper):
-    """Of a sun a ten-thousandth is as bright as a lamp: codes are even in the root."""
+    """A ten-thousandth of the sun is as bright as a lamp: codes are even in the root."""
     found = maps.transmittance(upper)
     assert np.abs(found - passed(upper)).max() < 0.02
-    code = np.sqrt(1e-4) * 65535.0
-    assert (np.rint(code) / 65535.0) ** 2 == pytest.approx(1e-4, rel=0.01)
+    codes = np.full_like(maps.passed, round(1e-2 * PASSED_CODES))
+    assert replace(maps, passed=codes).transmittance(upper) == pytest.approx(1e-4, rel=0.01)
 
 
 def test_the_glow_beside_the_sun_is_told_from_the_clouds_own_light(maps):

@@ -6,6 +6,7 @@ import contextlib
 import moderngl
 import numpy as np
 import pytest
+from full_screen import full_screen
 from scipy.ndimage import gaussian_filter
 from share.cloud_maps import COARSE, COMPONENTS, FINE, GLOW_NODES, CloudMaps
 from share.page_file import packed
@@ -74,7 +75,7 @@ def expected(maps, upper, clear):
 
 
 def lit(node, maps, script, given):
-    """What a script prints of the page's clouds, lit from the very bytes of a page."""
+    """The output of a script about a page's clouds, read from the bytes of the page."""
     declination, hour = equatorial(HEIGHT, NORTH, PLACES.latitude_rad)
     body = {"trueRad": HEIGHT, "northRad": NORTH, "declination": declination, "hour": hour}
     body |= {"share": [1, 1, 1], "towards": SUN.tolist(), "rays": KEY.tolist()}
@@ -164,16 +165,7 @@ def test_a_picture_has_the_same_clouds(node, gl_owner, maps, upper, clear, expec
             program["body_count"] = 1
             program["cloud_suns"] = [tuple(SUN), (0.0, 1.0, 0.0)]
             program["cloud_rays"] = [tuple(KEY), (0.0, 0.0, 0.0)]
-            target = made(context.texture(size, 4, dtype="f4"))
-            frame = made(context.framebuffer([target]))
-            triangle = made(context.buffer(np.float32([-1, -1, 0, 3, -1, 0, -1, 3, 0]).tobytes()))
-            surface = made(context.vertex_array(program, [(triangle, "3f", "position")]))
-            frame.use()
-            context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-            surface.render()
-            found = np.frombuffer(target.read(), np.float32).reshape(-1, 4)
-            context.extra.use()
-            return found
+            return full_screen(context, made, program, size)
 
     found = gl_owner.call(drawn)[:, :3]
     assert found == pytest.approx(expected, rel=0.02, abs=0.1)

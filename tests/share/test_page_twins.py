@@ -12,6 +12,7 @@ import moderngl
 import numpy as np
 import pytest
 from dynamic_skylight import sun_position
+from full_screen import full_screen
 from share.air_table import BELOW, VIEWS
 from share.page_file import packed
 from share.page_sky import about_places, about_sky
@@ -278,16 +279,7 @@ def test_a_cards_sum_of_the_basis_is_that_of_its_codes(node, gl_owner):
                 texture.use(unit)
                 program[name] = unit
             program["share_weights"] = given.weights.tolist()
-            target = made(context.texture((given.width, given.height), 4, dtype="f4"))
-            frame = made(context.framebuffer([target]))
-            triangle = made(context.buffer(np.float32([-1, -1, 0, 3, -1, 0, -1, 3, 0]).tobytes()))
-            surface = made(context.vertex_array(program, [(triangle, "3f", "position")]))
-            frame.use()
-            context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-            surface.render()
-            found = np.frombuffer(target.read(), np.float32).reshape(-1, 4)
-            context.extra.use()
-            return found
+            return full_screen(context, made, program, (given.width, given.height))
 
     found = gl_owner.call(drawn)
     assert found == pytest.approx(given.expected(), rel=1e-3, abs=1e-4)

@@ -148,7 +148,7 @@ def _light_blocks(row, a, centres, height, sun, table, levels, at):  # type: ign
     """As `_light_texels`, a row of a large map."""
     n, stride = np.uintp(a.size), np.uintp(at.root.size)
     _glow_pieces(at.of_centres, centres, height, sun, at.piece, at.start, at.sign)
-    # Loops of their own: a processor then waits neither for roots nor for pieces.
+    # Separate loops: the processor then waits neither for roots nor for pieces.
     for block in range(np.uintp(centres.size)):
         place_block(
             at.place, block * _BLOCK, at.start[block], at.sign[block],
@@ -194,7 +194,7 @@ def _fill(out, faces, top, suns, rows, a, centres, tables, at, light):  # type: 
             elif light is None:
                 _light_blocks(out[face, row], a, centres, height, sun, glow, levels, at)
             else:
-                # Bytes take more arithmetic: a loop of its own has the processor's widest vectors.
+                # Bytes take more arithmetic; a separate loop has the processor's widest vectors.
                 _light_blocks(light, a, centres, height, sun, glow, levels, at)
                 _encode_row(out[face, row], light)
 
